@@ -1,0 +1,34 @@
+# Two commands do everything: `make run` and `make test`. Both set up .venv by themselves.
+PYTHON ?= python3
+CONFIG ?= configs/agder.yaml
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+
+.PHONY: run test quick-test lint reference clean
+
+run: $(READY)
+	$(BIN)/gantry-tau run $(CONFIG) $(ARGS)
+
+test: lint
+	$(BIN)/pytest -n 2 --cov --cov-report=term --cov-fail-under=90
+
+quick-test: $(READY)
+	$(BIN)/pytest -n 2 -m "not slow"
+
+lint: $(READY)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+# The small files of a run of the reference machine, kept in git.
+reference: $(READY)
+	$(BIN)/python -m tests.make_reference
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage*

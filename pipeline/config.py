@@ -1,0 +1,244 @@
+"""The configuration: one YAML file that describes machine, task and the options of every stage.
+
+Units are part of the key names. Unknown keys are refused; every message names the key's path, the value
+found there and what is allowed. `config_file.load_config` reads a file; `Config.model_json_schema()` is its schema.
+"""
+
+from typing import Annotated, Literal, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+_MODE_PATTERN = "^[LR]{3}$"
+
+# Bounds that no Gantry-Tau exceeds: they are there to catch a value given in the wrong unit.
+Length = Annotated[float, Field(ge=-20.0, le=20.0)]
+PositiveLength = Annotated[float, Field(gt=0.0, le=20.0)]
+Tilt = Annotated[float, Field(ge=-85.0, le=85.0)]
+Vector = tuple[Length, Length, Length]
+Interval = tuple[Length, Length]
+
+
+class Section(BaseModel):
+    """A part of the configuration: immutable, unknown keys refused, no NaN and no infinity."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+_S = TypeVar("_S", bound=Section)
+
+
+class RailConfig(Section):
+    """A rail parallel to X and the travel of its cart."""
+
+    y_m: Length = Field(description="position of the rail across the frame")
+    z_m: Length = Field(description="height of the rail")
+    travel_m: Interval = Field(description="[least, largest] cart position along X")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        return _require_ordered(self, "travel_m", self.travel_m)
+
+
+class FixedLinkConfig(Section):
+    """A link of fixed length between a cart and the platform."""
+
+    platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
+    cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
+    length_m: PositiveLength = Field(description="distance between the two joints")
+
+
+class TriangleLinkConfig(Section):
+    """Link 3c, which forms the rigid triangle with 3a; a right angle at the platform when no length is given."""
+
+    platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
+    cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
+    length_m: PositiveLength | None = Field(
+        None, description="distance between the two joints; null: right angle between 3a and the platform side"
+    )
+
+
+class TelescopeConfig(Section):
+    """A link of variable length: an actuator."""
+
+    platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
+    cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
+    stroke_m: tuple[PositiveLength, PositiveLength] = Field(description="[least, largest] length")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        return _require_ordered(self, "stroke_m", self.stroke_m)
+
+
+class LinksConfig(Section):
+    """The six links; the digit is the arm (and rail) they belong to."""
+
+    l1: FixedLinkConfig
+    l2a: FixedLinkConfig
+    l2b: TelescopeConfig
+    l3a: FixedLinkConfig
+    l3b: TelescopeConfig
+    l3c: TriangleLinkConfig
+
+
+class ActuatorLimitsConfig(Section):
+    """What one kind of actuator can do."""
+
+    velocity_mps: float = Field(gt=0.0, le=20.0)
+    acceleration_mps2: float = Field(gt=0.0, le=500.0)
+
+
+class LimitsConfig(Section):
+    """Limits of the five actuators."""
+
+    carts: ActuatorLimitsConfig
+    telescopes: ActuatorLimitsConfig
+
+
+class ClearanceConfig(Section):
+    """Least distances between axes (link diameter plus margin)."""
+
+    link_link_m: float = Field(ge=0.0, le=1.0, description="between any two links that share no joint")
+    link_rail_m: float | None = Field(
+        None, ge=0.0, le=1.0, description="between a link and another arm's rail; null: not checked"
+    )
+
+
+class MachineConfig(Section):
+    """The machine: everything its kinematics, clearances and limits depend on."""
+
+    rails: tuple[RailConfig, RailConfig, RailConfig] = Field(description="rails of arms 1, 2, 3")
+    links: LinksConfig
+    triangle_branch: Literal["negative", "positive"] = Field(
+        "negative", description="sign of y_platform . (w x u_3a) that the assembled machine keeps"
+    )
+    clearance: ClearanceConfig
+    limits: LimitsConfig
+
+
+class PoseConfig(Section):
+    """A controlled pose and the working mode the machine is in there."""
+
+    x_m: Length
+    y_m: Length
+    z_m: Length
+    rx_deg: Tilt = 0.0
+    rz_deg: Tilt = 0.0
+    mode: Annotated[
+        str, Field(pattern=_MODE_PATTERN, description="working mode, L or R per arm, e.g. LLL")
+    ]
+
+
+class TaskConfig(Section):
+    """What is to be done: from where to where, and how far the platform may tilt on the way."""
+
+    start: PoseConfig
+    goal: PoseConfig
+    tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")
+    locked_axes: tuple[Literal["rx", "rz"], ...] = Field(
+        (), description="tilt axes held at zero (the 4-DOF machines: one; the 3-DOF machine: both)"
+    )
+
+    @model_validator(mode="after")
+    def _ends_within_limits(self) -> Self:
+        for end, pose in (("start", self.start), ("goal", self.goal)):
+            for axis, value in (("rx", pose.rx_deg), ("rz", pose.rz_deg)):
+                limit = 0.0 if axis in self.locked_axes else self.tilt_max_deg
+                if abs(value) > limit:
+                    raise ValueError(f"{end}.{axis}_deg is {value:g}, beyond the {limit:g} degrees allowed")
+        return self
+
+
+class AxisConfig(Section):
+    """Grid points from `min` to `max`, `step` apart."""
+
+    min: Length
+    max: Length
+    step: PositiveLength
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> Self:
+        if self.min > self.max:
+            raise ValueError(f"the grid is empty: min {self.min:g} is above max {self.max:g}")
+        return self
+
+
+class GridConfig(Section):
+    """Where regions are: y and z of the TCP, and tilts that are multiples of a step up to the tilt limit."""
+
+    y_m: AxisConfig
+    z_m: AxisConfig
+    rx_step_deg: float = Field(gt=0.0, le=85.0)
+    rz_step_deg: float = Field(gt=0.0, le=85.0)
+
+
+class FollowConfig(Section):
+    """How the moves of a route are followed continuously, and what they may do beyond the regions' limits."""
+
+    samples: int = Field(64, ge=8, le=10_000, description="poses checked per move")
+    tilt_overshoot_deg: float = Field(
+        1.0, ge=0.0, le=10.0, description="tilt beyond tilt_max_deg accepted between two regions at the limit"
+    )
+
+
+class RouteConfig(Section):
+    """Stage one: regions, moves and the mixed-integer program."""
+
+    grid: GridConfig
+    x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
+    step_budget: int = Field(25, ge=2, le=500, description="N, the number of positions of the paper")
+    kappa_max: float = Field(100.0, gt=1.0, description="regions and moves with a larger kappa are not admitted")
+    threshold_margin: float = Field(
+        0.05, gt=0.0, le=10.0, description="first guess of how far the optimum lies above its bound, relative"
+    )
+    max_rounds: int = Field(50, ge=1, le=10_000, description="rounds of following, forbidding and solving again")
+    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
+    follow: FollowConfig = Field(default_factory=lambda: FollowConfig())
+
+
+class RefineConfig(Section):
+    """Stage two: splines in actuator space and the nonlinear program that shapes them."""
+
+    nodes: int = Field(100, ge=20, le=2_000, description="collocation nodes")
+    coefficients: int = Field(30, ge=8, le=400, description="spline coefficients per actuator")
+    objective: Literal["schatten", "frobenius"] = Field(
+        "schatten", description="the smooth kappa whose integral is minimised; the true kappa is reported"
+    )
+    corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells the corridor is widened by")
+    clearance_margin_m: float = Field(0.0005, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")
+    tilt_margin_deg: float = Field(0.1, ge=0.0, le=10.0, description="kept at the nodes below the tilt limit")
+    lock_tolerance_deg: float = Field(0.25, gt=0.0, le=10.0, description="how far a locked axis may stray from zero")
+    check_points: int = Field(10_000, ge=1_000, le=1_000_000, description="poses of the check between the nodes")
+    max_rounds: int = Field(5, ge=1, le=50, description="solves, each with nodes added where the check failed")
+    max_iterations: int = Field(1_000, ge=1, le=100_000, description="IPOPT iterations per solve")
+
+    @model_validator(mode="after")
+    def _enough_nodes(self) -> Self:
+        if self.coefficients > self.nodes:
+            raise ValueError(
+                f"coefficients ({self.coefficients}) must not exceed nodes ({self.nodes}): the spline would be free between them"
+            )
+        return self
+
+
+class RetimeConfig(Section):
+    """Stage three: the path in time."""
+
+    grid_points: int = Field(1_000, ge=50, le=20_000, description="points of the TOPP-RA grid")
+    period_s: float = Field(0.01, ge=0.000_125, le=0.1, description="sampling period of trajectory.csv")
+
+
+class Config(Section):
+    """The whole configuration of one run."""
+
+    name: str = Field("", pattern=r"^[\w.-]*$", description="name of the run; default: the file's name")
+    machine: MachineConfig
+    task: TaskConfig
+    route: RouteConfig
+    refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
+    retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
+
+
+def _require_ordered(section: _S, key: str, interval: tuple[float, float]) -> _S:
+    if interval[0] >= interval[1]:
+        raise ValueError(f"{key} must be [least, largest] with least < largest, not {list(interval)}")
+    return section

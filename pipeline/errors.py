@@ -1,0 +1,63 @@
+"""What can go wrong, told so that a user can act on it; every class carries its exit code."""
+
+from dataclasses import dataclass
+
+
+class PipelineError(Exception):
+    """Base of all errors meant for the user's eyes; the command line prints them without a traceback."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True)
+class ConfigIssue:
+    """One thing wrong with a configuration: the key's path, the value found there, what is allowed."""
+
+    path: str
+    message: str
+    value: object = None
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.message}"
+
+
+class ConfigError(PipelineError):
+    """The configuration cannot be used; `issues` names every key that has to change."""
+
+    exit_code = 2
+
+    def __init__(self, issues: list[ConfigIssue], source: str = "configuration") -> None:
+        self.issues = tuple(issues)
+        self.source = source
+        super().__init__("\n".join([f"{source} cannot be used:", *(f"  {issue}" for issue in issues)]))
+
+
+class UsageError(PipelineError):
+    """A command was given something it cannot work with (a missing run folder, an unknown stage)."""
+
+    exit_code = 2
+
+
+class NoSolutionError(PipelineError):
+    """A stage ended without a usable result: why, where, and what to change."""
+
+    def __init__(self, stage: str, reason: str, advice: str, diagnosis: dict[str, object] | None = None) -> None:
+        self.stage = stage
+        self.reason = reason
+        self.advice = advice
+        self.diagnosis = dict(diagnosis or {})
+        super().__init__(f"{stage}: {reason}\n  What to change: {advice}")
+
+
+class ForwardKinematicsError(PipelineError):
+    """Newton's method found no pose for given actuator positions (too far from the guess, or singular)."""
+
+    def __init__(self, residual_m: float, index: int, pose_guess: list[float]) -> None:
+        self.residual_m = residual_m
+        self.index = index
+        guess = ", ".join(f"{value:.4f}" for value in pose_guess)
+        super().__init__(
+            f"forward kinematics did not converge for entry {index}: the links still miss their lengths by "
+            f"{residual_m:.2e} m, starting from pose ({guess}).\n"
+            "  What to change: start from a nearer pose, or keep away from Type-II singularities."
+        )

@@ -1,0 +1,106 @@
+"""Distances between the axes of links, and between links and rails.
+
+The distance of two segments is the distance of their lines where the lines' closest points lie inside both,
+and otherwise the least distance of an end point to the other segment. This holds for parallel links, too.
+"""
+
+from itertools import combinations
+
+import numpy as np
+
+from pipeline.machine.geometry import ARM_OF_LINK, FloatArray, Machine, cart_joints, link_vectors
+
+_PARALLEL = 1e-12
+"""sin^2 of the angle below which two links count as parallel: no common perpendicular, end points decide."""
+
+
+def link_pairs(machine: Machine) -> list[tuple[int, int]]:
+    """Pairs of links that share no joint, as indices into the link order."""
+    return [(a, b) for a, b in combinations(range(6), 2) if not _share_joint(machine, a, b)]
+
+
+def _share_joint(machine: Machine, a: int, b: int) -> bool:
+    same_cart_joint = ARM_OF_LINK[a] == ARM_OF_LINK[b] and np.array_equal(
+        machine.cart_offsets_m[a], machine.cart_offsets_m[b]
+    )
+    return same_cart_joint or np.array_equal(machine.platform_points_m[a], machine.platform_points_m[b])
+
+
+def link_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
+    """Distances between the axes of all `link_pairs`, for poses (n, 6) and carts (n, 3). Shape (n, pairs)."""
+    start = cart_joints(machine, carts_m)
+    vector = link_vectors(machine, pose, carts_m)
+    columns = [
+        segment_distance(start[:, a], vector[:, a], start[:, b], vector[:, b]) for a, b in link_pairs(machine)
+    ]
+    return np.stack(columns, axis=1)
+
+
+def rail_pairs(machine: Machine) -> list[tuple[int, int]]:
+    """Pairs (link, rail) with the rail of another arm."""
+    return [(link, rail) for link in range(6) for rail in range(len(machine.rails_m)) if ARM_OF_LINK[link] != rail]
+
+
+def link_rail_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
+    """Distances of links to the other arms' rails, taken as endless lines along X. Shape (n, rail pairs)."""
+    start = cart_joints(machine, carts_m)[..., 1:]
+    vector = link_vectors(machine, pose, carts_m)[..., 1:]
+    columns = [
+        _point_segment(machine.rails_m[rail], start[:, link], vector[:, link]) for link, rail in rail_pairs(machine)
+    ]
+    return np.stack(columns, axis=1)
+
+
+def min_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Least link-link and least link-rail distance at poses (n, 6) with carts (n, 3). Two arrays of shape (n,)."""
+    return (
+        link_distances(machine, pose, carts_m).min(axis=1),
+        link_rail_distances(machine, pose, carts_m).min(axis=1),
+    )
+
+
+def segment_distance(p: FloatArray, u: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+    """Distance between the segments p + [0, 1] u and q + [0, 1] v, all of shape (n, 3). Shape (n,)."""
+    ends = np.minimum.reduce(
+        [
+            _point_segment(p, q, v),
+            _point_segment(p + u, q, v),
+            _point_segment(q, p, u),
+            _point_segment(q + v, p, u),
+        ]
+    )
+    signed, s, t = common_perpendicular(p, u, q, v)
+    inside = (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
+    return np.where(inside, np.minimum(np.abs(signed), ends), ends)
+
+
+def common_perpendicular(
+    p: FloatArray, u: FloatArray, q: FloatArray, v: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Signed distance of two lines along u x v, and where on them (in lengths of u and v) it is taken.
+
+    All NaN for parallel lines, which have no unique common perpendicular. Shapes (n,).
+    """
+    r = p - q
+    uu, vv, uv = _dot(u, u), _dot(v, v), _dot(u, v)
+    ur, vr = _dot(u, r), _dot(v, r)
+    normal = np.cross(u, v)
+    square = uu * vv - uv**2
+    square = np.where(square > _PARALLEL * uu * vv, square, np.nan)
+    s = (uv * vr - vv * ur) / square
+    t = (uu * vr - uv * ur) / square
+    return _dot(normal, r) / np.sqrt(square), s, t
+
+
+def _point_segment(point: FloatArray, start: FloatArray, vector: FloatArray) -> FloatArray:
+    away = point - start
+    squared = _dot(vector, vector)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        fraction = np.where(squared > 0.0, np.clip(_dot(away, vector) / squared, 0.0, 1.0), 0.0)
+    distance: FloatArray = np.linalg.norm(away - fraction[:, None] * vector, axis=-1)
+    return distance
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    product: FloatArray = np.einsum("...i,...i->...", a, b)
+    return product

@@ -1,0 +1,161 @@
+"""Frames, rails, platform and links: the machine as arrays, and where its joints are at a pose.
+
+Link order everywhere: 1, 2a, 2b, 3a, 3b, 3c. Actuator order: q = (c1, c2, c3, l2b, l3b).
+A pose is (x, y, z, rx, ry, rz) with R = Rx(rx) Rz(rz) Ry(ry); the controlled pose leaves out ry, which
+follows from the triangle. Working modes are numbered 0 (LLL) to 7 (RRR), arm 1 the highest bit.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeline.config import FixedLinkConfig, MachineConfig, TelescopeConfig, TriangleLinkConfig
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+LINKS = ("1", "2a", "2b", "3a", "3b", "3c")
+ARM_OF_LINK = np.array([0, 1, 1, 2, 2, 2])
+PRIMARY = np.array([0, 1, 3])
+"""The link of each arm that decides its working mode: 1, 2a, 3a."""
+TELESCOPES = np.array([2, 4])
+TRIANGLE = 5
+ACTUATORS = ("c1", "c2", "c3", "l2b", "l3b")
+MODES = tuple(a + b + c for a in "LR" for b in "LR" for c in "LR")
+MODE_SIGNS = np.array([[-1.0 if letter == "L" else 1.0 for letter in mode] for mode in MODES])
+"""Per working mode and arm: where the cart is seen from the platform joint, -1 (L) or +1 (R). Shape (8, 3)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A 5-DOF Gantry-Tau as arrays; lengths in metres, one row per rail, link or actuator.
+
+    Attributes
+    ----------
+    rails_m : (3, 2)
+        y and z of each rail.
+    travel_m : (3, 2)
+        Least and largest cart position.
+    platform_points_m, cart_offsets_m : (6, 3)
+        Joints of each link, in the platform frame and from the cart's origin.
+    lengths_m : (6,)
+        Link lengths; NaN for the telescopes.
+    strokes_m : (2, 2)
+        Least and largest length of telescopes 2b and 3b.
+    triangle_sign : float
+        Sign of y_platform . (R w x u_3a) in the assembled machine.
+    link_link_m, link_rail_m : float
+        Least distance between axes; `link_rail_m` is NaN when rails are not checked.
+    velocity_mps, acceleration_mps2 : (5,)
+        Limits of the actuators.
+    """
+
+    rails_m: FloatArray
+    travel_m: FloatArray
+    platform_points_m: FloatArray
+    cart_offsets_m: FloatArray
+    lengths_m: FloatArray
+    strokes_m: FloatArray
+    triangle_sign: float
+    link_link_m: float
+    link_rail_m: float
+    velocity_mps: FloatArray
+    acceleration_mps2: FloatArray
+
+    @property
+    def actuator_limits_m(self) -> FloatArray:
+        """Least and largest value of each actuator, shape (5, 2)."""
+        return np.vstack([self.travel_m, self.strokes_m])
+
+
+def build_machine(config: MachineConfig) -> Machine:
+    """Turn the machine's configuration into arrays; an omitted length of 3c makes the triangle right-angled."""
+    links = (config.links.l1, config.links.l2a, config.links.l2b, config.links.l3a, config.links.l3b, config.links.l3c)
+    limits = [config.limits.carts] * 3 + [config.limits.telescopes] * 2
+    rail_distance = config.clearance.link_rail_m
+    return Machine(
+        rails_m=np.array([(rail.y_m, rail.z_m) for rail in config.rails]),
+        travel_m=np.array([rail.travel_m for rail in config.rails]),
+        platform_points_m=np.array([link.platform_point_m for link in links]),
+        cart_offsets_m=np.array([link.cart_offset_m for link in links]),
+        lengths_m=np.array([_length(link, config) for link in links]),
+        strokes_m=np.array([config.links.l2b.stroke_m, config.links.l3b.stroke_m]),
+        triangle_sign=-1.0 if config.triangle_branch == "negative" else 1.0,
+        link_link_m=config.clearance.link_link_m,
+        link_rail_m=np.nan if rail_distance is None else rail_distance,
+        velocity_mps=np.array([limit.velocity_mps for limit in limits]),
+        acceleration_mps2=np.array([limit.acceleration_mps2 for limit in limits]),
+    )
+
+
+def _length(link: FixedLinkConfig | TelescopeConfig | TriangleLinkConfig, config: MachineConfig) -> float:
+    if isinstance(link, TelescopeConfig):
+        return np.nan
+    if link.length_m is not None:
+        return link.length_m
+    side = np.subtract(link.platform_point_m, config.links.l3a.platform_point_m)
+    return float(np.hypot(config.links.l3a.length_m, np.linalg.norm(side)))
+
+
+def rotation_x(angle: FloatArray) -> FloatArray:
+    """Rotation about x, shape (..., 3, 3)."""
+    return _plane_rotation(angle, 1, 2)
+
+
+def rotation_y(angle: FloatArray) -> FloatArray:
+    """Rotation about y, shape (..., 3, 3)."""
+    return _plane_rotation(angle, 2, 0)
+
+
+def rotation_z(angle: FloatArray) -> FloatArray:
+    """Rotation about z, shape (..., 3, 3)."""
+    return _plane_rotation(angle, 0, 1)
+
+
+def _plane_rotation(angle: FloatArray, first: int, second: int) -> FloatArray:
+    angle = np.asarray(angle, dtype=float)
+    matrix = np.broadcast_to(np.eye(3), (*angle.shape, 3, 3)).copy()
+    cosine, sine = np.cos(angle), np.sin(angle)
+    matrix[..., first, first] = matrix[..., second, second] = cosine
+    matrix[..., first, second] = -sine
+    matrix[..., second, first] = sine
+    return matrix
+
+
+def rotation(rx: FloatArray, ry: FloatArray, rz: FloatArray) -> FloatArray:
+    """R = Rx(rx) Rz(rz) Ry(ry): about y first, then z, then x (the paper, section 4). Shape (..., 3, 3)."""
+    cx, sx, cy, sy, cz, sz = np.cos(rx), np.sin(rx), np.cos(ry), np.sin(ry), np.cos(rz), np.sin(rz)
+    rows = [
+        [cz * cy, -sz, cz * sy],
+        [cx * sz * cy + sx * sy, cx * cz, cx * sz * sy - sx * cy],
+        [sx * sz * cy - cx * sy, sx * cz, sx * sz * sy + cx * cy],
+    ]
+    return np.stack([np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows], axis=-2)
+
+
+def platform_arms(machine: Machine, pose: FloatArray) -> FloatArray:
+    """A'_l = R a_l, the arms from the TCP to the platform joints, for poses (..., 6). Shape (..., 6, 3)."""
+    R = rotation(pose[..., 3], pose[..., 4], pose[..., 5])
+    return np.einsum("...ij,lj->...li", R, machine.platform_points_m)
+
+
+def cart_joints(machine: Machine, carts_m: FloatArray) -> FloatArray:
+    """C_l = (c_k + b_x, rail_y + b_y, rail_z + b_z) for cart positions (..., 3). Shape (..., 6, 3)."""
+    joints = np.broadcast_to(machine.cart_offsets_m, (*carts_m.shape[:-1], 6, 3)).copy()
+    joints[..., 0] += carts_m[..., ARM_OF_LINK]
+    joints[..., 1:] += machine.rails_m[ARM_OF_LINK]
+    return joints
+
+
+def link_vectors(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
+    """A_l - C_l for poses (..., 6) and cart positions (..., 3). Shape (..., 6, 3)."""
+    return pose[..., None, :3] + platform_arms(machine, pose) - cart_joints(machine, carts_m)
+
+
+def link_lengths(machine: Machine, telescopes_m: FloatArray) -> FloatArray:
+    """Lengths of the six links for telescope lengths (..., 2). Shape (..., 6)."""
+    lengths = np.broadcast_to(machine.lengths_m, (*telescopes_m.shape[:-1], 6)).copy()
+    lengths[..., TELESCOPES] = telescopes_m
+    return lengths

@@ -1,0 +1,178 @@
+"""Inverse kinematics for all working modes, forward kinematics by Newton's method."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.errors import ForwardKinematicsError
+from pipeline.machine.geometry import (
+    MODE_SIGNS,
+    PRIMARY,
+    TELESCOPES,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Machine,
+    link_lengths,
+    link_vectors,
+    platform_arms,
+    rotation_x,
+    rotation_z,
+)
+from pipeline.machine.triangle import dependent_angle
+
+_NEWTON_STEPS = 30
+_MAX_STEP = 0.2
+"""Longest Newton step, in metres and radians: farther than that the linearisation means nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class InverseSolution:
+    """Actuator positions for controlled poses in given working modes; rows out of reach hold NaN.
+
+    Attributes
+    ----------
+    pose : (n, 6)
+        x, y, z, rx, ry, rz with the dependent ry.
+    q_m : (n, 5)
+        Actuator positions c1, c2, c3, l2b, l3b.
+    discriminants_m2 : (n, 3)
+        D_k = L^2 - dy^2 - dz^2 per arm: zero at its serial singularity, negative out of reach.
+    reachable : (n,)
+        All three arms reach their rails and the triangle closes; limits are not looked at.
+    """
+
+    pose: FloatArray
+    q_m: FloatArray
+    discriminants_m2: FloatArray
+    reachable: BoolArray
+
+
+def inverse_kinematics(
+    machine: Machine, controlled: FloatArray, modes: IntArray, gates: IntArray | None = None
+) -> InverseSolution:
+    """Solve c_k = A_x - b_x -/+ sqrt(D_k) for controlled poses (n, 5) in working modes (n,), ry from the triangle.
+
+    `gates` (n,) names per row the arm (1, 2, 3; 0 for none) whose D is zero by construction: rounding is
+    kept from making it negative or leaving the two modes apart.
+    """
+    controlled = np.asarray(controlled, dtype=float).reshape(-1, 5)
+    modes = np.asarray(modes, dtype=np.int64).reshape(-1)
+    signs = MODE_SIGNS[modes]
+    ry = dependent_angle(machine, controlled, signs[:, 2])
+    pose = np.column_stack([controlled[:, :4], ry, controlled[:, 4]])
+    joints = pose[:, None, :3] + platform_arms(machine, pose)
+    primary = joints[:, PRIMARY] - machine.cart_offsets_m[PRIMARY]
+    D = machine.lengths_m[PRIMARY] ** 2 - np.sum((primary[:, :, 1:] - machine.rails_m) ** 2, axis=2)
+    if gates is not None:
+        at_gate = np.flatnonzero(gates)
+        D[at_gate, gates[at_gate] - 1] = 0.0
+    with np.errstate(invalid="ignore"):
+        carts = primary[:, :, 0] + signs * np.sqrt(D)
+    vectors = link_vectors(machine, pose, carts)[:, TELESCOPES]
+    q = np.column_stack([carts, np.linalg.norm(vectors, axis=2)])
+    return InverseSolution(pose, q, D, np.isfinite(q).all(axis=1))
+
+
+def closure_residual(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
+    """|A_l - C_l| - len_l for poses (..., 6) and actuators (..., 5): by how much each link misses. Shape (..., 6)."""
+    vectors = link_vectors(machine, pose, q_m[..., :3])
+    residual: FloatArray = np.linalg.norm(vectors, axis=-1) - link_lengths(machine, q_m[..., 3:])
+    return residual
+
+
+def closure_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
+    """Differentiate the closure residual by the pose (x, y, z, rx, ry, rz): H' with its moments turned into angles.
+
+    Row l is [u_l ; E' (A'_l x u_l)] with E = [e_x, y_platform, Rx e_z], the axes the three angles turn about.
+    Shape (..., 6, 6).
+    """
+    vectors = link_vectors(machine, pose, q_m[..., :3])
+    u = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    moments = np.cross(platform_arms(machine, pose), u)
+    return np.concatenate([u, moments @ _rotation_axes(pose)], axis=-1)
+
+
+def _rotation_axes(pose: FloatArray) -> FloatArray:
+    Rx = rotation_x(pose[..., 3])
+    axis_x = np.broadcast_to([1.0, 0.0, 0.0], (*pose.shape[:-1], 3))
+    axis_y = (Rx @ rotation_z(pose[..., 5]))[..., 1]
+    return np.stack([axis_x, axis_y, Rx[..., 2]], axis=-1)
+
+
+def newton(
+    machine: Machine, q_m: FloatArray, guess: FloatArray, tolerance_m: float = 1e-12
+) -> tuple[FloatArray, FloatArray]:
+    """Improve guessed poses (n, 6) towards actuator positions (n, 5); return poses and their largest link misses (n,).
+
+    Rows that do not converge are returned with the miss they ended at (infinite where the closure is singular);
+    it is the caller's to judge it.
+    """
+    pose = np.array(guess, dtype=float)
+    residual = closure_residual(machine, pose, q_m)
+    miss = np.abs(residual).max(axis=-1)
+    active = np.flatnonzero(miss > tolerance_m)
+    for _ in range(_NEWTON_STEPS):
+        if active.size == 0:
+            break
+        J = closure_jacobian(machine, pose[active], q_m[active])
+        singular = ~(np.abs(np.linalg.det(J)) > 1e-14)
+        J[singular] = np.eye(6)
+        step = np.linalg.solve(J, -residual[active][..., None])[..., 0]
+        longest = np.abs(step).max(axis=-1, keepdims=True)
+        step *= np.minimum(1.0, _MAX_STEP / np.maximum(longest, 1e-300))
+        step[singular] = 0.0
+        previous = miss[active]
+        pose[active] += step
+        residual[active] = closure_residual(machine, pose[active], q_m[active])
+        miss[active] = np.where(singular, np.inf, np.abs(residual[active]).max(axis=-1))
+        # At rounding level Newton stops improving: that is convergence, and anything else goes on.
+        settled = (miss[active] >= 0.5 * previous) & (miss[active] < 1e-10)
+        active = active[~settled & ~singular & (miss[active] > tolerance_m)]
+    return pose, miss
+
+
+def forward_kinematics(machine: Machine, q_m: FloatArray, guess: FloatArray, tolerance_m: float = 1e-10) -> FloatArray:
+    """Find the poses (n, 6) near the guesses (n, 6) that close all six links for actuator positions (n, 5).
+
+    Raises
+    ------
+    ForwardKinematicsError
+        When a row ends with a link missing its length by more than `tolerance_m`.
+    """
+    q_m = np.asarray(q_m, dtype=float).reshape(-1, 5)
+    guess = np.broadcast_to(np.asarray(guess, dtype=float), (len(q_m), 6))
+    pose, miss = newton(machine, q_m, guess)
+    failed = ~(miss <= tolerance_m)
+    if failed.any():
+        index = int(np.argmax(failed))
+        raise ForwardKinematicsError(float(miss[index]), index, list(map(float, guess[index])))
+    return pose
+
+
+def follow(machine: Machine, q_m: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """March along curves of actuator positions (n, m, 5) from their start poses (n, 6), all curves in step.
+
+    Every pose is predicted from the last two and corrected by Newton's method. Returns poses (n, m, 6) and the
+    largest link misses (n, m); a curve that is lost keeps its last pose and an infinite miss from there on.
+    """
+    n, m = q_m.shape[:2]
+    poses = np.empty((n, m, 6))
+    misses = np.full((n, m), np.inf)
+    alive = np.ones(n, dtype=bool)
+    previous = np.array(start, dtype=float)
+    velocity = np.zeros((n, 6))
+    for k in range(m):
+        poses[:, k] = previous
+        pose, miss = newton(machine, q_m[alive, k], previous[alive] + velocity[alive])
+        good = miss <= 1e-9
+        rows = np.flatnonzero(alive)
+        alive[rows[~good]] = False
+        rows = rows[good]
+        poses[rows, k], misses[rows, k] = pose[good], miss[good]
+        velocity[rows] = (pose[good] - previous[rows]) if k else 0.0
+        previous[rows] = pose[good]
+        if not alive.any():
+            poses[:, k:] = previous[:, None]
+            break
+    return poses, misses

@@ -1,0 +1,31 @@
+"""The statics matrix H, its condition number and the sign of its determinant: the distance to Type-II singularities."""
+
+import numpy as np
+
+from pipeline.machine.geometry import FloatArray, Machine, link_vectors, platform_arms
+
+
+def statics_matrix(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
+    """H of (1)-(2) for poses (..., 6) and carts (..., 3): column l is [u_l ; A'_l x u_l]. Shape (..., 6, 6).
+
+    u_l is the unit vector along link l, from cart to platform; moments are about the TCP, in metres, so that
+    kappa depends on the metre.
+    """
+    vectors = link_vectors(machine, pose, carts_m)
+    u = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    columns = np.concatenate([u, np.cross(platform_arms(machine, pose), u)], axis=-1)
+    return np.swapaxes(columns, -1, -2)
+
+
+def condition_number(H: FloatArray) -> FloatArray:
+    """kappa = cond_2(H), infinite where H is singular. Shape (...)."""
+    singular_values = np.linalg.svd(H, compute_uv=False)
+    with np.errstate(divide="ignore"):
+        kappa: FloatArray = singular_values[..., 0] / singular_values[..., -1]
+    return kappa
+
+
+def det_sign(H: FloatArray) -> FloatArray:
+    """Sign of det H: it never changes along a path free of Type-II singularities. Shape (...)."""
+    sign: FloatArray = np.sign(np.linalg.det(H))
+    return sign

@@ -1,0 +1,50 @@
+"""What stage two makes: a path, a curve of actuator positions over s in [0, 1] with the pose it implies."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline, CubicSpline
+
+from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.kinematics import forward_kinematics
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Splines q(s) of the five actuators; the pose is the solution of the closure equations near known ones.
+
+    Attributes
+    ----------
+    machine : Machine
+        The machine that moves.
+    spline : BSpline
+        q(s) in metres, coefficients (n, 5), s in [0, 1]. Degree 1 for the coarse path.
+    node_s, node_pose : (k,), (k, 6)
+        Poses known along the path; forward kinematics starts from them.
+    """
+
+    machine: Machine
+    spline: BSpline
+    node_s: FloatArray
+    node_pose: FloatArray
+
+    def q(self, s: FloatArray | float, derivative: int = 0) -> FloatArray:
+        """Actuator positions (metres), or their derivative by s. Shape (..., 5)."""
+        values: FloatArray = self.spline(s, nu=derivative)
+        return values
+
+    def pose(self, s: FloatArray | float) -> FloatArray:
+        """Poses (x, y, z, rx, ry, rz) by forward kinematics, for s (n,). Shape (n, 6).
+
+        Raises
+        ------
+        ForwardKinematicsError
+            Where the closure equations have no solution near the path's known poses.
+        """
+        s = np.atleast_1d(np.asarray(s, dtype=float))
+        guess = CubicSpline(self.node_s, self.node_pose)(s) if self.spline.k > 1 else self._linear_guess(s)
+        return forward_kinematics(self.machine, self.q(s), guess)
+
+    def _linear_guess(self, s: FloatArray) -> FloatArray:
+        columns = [np.interp(s, self.node_s, column) for column in self.node_pose.T]
+        return np.stack(columns, axis=1)

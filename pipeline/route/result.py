@@ -1,0 +1,98 @@
+"""What stage one makes: a route, and the figures that say how good it is and how it was found."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.machine.geometry import MODES, FloatArray, IntArray
+from pipeline.status import Status
+
+
+@dataclass(frozen=True)
+class Search:
+    """How the optimum was proven.
+
+    Attributes
+    ----------
+    solver : str
+        Name and version of the mixed-integer solver.
+    bound, gap : float
+        Proven lower bound on (5) and the relative distance of the objective to it.
+    relaxation : float
+        Cost of the shortest path when x and the step budget are left out.
+    threshold : float
+        Cost below which every route was in the last core; the proof needs objective <= threshold.
+    core_regions, core_columns : int
+        Size of the last core: regions, and columns of the mixed-integer program.
+    moves : int
+        Admitted moves between regions.
+    rounds : int
+        How often the problem was solved.
+    forbidden_moves : int
+        Moves found inadmissible when followed continuously.
+    """
+
+    solver: str
+    bound: float
+    gap: float
+    relaxation: float
+    threshold: float
+    core_regions: int
+    core_columns: int
+    moves: int
+    rounds: int
+    forbidden_moves: int
+
+
+@dataclass(frozen=True, eq=False)
+class Route:
+    """A sequence of regions from start to goal; every move was followed continuously and found admissible.
+
+    Attributes
+    ----------
+    region : (n,)
+        Row of the region table.
+    modes, gates : (n,)
+        Working mode (0 to 7); arm (1 to 3) whose gate the region is, 0 for none.
+    pose : (n, 6)
+        x, y, z, rx, ry, rz.
+    q_m : (n, 5)
+        Actuator positions.
+    kappa : (n,)
+        Condition number.
+    objective : float
+        The sum of kappa over all regions but the goal, (5).
+    status : Status
+        OPTIMAL: proven over the admitted moves.
+    search : Search
+        How it was found.
+    """
+
+    region: IntArray
+    modes: IntArray
+    gates: IntArray
+    pose: FloatArray
+    q_m: FloatArray
+    kappa: FloatArray
+    objective: float
+    status: Status
+    search: Search
+
+    def __len__(self) -> int:
+        return len(self.region)
+
+    @property
+    def mode_names(self) -> list[str]:
+        """Working mode of every step, LLL to RRR."""
+        return [MODES[mode] for mode in self.modes]
+
+    @property
+    def kappa_max(self) -> float:
+        """Largest kappa of the regions visited."""
+        return float(self.kappa.max())
+
+    @property
+    def mode_changes(self) -> int:
+        """How many arms change their working mode along the route, counted each time."""
+        changed = np.bitwise_xor(self.modes[1:], self.modes[:-1])
+        return int(sum(int(bits).bit_count() for bits in changed))
