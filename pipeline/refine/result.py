@@ -7,6 +7,7 @@ from scipy.interpolate import BSpline, CubicSpline
 
 from pipeline.machine.geometry import FloatArray, Machine
 from pipeline.machine.kinematics import forward_kinematics
+from pipeline.status import Status
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,3 +49,32 @@ class Path:
     def _linear_guess(self, s: FloatArray) -> FloatArray:
         columns = [np.interp(s, self.node_s, column) for column in self.node_pose.T]
         return np.stack(columns, axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """The refined path beside the coarse one it came from, and how it was found.
+
+    Attributes
+    ----------
+    path, coarse : Path
+        The refined path; the route's steps joined by straight lines in actuator space.
+    status : Status
+        CONVERGED when all constraints hold at the nodes and between them.
+    iterations : int
+        IPOPT iterations, summed over the rounds.
+    rounds : int
+        Solves; each further one has nodes where the check between the nodes failed.
+    nodes : int
+        Collocation nodes of the last solve.
+    surrogate_integral : float
+        The integral as the smooth surrogate saw it; the reported one is of the true kappa.
+    """
+
+    path: Path
+    coarse: Path
+    status: Status
+    iterations: int
+    rounds: int
+    nodes: int
+    surrogate_integral: float
