@@ -94,14 +94,16 @@ def _limit_issues(config: Config, machine: Machine, key: str, end: End) -> list[
     if end.link_distance_m < machine.link_link_m:
         issues.append(
             ConfigIssue(
-                key, f"has links {end.link_distance_m:.4f} m apart; machine.clearance asks for {machine.link_link_m:g} m"
+                key,
+                f"has links {end.link_distance_m:.4f} m apart; machine.clearance asks for {machine.link_link_m:g} m",
             )
         )
     if end.rail_distance_m < machine.link_rail_m:
         issues.append(
             ConfigIssue(
                 key,
-                f"has a link {end.rail_distance_m:.4f} m from a rail; machine.clearance asks for {machine.link_rail_m:g} m",
+                f"has a link {end.rail_distance_m:.4f} m from a rail; "
+                f"machine.clearance asks for {machine.link_rail_m:g} m",
             )
         )
     return issues

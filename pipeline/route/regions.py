@@ -9,11 +9,17 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from pipeline.config import Config, PoseConfig
-from pipeline.machine.clearance import link_pairs, link_rail_distances, min_distances
+from pipeline.config import Config
+from pipeline.machine.clearance import min_distances
 from pipeline.machine.geometry import MODES, BoolArray, FloatArray, IntArray, Machine
 from pipeline.machine.kinematics import InverseSolution, inverse_kinematics
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix
+from pipeline.progress import Progress, silent
+from pipeline.route.ends import End, task_ends
+from pipeline.route.grid import find_gates, grid_points
+from pipeline.route.metric import CONTROLLED
+
+_BLOCK = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,3 +78,85 @@ class RegionTable:
     def take(self, rows: IntArray | BoolArray) -> "RegionTable":
         """The table with only these rows."""
         return RegionTable(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+
+def build_regions(config: Config, machine: Machine, progress: Progress = silent) -> RegionTable:
+    """Compute the region table: grid, gates, then start and goal as regions of their own.
+
+    Raises
+    ------
+    ConfigError
+        When the machine cannot be at the start or at the goal.
+    """
+    ends = task_ends(config, machine)
+    lattice = grid_points(config)
+    progress("regions: gates", 0.0)
+    parts = [_every_mode(lattice), find_gates(config, machine, lattice)]
+    controlled, modes, gates = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    tables = []
+    for begin in range(0, len(modes), _BLOCK):
+        progress(f"regions: {begin:,} of {len(modes):,} candidates", begin / len(modes))
+        block = slice(begin, begin + _BLOCK)
+        tables.append(_admissible(config, machine, controlled[block], modes[block], gates[block]))
+    tables += [_end_region(end) for end in ends]
+    columns = {f.name: np.concatenate([getattr(table, f.name) for table in tables]) for f in fields(RegionTable)}
+    return RegionTable(**columns)
+
+
+def _every_mode(lattice: FloatArray) -> tuple[FloatArray, IntArray, IntArray]:
+    controlled = np.repeat(lattice, len(MODES), axis=0)
+    modes = np.tile(np.arange(len(MODES)), len(lattice))
+    return controlled, modes, np.zeros_like(modes)
+
+
+def _admissible(
+    config: Config, machine: Machine, controlled: FloatArray, modes: IntArray, gates: IntArray
+) -> RegionTable:
+    """Keep of the candidates those in reach, within limits, away from singularities and clear of themselves."""
+    solution = inverse_kinematics(machine, controlled, modes, gates)
+    windows = _x_windows(machine, solution)
+    telescopes = solution.q_m[:, 3:]
+    with np.errstate(invalid="ignore"):
+        strokes = (telescopes >= machine.strokes_m[:, 0]) & (telescopes <= machine.strokes_m[:, 1])
+        rows = np.flatnonzero(solution.reachable & strokes.all(axis=1) & (windows[:, 0] <= windows[:, 1]))
+    pose, q = solution.pose[rows], solution.q_m[rows]
+    H = statics_matrix(machine, pose, q[:, :3])
+    kappa, sign = condition_number(H), det_sign(H)
+    link_distance, rail_distance = min_distances(machine, pose, q[:, :3])
+    # Written so that an unchecked rail distance (NaN) refuses nothing.
+    keep = (kappa < config.route.kappa_max) & ~(link_distance < machine.link_link_m)
+    keep &= ~(rail_distance < machine.link_rail_m)
+    return RegionTable(
+        controlled=controlled[rows],
+        ry_rad=pose[:, 4],
+        mode=modes[rows],
+        gate=gates[rows],
+        q_m=q,
+        kappa=kappa,
+        det_sign=sign,
+        link_distance_m=link_distance,
+        x_window_m=windows[rows],
+    ).take(keep)
+
+
+def _x_windows(machine: Machine, solution: InverseSolution) -> FloatArray:
+    """[least, largest] x for which all three carts are on their rails, for solutions at x = 0. Shape (n, 2)."""
+    carts = solution.q_m[:, :3]
+    least = (machine.travel_m[:, 0] - carts).max(axis=1)
+    largest = (machine.travel_m[:, 1] - carts).min(axis=1)
+    return np.column_stack([least, largest])
+
+
+def _end_region(end: End) -> RegionTable:
+    x = end.pose[0]
+    return RegionTable(
+        controlled=end.pose[None, CONTROLLED],
+        ry_rad=end.pose[None, 4],
+        mode=np.array([end.mode]),
+        gate=np.array([0]),
+        q_m=end.q_m[None],
+        kappa=np.array([end.kappa]),
+        det_sign=np.array([end.det_sign]),
+        link_distance_m=np.array([end.link_distance_m]),
+        x_window_m=np.array([[x, x]]),
+    )

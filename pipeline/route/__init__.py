@@ -1,0 +1,8 @@
+"""Stage one: which regions, which working modes; a mixed-integer program over a proven core."""
+
+from pipeline.route.ends import End, task_ends
+from pipeline.route.planner import plan_route
+from pipeline.route.regions import RegionTable, build_regions
+from pipeline.route.result import Route, Search
+
+__all__ = ["End", "RegionTable", "Route", "Search", "build_regions", "plan_route", "task_ends"]

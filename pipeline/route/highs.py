@@ -1,0 +1,82 @@
+"""Running HiGHS: options, progress, interruption, and one vocabulary for how it ended."""
+
+from dataclasses import dataclass
+
+import highspy
+import numpy as np
+
+from pipeline.machine.geometry import FloatArray
+from pipeline.progress import Progress
+from pipeline.status import Status
+
+_STATUS = {
+    highspy.HighsModelStatus.kOptimal: Status.OPTIMAL,
+    highspy.HighsModelStatus.kInfeasible: Status.INFEASIBLE,
+    highspy.HighsModelStatus.kTimeLimit: Status.TIME_LIMIT,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a solve gave; `values` is empty unless there is a feasible point."""
+
+    status: Status
+    values: FloatArray
+    objective: float
+    bound: float
+    gap: float
+
+
+def solver_name() -> str:
+    """Name and version of the solver."""
+    return f"HiGHS {highspy.Highs().version()}"
+
+
+def solve_model(model: highspy.HighsModel, time_limit_s: float, progress: Progress, verbose: bool = False) -> Outcome:
+    """Solve to a gap of zero; Ctrl-C stops the solver and is raised again.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When the user interrupts.
+    """
+    solver = highspy.Highs()
+    solver.setOptionValue("output_flag", verbose)
+    solver.setOptionValue("mip_rel_gap", 0.0)
+    solver.setOptionValue("mip_abs_gap", 1e-7)
+    solver.setOptionValue("primal_feasibility_tolerance", 1e-9)
+    solver.setOptionValue("time_limit", time_limit_s)
+    solver.passModel(model)
+    solver.HandleUserInterrupt = True
+    solver.cbMipLogging.subscribe(lambda event: _report(event.data_out, progress))
+    solver.startSolve()
+    try:
+        while not solver.wait(0.1)[0]:
+            pass
+    except KeyboardInterrupt:
+        solver.cancelSolve()
+        while not solver.wait(0.1)[0]:
+            pass
+        raise
+    return _outcome(solver)
+
+
+def _outcome(solver: highspy.Highs) -> Outcome:
+    info = solver.getInfo()
+    status = _STATUS.get(solver.getModelStatus(), Status.NOT_CONVERGED)
+    feasible = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
+    values = np.array(solver.getSolution().col_value) if feasible else np.empty(0)
+    is_mip = info.mip_node_count >= 0
+    return Outcome(
+        status=status,
+        values=values,
+        objective=info.objective_function_value if feasible else np.inf,
+        bound=info.mip_dual_bound if is_mip else info.objective_function_value,
+        gap=info.mip_gap if is_mip else 0.0,
+    )
+
+
+def _report(data: highspy.cb.HighsCallbackOutput, progress: Progress) -> None:
+    incumbent = f"{data.mip_primal_bound:.3f}" if np.isfinite(data.mip_primal_bound) else "none yet"
+    gap = f", gap {data.mip_gap:.2%}" if np.isfinite(data.mip_gap) else ""
+    progress(f"HiGHS: incumbent {incumbent}, bound {data.mip_dual_bound:.3f}{gap}")
