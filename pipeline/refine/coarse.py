@@ -1,0 +1,43 @@
+"""The coarse path: the route's steps joined by straight lines in actuator space, over arc length."""
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from pipeline.machine.geometry import FloatArray, IntArray, Machine
+from pipeline.machine.kinematics import follow
+from pipeline.refine.result import Path
+from pipeline.route.metric import arc_length
+from pipeline.route.result import Route
+
+_SAMPLES_PER_MOVE = 100
+
+
+def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
+    """Join the steps of a route; s is the arc length in the metric of the route, `steps` (5,) its largest moves.
+
+    The nodes are dense samples marched along every move, so that the pose is known on the right branch everywhere.
+    """
+    part = np.linspace(0.0, 1.0, _SAMPLES_PER_MOVE + 1)[:, None]
+    q = route.q_m[:-1, None] * (1.0 - part) + route.q_m[1:, None] * part
+    poses, _ = follow(machine, q, route.pose[:-1])
+    lengths = np.array([arc_length(move, steps)[-1] for move in poses])
+    corners = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
+    node_s = corners[:-1, None] + part[:-1, 0] * np.diff(corners)[:, None]
+    return Path(
+        machine=machine,
+        spline=BSpline(np.concatenate([[0.0], corners, [1.0]]), route.q_m, 1),
+        node_s=np.append(node_s.ravel(), 1.0),
+        node_pose=np.vstack([poses[:, :-1].reshape(-1, 6), route.pose[-1]]),
+    )
+
+
+def corner_parameters(coarse: Path) -> FloatArray:
+    """Parameter s of every step of the route on its coarse path, shape (steps,)."""
+    corners: FloatArray = coarse.spline.t[1:-1]
+    return corners
+
+
+def move_of(coarse: Path, s: FloatArray) -> IntArray:
+    """Number of the move that s (n,) falls into, from 0."""
+    corners = corner_parameters(coarse)
+    return np.clip(np.searchsorted(corners, s, side="right") - 1, 0, len(corners) - 2)

@@ -1,0 +1,103 @@
+"""Running IPOPT: options, progress, interruption, and which constraints are violated where it ends."""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from pipeline.machine.geometry import FloatArray
+from pipeline.progress import Progress
+from pipeline.refine.nlp import Program
+from pipeline.status import Status
+
+_SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where IPOPT ended: the unknowns, the objective, and the largest violation per named group of constraints."""
+
+    status: Status
+    message: str
+    x: FloatArray
+    objective: float
+    iterations: int
+    violations: dict[str, float]
+
+
+class _Watch(ca.Callback):
+    """Tells the listener about every iteration."""
+
+    def __init__(self, program: Program, progress: Progress, what: str) -> None:
+        ca.Callback.__init__(self)
+        self._sizes = {"x": program.problem["x"].numel(), "g": program.problem["g"].numel()}
+        self._sizes |= {"lam_x": self._sizes["x"], "lam_g": self._sizes["g"], "f": 1, "lam_p": 0}
+        self._progress, self._what, self._count = progress, what, 0
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, i: int) -> str:
+        return str(ca.nlpsol_out(i))
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self._sizes[ca.nlpsol_out(i)], 1)
+
+    def eval(self, arguments: list[ca.DM]) -> list[int]:
+        self._count += 1
+        self._progress(f"{self._what}: IPOPT iteration {self._count}, kappa integral {float(arguments[1]):.2f}")
+        return [0]
+
+
+def solve_program(
+    program: Program, max_iterations: int, progress: Progress, what: str, verbose: bool = False
+) -> Solution:
+    """Solve with IPOPT and MUMPS from the program's start; never raises for a failed solve, the status tells.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When the user interrupts.
+    """
+    watch = _Watch(program, progress, what)
+    options = {
+        "iteration_callback": watch,
+        "print_time": False,
+        "error_on_fail": False,
+        "ipopt": {
+            "linear_solver": "mumps",
+            "max_iter": max_iterations,
+            "print_level": 5 if verbose else 0,
+            "sb": "yes",
+            "mu_strategy": "adaptive",
+            "tol": 1e-7,
+            "constr_viol_tol": 1e-9,
+            # Bounds are promises to a machine: IPOPT must not relax them.
+            "bound_relax_factor": 0.0,
+        },
+    }
+    solver = ca.nlpsol("refine", "ipopt", program.problem, options)
+    low, high = program.variable_bounds
+    result = solver(
+        x0=program.start, lbx=low, ubx=high, lbg=program.constraint_bounds[0], ubg=program.constraint_bounds[1]
+    )
+    stats = solver.stats()
+    message = str(stats["return_status"])
+    return Solution(
+        status=Status.CONVERGED if message in _SOLVED else Status.NOT_CONVERGED,
+        message=message,
+        x=np.array(result["x"]).ravel(),
+        objective=float(result["f"]),
+        iterations=int(stats["iter_count"]),
+        violations=_violations(program, np.array(result["g"]).ravel()),
+    )
+
+
+def _violations(program: Program, g: FloatArray) -> dict[str, float]:
+    low, high = program.constraint_bounds
+    excess = np.maximum(np.maximum(low - g, g - high), 0.0)
+    return {block.name: float(excess[block.begin : block.end].max()) for block in program.blocks}
