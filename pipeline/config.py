@@ -53,7 +53,8 @@ class TriangleLinkConfig(Section):
     platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
     cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
     length_m: PositiveLength | None = Field(
-        None, description="distance between the two joints; null: right angle between 3a and the platform side"
+        None,
+        description="distance between the two joints; null: right angle between 3a and the platform side",
     )
 
 
@@ -123,9 +124,7 @@ class PoseConfig(Section):
     z_m: Length
     rx_deg: Tilt = 0.0
     rz_deg: Tilt = 0.0
-    mode: Annotated[
-        str, Field(pattern=_MODE_PATTERN, description="working mode, L or R per arm, e.g. LLL")
-    ]
+    mode: Annotated[str, Field(pattern=_MODE_PATTERN, description="working mode, L or R per arm, e.g. LLL")]
 
 
 class TaskConfig(Section):
@@ -188,7 +187,7 @@ class RouteConfig(Section):
     step_budget: int = Field(25, ge=2, le=500, description="N, the number of positions of the paper")
     kappa_max: float = Field(100.0, gt=1.0, description="regions and moves with a larger kappa are not admitted")
     threshold_margin: float = Field(
-        0.05, gt=0.0, le=10.0, description="first guess of how far the optimum lies above its bound, relative"
+        0.01, gt=0.0, le=10.0, description="first guess of how far the optimum lies above its bound, relative"
     )
     max_rounds: int = Field(50, ge=1, le=10_000, description="rounds of following, forbidding and solving again")
     time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
@@ -204,7 +203,7 @@ class RefineConfig(Section):
         "schatten", description="the smooth kappa whose integral is minimised; the true kappa is reported"
     )
     corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells the corridor is widened by")
-    clearance_margin_m: float = Field(0.0005, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")
+    clearance_margin_m: float = Field(0.001, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")
     tilt_margin_deg: float = Field(0.1, ge=0.0, le=10.0, description="kept at the nodes below the tilt limit")
     lock_tolerance_deg: float = Field(0.25, gt=0.0, le=10.0, description="how far a locked axis may stray from zero")
     check_points: int = Field(10_000, ge=1_000, le=1_000_000, description="poses of the check between the nodes")

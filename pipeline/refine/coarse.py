@@ -22,6 +22,8 @@ def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     poses, _ = follow(machine, q, route.pose[:-1])
     lengths = np.array([arc_length(move, steps)[-1] for move in poses])
     corners = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
+    # Rounding must not leave the last knot beside 1.
+    corners[-1] = 1.0
     node_s = corners[:-1, None] + part[:-1, 0] * np.diff(corners)[:, None]
     return Path(
         machine=machine,

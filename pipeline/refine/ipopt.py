@@ -1,6 +1,11 @@
 """Running IPOPT: options, progress, interruption, and which constraints are violated where it ends."""
 
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from types import FrameType
 
 import casadi as ca
 import numpy as np
@@ -26,13 +31,14 @@ class Solution:
 
 
 class _Watch(ca.Callback):
-    """Tells the listener about every iteration."""
+    """Tells the listener about every iteration, and stops IPOPT once `interrupted` is set."""
 
     def __init__(self, program: Program, progress: Progress, what: str) -> None:
         ca.Callback.__init__(self)
         self._sizes = {"x": program.problem["x"].numel(), "g": program.problem["g"].numel()}
         self._sizes |= {"lam_x": self._sizes["x"], "lam_g": self._sizes["g"], "f": 1, "lam_p": 0}
         self._progress, self._what, self._count = progress, what, 0
+        self.interrupted = threading.Event()
         self.construct("watch", {})
 
     def get_n_in(self) -> int:
@@ -50,7 +56,7 @@ class _Watch(ca.Callback):
     def eval(self, arguments: list[ca.DM]) -> list[int]:
         self._count += 1
         self._progress(f"{self._what}: IPOPT iteration {self._count}, kappa integral {float(arguments[1]):.2f}")
-        return [0]
+        return [int(self.interrupted.is_set())]
 
 
 def solve_program(
@@ -82,9 +88,12 @@ def solve_program(
     }
     solver = ca.nlpsol("refine", "ipopt", program.problem, options)
     low, high = program.variable_bounds
-    result = solver(
-        x0=program.start, lbx=low, ubx=high, lbg=program.constraint_bounds[0], ubg=program.constraint_bounds[1]
-    )
+    with _interrupts_noted(watch.interrupted):
+        result = solver(
+            x0=program.start, lbx=low, ubx=high, lbg=program.constraint_bounds[0], ubg=program.constraint_bounds[1]
+        )
+    if watch.interrupted.is_set():
+        raise KeyboardInterrupt
     stats = solver.stats()
     message = str(stats["return_status"])
     return Solution(
@@ -95,6 +104,26 @@ def solve_program(
         iterations=int(stats["iter_count"]),
         violations=_violations(program, np.array(result["g"]).ravel()),
     )
+
+
+@contextmanager
+def _interrupts_noted(interrupted: threading.Event) -> Iterator[None]:
+    """Note Ctrl-C instead of raising: CasADi would swallow the exception and report a failed solve.
+
+    Signals only ever reach the main thread; elsewhere there is nothing to note.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def note(_signal: int, _frame: FrameType | None) -> None:
+        interrupted.set()
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _violations(program: Program, g: FloatArray) -> dict[str, float]:
