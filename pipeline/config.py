@@ -6,9 +6,12 @@ found there and what is allowed. `config_file.load_config` reads a file; `Config
 
 from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
-_MODE_PATTERN = "^[LR]{3}$"
+MODE_PATTERN = "^[LR]{3}$"
+NAME_PATTERN = r"^(\w[\w.-]*)?$"
 
 # Bounds that no Gantry-Tau exceeds: they are there to catch a value given in the wrong unit.
 Length = Annotated[float, Field(ge=-20.0, le=20.0)]
@@ -22,6 +25,14 @@ class Section(BaseModel):
     """A part of the configuration: immutable, unknown keys refused, no NaN and no infinity."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_truth_value(cls, value: object) -> object:
+        # No key is a truth value, but pydantic takes `yes` for the number 1.
+        if any(isinstance(item, bool) for item in (value if isinstance(value, list) else [value])):
+            raise PydanticCustomError("truth_value", "true and false are no values here")
+        return value
 
 
 _S = TypeVar("_S", bound=Section)
@@ -110,10 +121,31 @@ class MachineConfig(Section):
     rails: tuple[RailConfig, RailConfig, RailConfig] = Field(description="rails of arms 1, 2, 3")
     links: LinksConfig
     triangle_branch: Literal["negative", "positive"] = Field(
-        "negative", description="sign of y_platform . (w x u_3a) that the assembled machine keeps"
+        "negative", description="sign of y_platform . (w x u_3c) that the assembled machine keeps"
     )
     clearance: ClearanceConfig
     limits: LimitsConfig
+
+    @model_validator(mode="after")
+    def _triangle_closes(self) -> Self:
+        first, third = self.links.l3a, self.links.l3c
+        side = np.subtract(third.platform_point_m, first.platform_point_m)
+        base = np.linalg.norm(np.subtract(third.cart_offset_m, first.cart_offset_m))
+        if not side[[0, 2]].any():
+            raise _wrong(
+                "links.l3c.platform_point_m", "must not lie on the line through 3a's along y: nothing holds ry"
+            )
+        if third.length_m is None and base > 0.0:
+            raise _wrong(
+                "links.l3c.length_m", "is missing; it can be left out only when 3a and 3c have one cart_offset_m"
+            )
+        if third.length_m is not None and abs(third.length_m - first.length_m) > np.linalg.norm(side) + base:
+            raise _wrong(
+                "links.l3c.length_m",
+                f"is {third.length_m:g}, which cannot close the triangle with link 3a ({first.length_m:g} m) and "
+                f"the platform side ({np.linalg.norm(side):g} m)",
+            )
+        return self
 
 
 class PoseConfig(Section):
@@ -124,7 +156,7 @@ class PoseConfig(Section):
     z_m: Length
     rx_deg: Tilt = 0.0
     rz_deg: Tilt = 0.0
-    mode: Annotated[str, Field(pattern=_MODE_PATTERN, description="working mode, L or R per arm, e.g. LLL")]
+    mode: Annotated[str, Field(pattern=MODE_PATTERN, description="working mode, L or R per arm, e.g. LLL")]
 
 
 class TaskConfig(Section):
@@ -143,7 +175,8 @@ class TaskConfig(Section):
             for axis, value in (("rx", pose.rx_deg), ("rz", pose.rz_deg)):
                 limit = 0.0 if axis in self.locked_axes else self.tilt_max_deg
                 if abs(value) > limit:
-                    raise ValueError(f"{end}.{axis}_deg is {value:g}, beyond the {limit:g} degrees allowed")
+                    why = "task.locked_axes" if axis in self.locked_axes else "task.tilt_max_deg"
+                    raise _wrong(f"{end}.{axis}_deg", f"is {value:g}; allowed is at most {limit:g} either way ({why})")
         return self
 
 
@@ -157,7 +190,7 @@ class AxisConfig(Section):
     @model_validator(mode="after")
     def _not_empty(self) -> Self:
         if self.min > self.max:
-            raise ValueError(f"the grid is empty: min {self.min:g} is above max {self.max:g}")
+            raise _wrong("max", f"is {self.max:g}, below min ({self.min:g}): the grid is empty")
         return self
 
 
@@ -213,23 +246,21 @@ class RefineConfig(Section):
     @model_validator(mode="after")
     def _enough_nodes(self) -> Self:
         if self.coefficients > self.nodes:
-            raise ValueError(
-                f"coefficients ({self.coefficients}) must not exceed nodes ({self.nodes}): the spline would be free between them"
-            )
+            raise _wrong("coefficients", f"is {self.coefficients}; allowed are at most as many as nodes ({self.nodes})")
         return self
 
 
 class RetimeConfig(Section):
     """Stage three: the path in time."""
 
-    grid_points: int = Field(1_000, ge=50, le=20_000, description="points of the TOPP-RA grid")
+    grid_points: int = Field(1_000, ge=50, le=20_000, description="points of the first TOPP-RA grid; doubled while limits are broken between them")
     period_s: float = Field(0.01, ge=0.000_125, le=0.1, description="sampling period of trajectory.csv")
 
 
 class Config(Section):
     """The whole configuration of one run."""
 
-    name: str = Field("", pattern=r"^[\w.-]*$", description="name of the run; default: the file's name")
+    name: str = Field("", pattern=NAME_PATTERN, description="name of the run; default: the file's name")
     machine: MachineConfig
     task: TaskConfig
     route: RouteConfig
@@ -239,5 +270,10 @@ class Config(Section):
 
 def _require_ordered(section: _S, key: str, interval: tuple[float, float]) -> _S:
     if interval[0] >= interval[1]:
-        raise ValueError(f"{key} must be [least, largest] with least < largest, not {list(interval)}")
+        raise _wrong(key, f"is {list(interval)}; allowed is [least, largest] with least below largest")
     return section
+
+
+def _wrong(key: str, message: str) -> PydanticCustomError:
+    """Make the error of a rule that involves several keys; `key` is the one to look at, from the section on."""
+    return PydanticCustomError("rule", "{key} {message}", {"key": key, "message": message})

@@ -16,6 +16,8 @@ from pipeline.route.metric import CONTROLLED, step_sizes
 from pipeline.route.result import Route
 
 _RY = 4
+_LOCK_SHARE = 0.8
+"""Share of a locked axis' tolerance allowed at the nodes; the rest is for what happens between them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,5 +47,5 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray, tilt_mar
 
 def _tilt_limit(config: Config, axis: str, margin_rad: float) -> float:
     if axis in config.task.locked_axes:
-        return float(np.deg2rad(config.refine.lock_tolerance_deg))
+        return _LOCK_SHARE * float(np.deg2rad(config.refine.lock_tolerance_deg))
     return max(float(np.deg2rad(config.task.tilt_max_deg)) - margin_rad, 0.0)

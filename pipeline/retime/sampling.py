@@ -1,0 +1,43 @@
+"""A trajectory at an exact period, from the start at rest to the goal at rest."""
+
+import math
+
+import numpy as np
+
+from pipeline.machine.geometry import FloatArray
+from pipeline.machine.statics import condition_number, statics_matrix
+from pipeline.retime.result import Trajectory, TrajectorySamples, stretched
+
+_SAME = 1e-9
+"""Part of a period that is rounding: a duration this little above a multiple of the period is that multiple."""
+
+
+def whole_periods(trajectory: Trajectory, period_s: float, least_s: float = 0.0) -> Trajectory:
+    """Stretch time to the next multiple of the period, at least `least_s` long, so that the last sample is the goal."""
+    periods = max(1, math.ceil(max(trajectory.duration_s, least_s) / period_s - _SAME))
+    duration = periods * period_s
+    return trajectory if duration == trajectory.duration_s else stretched(trajectory, duration)
+
+
+def sample(trajectory: Trajectory, period_s: float) -> TrajectorySamples:
+    """Sample n = ceil(T / period) periods, n + 1 rows, with time stretched by n period / T.
+
+    Raises
+    ------
+    ForwardKinematicsError
+        Where the closure equations have no solution near the path's known poses.
+    """
+    trajectory = whole_periods(trajectory, period_s)
+    periods = round(trajectory.duration_s / period_s)
+    t: FloatArray = np.arange(periods + 1, dtype=float) * period_s
+    machine = trajectory.path.machine
+    q, pose = trajectory.q(t), trajectory.pose(t)
+    return TrajectorySamples(
+        period_s=period_s,
+        t_s=t,
+        q_m=q,
+        qd_mps=trajectory.q(t, 1),
+        qdd_mps2=trajectory.q(t, 2),
+        pose=pose,
+        kappa=condition_number(statics_matrix(machine, pose, q[:, :3])),
+    )

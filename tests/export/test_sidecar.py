@@ -1,0 +1,75 @@
+"""The sidecar: it describes the CSV column by column, and says what the machine may do."""
+
+import json
+
+import numpy as np
+import pytest
+
+from pipeline.config import Config
+from pipeline.config_file import config_sha256
+from pipeline.export import sidecar, trajectory_columns
+from pipeline.machine import Machine
+from pipeline.retime import TrajectorySamples, Usage
+
+
+@pytest.fixture
+def samples() -> TrajectorySamples:
+    """Three rows of nothing in particular."""
+    rows = 3
+    return TrajectorySamples(
+        period_s=0.01,
+        t_s=np.arange(rows) * 0.01,
+        q_m=np.ones((rows, 5)),
+        qd_mps=np.zeros((rows, 5)),
+        qdd_mps2=np.zeros((rows, 5)),
+        pose=np.zeros((rows, 6)),
+        kappa=np.ones(rows),
+    )
+
+
+@pytest.fixture
+def described(agder_config: Config, machine: Machine, samples: TrajectorySamples) -> dict:
+    """The sidecar of these rows."""
+    return sidecar(agder_config, machine, samples, Usage(np.linspace(0.1, 0.5, 5), np.linspace(0.6, 1.0, 5)))
+
+
+def test_every_column_has_a_unit_and_a_meaning(described: dict, samples: TrajectorySamples) -> None:
+    """Columns are described in the order of the file, none is left out, and units agree with the names."""
+    assert [column["name"] for column in described["columns"]] == list(trajectory_columns(samples))
+    units = {"_s": "s", "_m": "m", "_mps": "m/s", "_mps2": "m/s^2", "_rad": "rad", "kappa": "1"}
+    for column in described["columns"]:
+        suffix = column["name"] if column["name"] == "kappa" else "_" + column["name"].rsplit("_", 1)[1]
+        assert column["unit"] == units[suffix]
+        assert len(column["meaning"]) > 5
+    assert len({column["meaning"] for column in described["columns"]}) == len(described["columns"])
+
+
+def test_it_is_plain_json(described: dict) -> None:
+    """It survives the way through JSON without losing anything."""
+    assert json.loads(json.dumps(described, allow_nan=False)) == described
+
+
+def test_it_tells_period_duration_configuration_and_usage(
+    described: dict, agder_config: Config, samples: TrajectorySamples
+) -> None:
+    """Figures are those of the samples; the hash is that of the whole configuration."""
+    assert described["period_s"] == 0.01
+    assert described["duration_s"] == samples.t_s[-1]
+    assert described["samples"] == 3
+    assert described["config_sha256"] == config_sha256(agder_config)
+    assert described["usage"]["velocity"] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])
+    assert described["usage"]["acceleration"] == pytest.approx([0.6, 0.7, 0.8, 0.9, 1.0])
+    assert any("last row" in sentence for sentence in described["conventions"])
+
+
+def test_limits_are_the_machine_s(described: dict, machine: Machine) -> None:
+    """Each actuator has travel or stroke, velocity and acceleration, and the column it is found in."""
+    assert list(described["limits"]) == ["c1", "c2", "c3", "l2b", "l3b"]
+    telescope = described["limits"]["l2b"]
+    assert telescope == {
+        "column": "q4_m",
+        "position_m": [0.95, 1.25],
+        "velocity_mps": 0.1,
+        "acceleration_mps2": 0.5,
+    }
+    assert [limit["velocity_mps"] for limit in described["limits"].values()] == machine.velocity_mps.tolist()
