@@ -1,6 +1,6 @@
 """The machine: geometry, inverse and forward kinematics, statics, clearance, and the same in CasADi."""
 
-from pipeline.machine.clearance import link_rail_distances, link_distances, min_distances
+from pipeline.machine.clearance import link_distances, link_rail_distances, min_distances
 from pipeline.machine.geometry import MODES, Machine, build_machine
 from pipeline.machine.kinematics import InverseSolution, forward_kinematics, inverse_kinematics
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix

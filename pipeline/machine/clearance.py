@@ -30,9 +30,7 @@ def link_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> F
     """Distances between the axes of all `link_pairs`, for poses (n, 6) and carts (n, 3). Shape (n, pairs)."""
     start = cart_joints(machine, carts_m)
     vector = link_vectors(machine, pose, carts_m)
-    columns = [
-        segment_distance(start[:, a], vector[:, a], start[:, b], vector[:, b]) for a, b in link_pairs(machine)
-    ]
+    columns = [segment_distance(start[:, a], vector[:, a], start[:, b], vector[:, b]) for a, b in link_pairs(machine)]
     return np.stack(columns, axis=1)
 
 
@@ -52,7 +50,7 @@ def link_rail_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray)
 
 
 def min_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Least link-link and least link-rail distance at poses (n, 6) with carts (n, 3). Two arrays of shape (n,)."""
+    """Least link-link and least link-rail distance at poses (n, 6) with carts (n, 3). Two arrays (n,)."""
     return (
         link_distances(machine, pose, carts_m).min(axis=1),
         link_rail_distances(machine, pose, carts_m).min(axis=1),

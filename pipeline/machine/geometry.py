@@ -25,7 +25,7 @@ TRIANGLE = 5
 ACTUATORS = ("c1", "c2", "c3", "l2b", "l3b")
 MODES = tuple(a + b + c for a in "LR" for b in "LR" for c in "LR")
 MODE_SIGNS = np.array([[-1.0 if letter == "L" else 1.0 for letter in mode] for mode in MODES])
-"""Per working mode and arm: where the cart is seen from the platform joint, -1 (L) or +1 (R). Shape (8, 3)."""
+"""Per mode and arm: where the cart is, seen from the platform joint, -1 (L) or +1 (R). Shape (8, 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Machine:
     strokes_m : (2, 2)
         Least and largest length of telescopes 2b and 3b.
     triangle_sign : float
-        Sign of y_platform . (R w x u_3a) in the assembled machine.
+        Sign of y_platform . (R w x u_3c) in the assembled machine.
     link_link_m, link_rail_m : float
         Least distance between axes; `link_rail_m` is NaN when rails are not checked.
     velocity_mps, acceleration_mps2 : (5,)
@@ -71,8 +71,15 @@ class Machine:
 
 
 def build_machine(config: MachineConfig) -> Machine:
-    """Turn the machine's configuration into arrays; an omitted length of 3c makes the triangle right-angled."""
-    links = (config.links.l1, config.links.l2a, config.links.l2b, config.links.l3a, config.links.l3b, config.links.l3c)
+    """Turn the machine's configuration into arrays; without a length 3c makes the triangle right-angled."""
+    links = (
+        config.links.l1,
+        config.links.l2a,
+        config.links.l2b,
+        config.links.l3a,
+        config.links.l3b,
+        config.links.l3c,
+    )
     limits = [config.limits.carts] * 3 + [config.limits.telescopes] * 2
     rail_distance = config.clearance.link_rail_m
     return Machine(
@@ -138,7 +145,8 @@ def rotation(rx: FloatArray, ry: FloatArray, rz: FloatArray) -> FloatArray:
 def platform_arms(machine: Machine, pose: FloatArray) -> FloatArray:
     """A'_l = R a_l, the arms from the TCP to the platform joints, for poses (..., 6). Shape (..., 6, 3)."""
     R = rotation(pose[..., 3], pose[..., 4], pose[..., 5])
-    return np.einsum("...ij,lj->...li", R, machine.platform_points_m)
+    arms: FloatArray = np.einsum("...ij,lj->...li", R, machine.platform_points_m)
+    return arms
 
 
 def cart_joints(machine: Machine, carts_m: FloatArray) -> FloatArray:

@@ -19,11 +19,13 @@ from pipeline.machine.geometry import (
     rotation_x,
     rotation_z,
 )
-from pipeline.machine.triangle import dependent_angle
+from pipeline.machine.triangle import dependent_angle, on_axis, third_discriminant
 
 _NEWTON_STEPS = 30
 _MAX_STEP = 0.2
 """Longest Newton step, in metres and radians: farther than that the linearisation means nothing."""
+_MAX_CORRECTION = 0.1
+"""How far, in metres and radians, a pose may be from its prediction on a curve: farther off is another assembly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +39,8 @@ class InverseSolution:
     q_m : (n, 5)
         Actuator positions c1, c2, c3, l2b, l3b.
     discriminants_m2 : (n, 3)
-        D_k = L^2 - dy^2 - dz^2 per arm: zero at its serial singularity, negative out of reach.
+        D_k = L^2 - dy^2 - dz^2 per arm: zero at its serial singularity, negative out of reach, NaN where it
+        depends on a ry that does not exist.
     reachable : (n,)
         All three arms reach their rails and the triangle closes; limits are not looked at.
     """
@@ -51,22 +54,26 @@ class InverseSolution:
 def inverse_kinematics(
     machine: Machine, controlled: FloatArray, modes: IntArray, gates: IntArray | None = None
 ) -> InverseSolution:
-    """Solve c_k = A_x - b_x -/+ sqrt(D_k) for controlled poses (n, 5) in working modes (n,), ry from the triangle.
+    """Solve c_k = A_x - b_x -/+ sqrt(D_k) for controlled poses (n, 5) in working modes (n,).
 
-    `gates` (n,) names per row the arm (1, 2, 3; 0 for none) whose D is zero by construction: rounding is
-    kept from making it negative or leaving the two modes apart.
+    ry follows from the triangle. `gates` (n,) names per row the arm (1, 2, 3; 0 for none) whose D is zero by
+    construction: rounding is kept from making it negative or leaving the two modes apart.
     """
     controlled = np.asarray(controlled, dtype=float).reshape(-1, 5)
     modes = np.asarray(modes, dtype=np.int64).reshape(-1)
     signs = MODE_SIGNS[modes]
+    if gates is not None:
+        at_gate = np.flatnonzero(gates)
+        signs[at_gate, gates[at_gate] - 1] = 0.0
     ry = dependent_angle(machine, controlled, signs[:, 2])
     pose = np.column_stack([controlled[:, :4], ry, controlled[:, 4]])
     joints = pose[:, None, :3] + platform_arms(machine, pose)
     primary = joints[:, PRIMARY] - machine.cart_offsets_m[PRIMARY]
     D = machine.lengths_m[PRIMARY] ** 2 - np.sum((primary[:, :, 1:] - machine.rails_m) ** 2, axis=2)
-    if gates is not None:
-        at_gate = np.flatnonzero(gates)
-        D[at_gate, gates[at_gate] - 1] = 0.0
+    D[signs == 0.0] = 0.0
+    if on_axis(machine):
+        open_triangle = np.isnan(ry)
+        D[open_triangle, 2] = third_discriminant(machine, controlled[open_triangle], np.zeros(open_triangle.sum()))
     with np.errstate(invalid="ignore"):
         carts = primary[:, :, 0] + signs * np.sqrt(D)
     vectors = link_vectors(machine, pose, carts)[:, TELESCOPES]
@@ -75,16 +82,16 @@ def inverse_kinematics(
 
 
 def closure_residual(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
-    """|A_l - C_l| - len_l for poses (..., 6) and actuators (..., 5): by how much each link misses. Shape (..., 6)."""
+    """|A_l - C_l| - len_l for poses (..., 6) and actuators (..., 5): what each link misses. Shape (..., 6)."""
     vectors = link_vectors(machine, pose, q_m[..., :3])
     residual: FloatArray = np.linalg.norm(vectors, axis=-1) - link_lengths(machine, q_m[..., 3:])
     return residual
 
 
 def closure_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
-    """Differentiate the closure residual by the pose (x, y, z, rx, ry, rz): H' with its moments turned into angles.
+    """Differentiate the closure residual by the pose: H' with its moments turned into angles.
 
-    Row l is [u_l ; E' (A'_l x u_l)] with E = [e_x, y_platform, Rx e_z], the axes the three angles turn about.
+    Row l is [u_l ; E' (A'_l x u_l)] with E = [e_x, y_platform, Rx e_z], the axes that rx, ry, rz turn about.
     Shape (..., 6, 6).
     """
     vectors = link_vectors(machine, pose, q_m[..., :3])
@@ -103,10 +110,10 @@ def _rotation_axes(pose: FloatArray) -> FloatArray:
 def newton(
     machine: Machine, q_m: FloatArray, guess: FloatArray, tolerance_m: float = 1e-12
 ) -> tuple[FloatArray, FloatArray]:
-    """Improve guessed poses (n, 6) towards actuator positions (n, 5); return poses and their largest link misses (n,).
+    """Improve guessed poses (n, 6) towards actuator positions (n, 5).
 
-    Rows that do not converge are returned with the miss they ended at (infinite where the closure is singular);
-    it is the caller's to judge it.
+    Returns the poses and the largest link misses (n,). Rows that do not converge are returned with the miss they
+    ended at (infinite where the closure is singular); it is the caller's to judge it.
     """
     pose = np.array(guess, dtype=float)
     residual = closure_residual(machine, pose, q_m)
@@ -115,7 +122,9 @@ def newton(
     for _ in range(_NEWTON_STEPS):
         if active.size == 0:
             break
-        J = closure_jacobian(machine, pose[active], q_m[active])
+        # A guess may put a platform joint on its cart joint: that link has no direction, and J is singular.
+        with np.errstate(invalid="ignore"):
+            J = closure_jacobian(machine, pose[active], q_m[active])
         singular = ~(np.abs(np.linalg.det(J)) > 1e-14)
         J[singular] = np.eye(6)
         step = np.linalg.solve(J, -residual[active][..., None])[..., 0]
@@ -151,10 +160,11 @@ def forward_kinematics(machine: Machine, q_m: FloatArray, guess: FloatArray, tol
 
 
 def follow(machine: Machine, q_m: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """March along curves of actuator positions (n, m, 5) from their start poses (n, 6), all curves in step.
+    """March along curves of actuator positions (n, m, 5) from start poses (n, 6), all curves in step.
 
-    Every pose is predicted from the last two and corrected by Newton's method. Returns poses (n, m, 6) and the
-    largest link misses (n, m); a curve that is lost keeps its last pose and an infinite miss from there on.
+    Every pose is predicted from the last two and corrected by Newton's method; a curve is lost where that fails or
+    leads to another assembly. Returns poses (n, m, 6) and the largest link misses (n, m); a lost curve keeps its
+    last pose and an infinite miss from there on.
     """
     n, m = q_m.shape[:2]
     poses = np.empty((n, m, 6))
@@ -164,8 +174,9 @@ def follow(machine: Machine, q_m: FloatArray, start: FloatArray) -> tuple[FloatA
     velocity = np.zeros((n, 6))
     for k in range(m):
         poses[:, k] = previous
-        pose, miss = newton(machine, q_m[alive, k], previous[alive] + velocity[alive])
-        good = miss <= 1e-9
+        predicted = previous[alive] + velocity[alive]
+        pose, miss = newton(machine, q_m[alive, k], predicted)
+        good = (miss <= 1e-9) & (np.abs(pose - predicted).max(axis=1) <= _MAX_CORRECTION)
         rows = np.flatnonzero(alive)
         alive[rows[~good]] = False
         rows = rows[good]

@@ -1,4 +1,4 @@
-"""The statics matrix H, its condition number and the sign of its determinant: the distance to Type-II singularities."""
+"""The statics matrix H, its condition number and the sign of its determinant: how near Type-II singularities are."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def statics_matrix(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> F
 
 
 def condition_number(H: FloatArray) -> FloatArray:
-    """kappa = cond_2(H), infinite where H is singular. Shape (...)."""
+    """Compute kappa = cond_2(H), infinite where H is singular. Shape (...)."""
     singular_values = np.linalg.svd(H, compute_uv=False)
     with np.errstate(divide="ignore"):
         kappa: FloatArray = singular_values[..., 0] / singular_values[..., -1]

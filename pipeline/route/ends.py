@@ -78,7 +78,7 @@ def _unreachable(pose: FloatArray, mode: int) -> End:
 def _why_unreachable(discriminants: FloatArray) -> str:
     short = [f"arm {k + 1}" for k in range(3) if discriminants[k] < 0.0]
     if short:
-        return f"is out of reach: {' and '.join(short)} cannot stretch from its rail to the platform"
+        return f"is out of reach for {' and '.join(short)}: the rail is farther from the platform than the link is long"
     return "is out of reach: the triangle of links 3a and 3c cannot close at this pose and mode"
 
 

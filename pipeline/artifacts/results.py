@@ -1,0 +1,142 @@
+"""The files of each stage's result: what is written, and how it is loaded back."""
+
+import io
+import pathlib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeline.artifacts.files import json_bytes
+from pipeline.artifacts.layout import (
+    PATH_CSV,
+    PATH_NPZ,
+    REGIONS_NPZ,
+    ROUTE_CSV,
+    ROUTE_NPZ,
+    TRAJECTORY_CSV,
+    TRAJECTORY_JSON,
+    TRAJECTORY_NPZ,
+    failure_names,
+    figure_name,
+)
+from pipeline.artifacts.pack import (
+    Q_COLUMNS,
+    npz_bytes,
+    pack_refinement,
+    pack_regions,
+    pack_route,
+    pack_trajectory,
+    read_npz,
+    readable,
+    unpack_refinement,
+    unpack_regions,
+    unpack_route,
+    unpack_trajectory,
+)
+from pipeline.export.columns import POSE
+from pipeline.export.csv import format_csv, trajectory_columns
+from pipeline.machine.geometry import Machine
+from pipeline.refine.measure import PathSamples
+from pipeline.refine.result import Path, Refinement
+from pipeline.retime.result import Trajectory, TrajectorySamples
+from pipeline.route.regions import RegionTable
+from pipeline.route.result import Route
+from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Files = dict[str, bytes]
+
+
+def regions_files(table: RegionTable) -> Files:
+    """Write the region table."""
+    return {REGIONS_NPZ: npz_bytes(pack_regions(table))}
+
+
+def load_regions(folder: pathlib.Path) -> RegionTable:
+    """Load the region table of a run."""
+    with readable(folder / REGIONS_NPZ):
+        return unpack_regions(read_npz(folder / REGIONS_NPZ))
+
+
+def route_files(route: Route) -> Files:
+    """Write the route: a row per step for people and programs, and everything to load it back."""
+    columns = {
+        "step": np.arange(len(route)),
+        "region": route.region,
+        "mode": np.array(route.mode_names),
+        **_columns(POSE, route.pose),
+        "kappa": route.kappa,
+        **_columns(Q_COLUMNS, route.q_m),
+    }
+    return {ROUTE_NPZ: npz_bytes(pack_route(route)), ROUTE_CSV: _csv(columns)}
+
+
+def load_route(folder: pathlib.Path) -> Route:
+    """Load the route of a run."""
+    with readable(folder / ROUTE_NPZ):
+        return unpack_route(read_npz(folder / ROUTE_NPZ))
+
+
+def path_files(refinement: Refinement, samples: PathSamples) -> Files:
+    """Write both paths as splines, and dense samples of the refined one."""
+    columns = {
+        "s": samples.s,
+        **_columns(POSE, samples.pose),
+        "kappa": samples.kappa,
+        **_columns(Q_COLUMNS, samples.q_m),
+    }
+    return {PATH_NPZ: npz_bytes(pack_refinement(refinement)), PATH_CSV: _csv(columns)}
+
+
+def load_refinement(folder: pathlib.Path, machine: Machine) -> Refinement:
+    """Load both paths of a run, for the machine they were made for."""
+    with readable(folder / PATH_NPZ):
+        return unpack_refinement(read_npz(folder / PATH_NPZ), machine)
+
+
+def trajectory_files(trajectory: Trajectory, samples: TrajectorySamples, sidecar: Mapping[str, Any]) -> Files:
+    """Write the trajectory: sampled for controllers, what its columns mean, and everything to load it back."""
+    return {
+        TRAJECTORY_NPZ: npz_bytes(pack_trajectory(trajectory)),
+        TRAJECTORY_CSV: _csv(trajectory_columns(samples)),
+        TRAJECTORY_JSON: json_bytes(sidecar),
+    }
+
+
+def load_trajectory(folder: pathlib.Path, path: Path) -> Trajectory:
+    """Load the trajectory of a run, along the path it was made for."""
+    with readable(folder / TRAJECTORY_NPZ):
+        return unpack_trajectory(read_npz(folder / TRAJECTORY_NPZ), path)
+
+
+def figure_files(figures: Mapping[str, "Figure"]) -> Files:
+    """Write every figure as a picture of its own name."""
+    files = {}
+    for name, figure in figures.items():
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="png")
+        files[figure_name(name)] = buffer.getvalue()
+    return files
+
+
+def failure_files(stage: Stage, facts: Mapping[str, Any], diagnosis: Mapping[str, object]) -> Files:
+    """Write why a stage failed; arrays of the diagnosis go to a file of their own."""
+    text_name, arrays_name = failure_names(stage)
+    arrays = {key: value for key, value in diagnosis.items() if isinstance(value, np.ndarray) and value.dtype != object}
+    rest = {key: value for key, value in diagnosis.items() if key not in arrays}
+    files = {text_name: json_bytes({**facts, "diagnosis": rest, "arrays": sorted(arrays)})}
+    if arrays:
+        files[arrays_name] = npz_bytes(arrays)
+    return files
+
+
+def _columns(names: tuple[str, ...], table: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:
+    return dict(zip(names, table.T, strict=True))
+
+
+def _csv(columns: Mapping[str, npt.NDArray[Any]]) -> bytes:
+    return format_csv(columns).encode()

@@ -1,0 +1,70 @@
+"""What a run folder remembers: for each stage what its result was made from, and the hashes of its files."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from pipeline.artifacts.files import sha256
+from pipeline.artifacts.layout import RESULT, STATE
+from pipeline.stage import Stage
+
+
+class Record(BaseModel):
+    """How a stage ended.
+
+    Attributes
+    ----------
+    fingerprint : str
+        Hash of everything the result was made from.
+    status : str
+        Whether there is a result.
+    seconds : float
+        How long it took.
+    files : dict
+        Hash of every file written, by name.
+    summary : dict
+        The stage's part of `summary.json`.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    fingerprint: str
+    status: Literal["done", "failed"]
+    seconds: float
+    files: dict[str, str]
+    summary: dict[str, Any]
+
+    def result_sha256(self, stage: Stage) -> str:
+        """Hash of the file the result is loaded from: later stages depend on it."""
+        return self.files.get(RESULT[stage], "")
+
+    def damage(self, folder: Path) -> list[str]:
+        """Files that are missing or no longer what was written."""
+        return [name for name, expected in self.files.items() if sha256(folder / name) != expected]
+
+
+class State(BaseModel):
+    """The records of a run folder, and the configuration they belong to."""
+
+    model_config = ConfigDict(frozen=True)
+
+    config_sha256: str = ""
+    stages: dict[Stage, Record] = {}
+
+    def replace(self, records: Mapping[Stage, Record | None], config_sha256: str) -> "State":
+        """Put other records in the place of some; None takes one away."""
+        merged = {**self.stages, **records}
+        kept = {stage: merged[stage] for stage in Stage if merged.get(stage) is not None}
+        return State.model_validate({"config_sha256": config_sha256, "stages": kept})
+
+
+def read_state(folder: Path) -> State | None:
+    """Read the state; an unreadable one counts as empty, None means that there is none."""
+    try:
+        return State.model_validate_json((folder / STATE).read_bytes())
+    except FileNotFoundError:
+        return None
+    except ValidationError:
+        return State()

@@ -1,0 +1,177 @@
+"""What a machine and its task are, as tables: geometry, reach, grid, start and goal."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from rich.console import RenderableType
+from rich.table import Table
+
+from pipeline.config import Config
+from pipeline.machine import condition_number, inverse_kinematics, min_distances, statics_matrix
+from pipeline.machine.geometry import (
+    ACTUATORS,
+    ARM_OF_LINK,
+    LINKS,
+    MODES,
+    TELESCOPES,
+    TRIANGLE,
+    FloatArray,
+    Machine,
+)
+from pipeline.route.ends import End
+from pipeline.route.grid import grid_axes
+
+_REACH_STEP_M = 0.04
+
+
+@dataclass(frozen=True)
+class Reach:
+    """The part of the YZ plane a machine can use without tilt in one working mode; (least, largest), None if empty."""
+
+    x_m: tuple[float, float] | None
+    y_m: tuple[float, float] | None
+    z_m: tuple[float, float] | None
+    area_m2: float
+
+
+def usable_reach(machine: Machine, mode: int, kappa_max: float) -> Reach:
+    """Measure, on a grid, where arms reach, strokes, carts and clearances are kept, and kappa is within its cap."""
+    size = np.nansum([np.nanmax(machine.lengths_m), np.linalg.norm(machine.platform_points_m, axis=1).max()])
+    low, high = machine.rails_m.min(axis=0) - size, machine.rails_m.max(axis=0) + size
+    y, z = (np.arange(a, b, _REACH_STEP_M) for a, b in zip(low, high, strict=True))
+    controlled = np.zeros((len(y) * len(z), 5))
+    controlled[:, 1:3] = np.stack(np.meshgrid(y, z), axis=-1).reshape(-1, 2)
+    solution = inverse_kinematics(machine, controlled, np.full(len(controlled), mode))
+    rows = np.flatnonzero(solution.reachable)
+    pose, q = solution.pose[rows], solution.q_m[rows]
+    # q was computed at x = 0, and all carts move with x.
+    least = (machine.travel_m[:, 0] - q[:, :3]).max(axis=1)
+    largest = (machine.travel_m[:, 1] - q[:, :3]).min(axis=1)
+    strokes = machine.strokes_m
+    usable = (least <= largest) & np.all((q[:, 3:] >= strokes[:, 0]) & (q[:, 3:] <= strokes[:, 1]), axis=1)
+    kappa = condition_number(statics_matrix(machine, pose, q[:, :3]))
+    links, rails = min_distances(machine, pose, q[:, :3])
+    # Without a limit for rails theirs is NaN, and no distance is below it.
+    usable &= (kappa <= kappa_max) & (links >= machine.link_link_m) & ~(rails < machine.link_rail_m)
+    if not usable.any():
+        return Reach(None, None, None, 0.0)
+    x = np.concatenate([least[usable], largest[usable]])
+    y, z = pose[usable, 1], pose[usable, 2]
+    return Reach(_span(x), _span(y), _span(z), len(y) * _REACH_STEP_M**2)
+
+
+def _span(values: FloatArray) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
+
+
+def machine_report(config: Config, machine: Machine, ends: tuple[End, End]) -> list[RenderableType]:
+    """Describe a machine and its task."""
+    return [
+        _degrees_of_freedom(config),
+        _actuators(config, machine),
+        _links(machine),
+        _reach(config, machine),
+        _grid(config),
+        _ends(config, ends),
+    ]
+
+
+def _degrees_of_freedom(config: Config) -> str:
+    locked = config.task.locked_axes
+    axes = [axis for axis in ("x", "y", "z", "rx", "rz") if axis not in locked]
+    held = f" {' and '.join(locked)} held at zero;" if locked else ""
+    return (
+        f"{config.name}: {len(ACTUATORS)} actuators, {len(axes)} degrees of freedom in this task "
+        f"({', '.join(axes)});{held} ry follows from the triangle of links 3a and 3c"
+    )
+
+
+def _table(title: str, *columns: str, text: int = 1) -> Table:
+    """Make a table whose first `text` columns are words, the others numbers."""
+    table = Table(title=title, title_justify="left")
+    for index, column in enumerate(columns):
+        table.add_column(column, justify="left" if index < text else "right")
+    return table
+
+
+def _actuators(config: Config, machine: Machine) -> Table:
+    table = _table(
+        "Actuators", "actuator", "what", "least m", "largest m", "velocity m/s", "acceleration m/s^2", text=2
+    )
+    carts = [f"cart of arm {k + 1}, rail at y {y:g} m, z {z:g} m" for k, (y, z) in enumerate(machine.rails_m)]
+    telescopes = [f"telescopic link {LINKS[link]}" for link in TELESCOPES]
+    limits = np.column_stack([machine.actuator_limits_m, machine.velocity_mps, machine.acceleration_mps2])
+    for name, what, row in zip(ACTUATORS, carts + telescopes, limits, strict=True):
+        table.add_row(name, what, *(f"{value:g}" for value in row))
+    return table
+
+
+def _links(machine: Machine) -> Table:
+    table = _table("Links", "link", "arm", "kind", "length m", text=3)
+    for link, name in enumerate(LINKS):
+        length = machine.lengths_m[link]
+        kind = "telescope" if link in TELESCOPES else "triangle" if link == TRIANGLE else "fixed"
+        stroke = dict(zip(TELESCOPES.tolist(), machine.strokes_m, strict=True)).get(link)
+        text = f"{length:.6g}" if stroke is None else f"{stroke[0]:g} to {stroke[1]:g}"
+        table.add_row(name, str(ARM_OF_LINK[link] + 1), kind, text)
+    return table
+
+
+def _reach(config: Config, machine: Machine) -> Table:
+    cap = config.route.kappa_max
+    table = _table(
+        f"Reach without tilt (kappa up to {cap:g}, strokes, carts and clearance kept; to {_REACH_STEP_M:g} m)",
+        "working mode",
+        "x m",
+        "y m",
+        "z m",
+        "area m^2",
+    )
+    for mode in dict.fromkeys((config.task.start.mode, config.task.goal.mode)):
+        reach = usable_reach(machine, MODES.index(mode), cap)
+        spans = [
+            "none" if span is None else f"{span[0]:.2f} to {span[1]:.2f}" for span in (reach.x_m, reach.y_m, reach.z_m)
+        ]
+        table.add_row(mode, *spans, f"{reach.area_m2:.2f}")
+    return table
+
+
+def _grid(config: Config) -> Table:
+    axes = grid_axes(config)
+    count = len(MODES) * int(np.prod([len(axis) for axis in axes]))
+    table = _table(
+        f"Grid: {count:,} candidates in {len(MODES)} working modes, gates come on top",
+        "axis",
+        "least",
+        "largest",
+        "step",
+        "points",
+    )
+    grid = config.route.grid
+    steps = (grid.y_m.step, grid.z_m.step, grid.rx_step_deg, grid.rz_step_deg)
+    for name, axis, step in zip(("y m", "z m", "rx deg", "rz deg"), axes, steps, strict=True):
+        values = np.rad2deg(axis) if name.endswith("deg") else axis
+        table.add_row(name, f"{values[0]:.4g}", f"{values[-1]:.4g}", f"{step:g}", str(len(axis)))
+    return table
+
+
+def _ends(config: Config, ends: tuple[End, End]) -> Table:
+    table = _table("Task", "quantity", "unit", "start", "goal", "limit", text=2)
+    table.add_row("working mode", "", *(MODES[end.mode] for end in ends), "")
+    tilt = f"+/- {config.task.tilt_max_deg:g}"
+    for index, (name, limit) in enumerate((("x", ""), ("y", ""), ("z", ""), ("rx", tilt), ("ry", ""), ("rz", tilt))):
+        values = [end.pose[index] for end in ends]
+        unit = "m" if index < 3 else "deg"
+        shown = values if index < 3 else [np.rad2deg(value) for value in values]
+        table.add_row(name, unit, *(f"{value:.4f}" for value in shown), limit)
+    machine_limits = [*(rail.travel_m for rail in config.machine.rails)]
+    machine_limits += [config.machine.links.l2b.stroke_m, config.machine.links.l3b.stroke_m]
+    for index, (name, (least, largest)) in enumerate(zip(ACTUATORS, machine_limits, strict=True)):
+        table.add_row(name, "m", *(f"{end.q_m[index]:.4f}" for end in ends), f"{least:g} to {largest:g}")
+    table.add_row("kappa", "", *(f"{end.kappa:.3f}" for end in ends), f"<= {config.route.kappa_max:g}")
+    table.add_row("sign of det H", "", *(f"{end.det_sign:+.0f}" for end in ends), "equal")
+    clearance = config.machine.clearance
+    rail = "not checked" if clearance.link_rail_m is None else f">= {clearance.link_rail_m:g}"
+    table.add_row("link to link", "m", *(f"{end.link_distance_m:.4f}" for end in ends), f">= {clearance.link_link_m:g}")
+    table.add_row("link to rail", "m", *(f"{end.rail_distance_m:.4f}" for end in ends), rail)
+    return table

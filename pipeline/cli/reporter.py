@@ -1,0 +1,103 @@
+"""Progress of a run on stderr: a live line on a terminal, now and then a plain one elsewhere."""
+
+import time
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Column
+
+from pipeline.progress import Progress as ProgressFunction
+from pipeline.stage import STAGES, Stage
+
+_EVERY_S = 5.0
+"""Least time between two plain lines of a stage."""
+_WIDTH = max(len(stage) for stage in STAGES)
+
+
+class PlainReporter:
+    """Lines for logs and pipes, and for terminals that solvers write to as well."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pass
+
+    def begin(self, stage: Stage) -> ProgressFunction:
+        """Say that a stage begins; later messages appear when the last one is old enough."""
+        self._console.print(f"{stage}: started", soft_wrap=True)
+        said = time.monotonic()
+
+        def progress(message: str, fraction: float | None = None) -> None:
+            nonlocal said
+            if time.monotonic() - said >= _EVERY_S:
+                said = time.monotonic()
+                done = "" if fraction is None else f" ({fraction:.0%})"
+                self._console.print(f"{stage}: {message}{done}", soft_wrap=True)
+
+        return progress
+
+    def end(self, stage: Stage, outcome: str, seconds: float) -> None:
+        """Say how a stage ended."""
+        took = "" if outcome == "unchanged" else f" ({seconds:.1f} s)"
+        self._console.print(f"{stage}: {outcome}{took}", soft_wrap=True)
+
+
+class LiveReporter:
+    """A line that moves: stage, what it is doing, how far it is, for how long; finished stages stay above it."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._live = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.fields[stage]}", markup=False),
+            BarColumn(bar_width=24),
+            TimeElapsedColumn(),
+            TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, ratio=1)),
+            console=console,
+            transient=True,
+            expand=True,
+        )
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> Self:
+        self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._live.stop()
+
+    def begin(self, stage: Stage) -> ProgressFunction:
+        """Show a stage as working."""
+        self._task = self._live.add_task("", total=None, stage=f"{stage:<{_WIDTH}}")
+        task = self._live.tasks[-1]
+
+        def progress(message: str, fraction: float | None = None) -> None:
+            # Without a total the bar pulses: the stage works, and cannot say how far it is.
+            task.total = None if fraction is None else 1.0
+            self._live.update(task.id, description=message, completed=fraction or 0.0)
+
+        return progress
+
+    def end(self, stage: Stage, outcome: str, seconds: float) -> None:
+        """Leave a line about a stage that ended."""
+        if self._task is not None:
+            self._live.remove_task(self._task)
+            self._task = None
+        took = "" if outcome == "unchanged" else f"{seconds:8.1f} s"
+        self._console.print(f"  {stage:<{_WIDTH}} {outcome:<9} {took}")
+
+
+def make_reporter(console: Console, verbose: bool) -> PlainReporter | LiveReporter:
+    """Choose how to show progress: live where the terminal can, and has not been given to the solvers' logs."""
+    live = console.is_terminal and not console.is_dumb_terminal and not verbose
+    return LiveReporter(console) if live else PlainReporter(console)

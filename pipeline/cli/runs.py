@@ -1,0 +1,147 @@
+"""Commands that run stages: run, route, refine, retime."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeline.cli.console import messages_console, results_console
+from pipeline.cli.reporter import make_reporter
+from pipeline.errors import ConfigError, UsageError
+from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from pipeline.config import Config
+
+_RESULTS = Path("results")
+
+ConfigArgument = Annotated[Path, typer.Argument(metavar="CONFIG", help="The YAML file of machine, task and options.")]
+OutOption = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder of the results. Default: results/<name in CONFIG>."),
+]
+ForceOption = Annotated[bool, typer.Option("--force", help="Run what is up to date again, too.")]
+VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the logs of the solvers.")]
+
+
+def run(
+    config: ConfigArgument,
+    out: OutOption = None,
+    first: Annotated[
+        Stage | None,
+        typer.Option("--from", help="Run this stage and later ones again; earlier results must be up to date."),
+    ] = None,
+    last: Annotated[Stage | None, typer.Option("--to", help="Stop after this stage.")] = None,
+    force: ForceOption = False,
+    verbose: VerboseOption = False,
+) -> None:
+    """Run everything: regions, route, path, trajectory, figures.
+
+    Only stages whose part of CONFIG, or whose earlier results, have changed are run; the others are kept. What a new
+    result replaces moves to DIR/superseded, what is known of a failed stage is in DIR/failed.
+    """
+    _run(config, out, first, last, force, verbose)
+
+
+def route(
+    config: ConfigArgument, out: OutOption = None, force: ForceOption = False, verbose: VerboseOption = False
+) -> None:
+    """Stage one: find the regions, and the best route through them (a mixed-integer program).
+
+    The route is proven optimal over all admitted moves between regions, or proven not to exist.
+    """
+    _run(config, out, None, Stage.ROUTE, force, verbose)
+
+
+def refine(
+    config: ConfigArgument, out: OutOption = None, force: ForceOption = False, verbose: VerboseOption = False
+) -> None:
+    """Stage two: smooth the route into a path of splines in actuator space (a nonlinear program).
+
+    Runs stage one before, unless its result in DIR is up to date.
+    """
+    _run(config, out, None, Stage.REFINE, force, verbose)
+
+
+def retime(
+    config: ConfigArgument, out: OutOption = None, force: ForceOption = False, verbose: VerboseOption = False
+) -> None:
+    """Stage three: time the path within the actuators' limits, and write trajectory.csv.
+
+    Runs stages one and two before, unless their results in DIR are up to date: other limits or another period cost
+    a second.
+    """
+    _run(config, out, None, Stage.RETIME, force, verbose)
+
+
+def _run(path: Path, out: Path | None, first: Stage | None, last: Stage | None, force: bool, verbose: bool) -> None:
+    from pipeline.artifacts import sights
+    from pipeline.cli.stage_table import stage_table
+    from pipeline.run import run_pipeline
+
+    config = load(path)
+    folder = out or default_folder(config)
+    with make_reporter(messages_console(), verbose) as reporter:
+        report = run_pipeline(config, folder, first, last, force, reporter, verbose)
+    console = results_console()
+    console.print(stage_table(report))
+    stages = [outcome.stage for outcome in report.outcomes]
+    found = sights(report.folder, stages)
+    width = max(len(str(where)) for where, _ in found)
+    for where, what in found:
+        console.print(f"{where!s:<{width}}  {what}", soft_wrap=True)
+    console.print(f"Next: {_next_step(path, folder, out, stages[-1])}", soft_wrap=True)
+
+
+def load(path: Path) -> "Config":
+    """Read a configuration, and make sure that the machine can be at its start and goal.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be used; names the file.
+    """
+    from pipeline.config_file import load_config
+    from pipeline.machine.geometry import build_machine
+    from pipeline.route.ends import task_ends
+
+    config = load_config(path)
+    try:
+        task_ends(config, build_machine(config.machine))
+    except ConfigError as error:
+        raise ConfigError(list(error.issues), str(path)) from None
+    return config
+
+
+def default_folder(config: "Config") -> Path:
+    """Name the folder of results that goes with a configuration."""
+    if config.name.strip(".") == "":
+        raise UsageError(f"the name {config.name!r} makes no folder.\n  What to change: give one with --out.")
+    return _RESULTS / config.name
+
+
+def _next_step(path: Path, folder: Path, out: Path | None, last: Stage) -> str:
+    """Recommend what to do after a run that ended with a stage."""
+    where = f" --out {out}" if out else ""
+    if last in (Stage.REGIONS, Stage.ROUTE):
+        return f"gantry-tau refine {path}{where}"
+    if last is Stage.FIGURES:
+        return f"look at the pictures, then gantry-tau compare {folder}"
+    return f"gantry-tau compare {folder}, and pictures with gantry-tau run {path}{where}"
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        run,
+        (
+            "gantry-tau run configs/agder.yaml",
+            "gantry-tau run configs/agder.yaml --out /tmp/try --to route    (regions and route only)",
+            "gantry-tau run configs/agder.yaml --from retime    (path in time and figures, whatever has changed)",
+        ),
+    ),
+    (route, ("gantry-tau route configs/quick.yaml -v",)),
+    (refine, ("gantry-tau refine configs/quick.yaml",)),
+    (retime, ("gantry-tau retime configs/quick.yaml",)),
+)
+"""Every command with its examples."""

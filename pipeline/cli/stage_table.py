@@ -1,0 +1,70 @@
+"""What a run did, as a short table: each stage, how it went, and its key figures in words."""
+
+from typing import Any
+
+from rich.table import Table
+
+from pipeline.run import RunReport
+from pipeline.stage import Stage
+
+_UNCHANGED = "unchanged"
+
+
+def stage_table(report: RunReport) -> Table:
+    """Tabulate the stages of a run."""
+    table = Table(title=f"{report.summary['name']}: what was done", title_justify="left")
+    table.add_column("stage")
+    table.add_column("status")
+    table.add_column("seconds", justify="right")
+    table.add_column("key figures")
+    for outcome in report.outcomes:
+        status = str(outcome.section["status"])
+        if outcome.outcome == _UNCHANGED:
+            status += f", {_UNCHANGED}"
+        table.add_row(outcome.stage, status, f"{outcome.seconds:.1f}", key_figures(outcome.stage, outcome.section))
+    return table
+
+
+def key_figures(stage: Stage, section: dict[str, Any]) -> str:
+    """Tell a stage's part of the summary in a few words."""
+    return _TELL[stage](section)
+
+
+def _regions(section: dict[str, Any]) -> str:
+    return f"{section['count']:,} regions, {section['gates']:,} of them gates"
+
+
+def _route(section: dict[str, Any]) -> str:
+    return (
+        f"{section['steps']} steps, {section['mode_changes']} mode changes; sum of kappa {section['objective']:.1f} "
+        f"(gap {section['gap']:.2%}), largest {section['kappa_max']:.1f}"
+    )
+
+
+def _path(section: dict[str, Any]) -> str:
+    coarse, refined = section["coarse_kappa_integral"], section["kappa_integral"]
+    return (
+        f"kappa integral {refined:.1f} ({refined / coarse - 1.0:+.1%} against the route), "
+        f"largest {section['kappa_max']:.1f}; links at least {section['min_link_distance_m']:.4f} m apart"
+    )
+
+
+def _trajectory(section: dict[str, Any]) -> str:
+    usage = section["usage"]
+    return (
+        f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; "
+        f"up to {max(usage['velocity']):.0%} of velocity, {max(usage['acceleration']):.0%} of acceleration limits"
+    )
+
+
+def _figures(section: dict[str, Any]) -> str:
+    return f"{section['count']} pictures"
+
+
+_TELL = {
+    Stage.REGIONS: _regions,
+    Stage.ROUTE: _route,
+    Stage.REFINE: _path,
+    Stage.RETIME: _trajectory,
+    Stage.FIGURES: _figures,
+}

@@ -1,0 +1,36 @@
+"""The pictures of a run, as matplotlib figures; saving them is the caller's.
+
+Only matplotlib's object-oriented interface is used: no windows, no global state, nothing to close.
+"""
+
+from matplotlib.figure import Figure
+
+from pipeline.compare.figures.clearance import clearance_figure
+from pipeline.compare.figures.kappa import kappa_figure
+from pipeline.compare.figures.route import route_figure
+from pipeline.compare.figures.trajectory import trajectory_figure
+from pipeline.config import Config
+from pipeline.machine.geometry import Machine
+from pipeline.refine.measure import PathSamples
+from pipeline.retime.result import TrajectorySamples
+from pipeline.route.result import Route
+
+__all__ = ["all_figures", "clearance_figure", "kappa_figure", "route_figure", "trajectory_figure"]
+
+
+def all_figures(
+    config: Config,
+    machine: Machine,
+    route: Route,
+    coarse: PathSamples | None = None,
+    refined: PathSamples | None = None,
+    trajectory: TrajectorySamples | None = None,
+) -> dict[str, Figure]:
+    """Draw every figure that the results at hand allow; the keys are the stems of the files to be."""
+    figures = {"route": route_figure(config, machine, route, coarse, refined)}
+    if coarse is not None and refined is not None:
+        figures["kappa"] = kappa_figure(config, machine, route, coarse, refined)
+        figures["clearance"] = clearance_figure(config, machine, coarse, refined)
+    if trajectory is not None:
+        figures["trajectory"] = trajectory_figure(machine, trajectory)
+    return figures

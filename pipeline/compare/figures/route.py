@@ -1,0 +1,259 @@
+"""The route in the YZ plane, step by step over maps of kappa (as in Fig. 6 of the paper)."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+from pipeline.compare.figures import style
+from pipeline.compare.figures.maps import KappaMap, kappa_map
+from pipeline.compare.figures.samples import corner_samples
+from pipeline.config import Config
+from pipeline.machine.geometry import FloatArray, IntArray, Machine
+from pipeline.machine.kinematics import inverse_kinematics
+from pipeline.refine.measure import PathSamples
+from pipeline.route.result import Route
+
+MAX_PANELS = 12
+_COLUMNS = 3
+_POINTS_Y, _POINTS_Z = 120, 100
+_COARSE_POINTS = 40
+_MARGIN_M = 0.05
+_COLORMAP = "Blues"
+_LOOP_COLOUR = style.YELLOW
+
+_REFINED_LINE: dict[str, Any] = {"color": style.REFINED, "linewidth": 0.8, "label": "refined path"}
+_ROUTE_LINE: dict[str, Any] = {"color": style.COARSE, "linewidth": 1.4, "label": "route so far"}
+_START: dict[str, Any] = {
+    "marker": "o",
+    "color": style.GREEN,
+    "markersize": 3.5,
+    "linestyle": "none",
+    "label": "start",
+}
+_GOAL: dict[str, Any] = {
+    "marker": "s",
+    "color": style.GREEN,
+    "markersize": 6.5,
+    "fillstyle": "none",
+    "linestyle": "none",
+    "label": "goal",
+}
+_HERE: dict[str, Any] = {
+    "marker": "o",
+    "color": style.ORANGE,
+    "markeredgecolor": style.BLACK,
+    "markersize": 4.0,
+    "markeredgewidth": 0.6,
+}
+
+
+class _Window(NamedTuple):
+    """The part of the YZ plane that is shown, in metres."""
+
+    y_least: float
+    y_largest: float
+    z_least: float
+    z_largest: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Canvas:
+    """What all panels share; the coarse path (m, 2) reaches step i at its row `corners[i]`."""
+
+    norm: LogNorm
+    window: _Window
+    route: Route
+    coarse_yz: FloatArray
+    corners: IntArray
+    refined_yz: FloatArray | None
+
+
+@style.styled
+def route_figure(
+    config: Config, machine: Machine, route: Route, coarse: PathSamples | None, refined: PathSamples | None
+) -> Figure:
+    """Draw up to twelve steps of the route, each over the map of kappa for its tilt and working mode.
+
+    Dark is near a Type-II singularity, the yellow loops are det H = 0, the hatched area is out of reach.
+    """
+    steps = select_steps(route, MAX_PANELS)
+    coarse_yz = (route.pose if coarse is None else coarse.pose)[:, 1:3]
+    refined_yz = None if refined is None else refined.pose[:, 1:3]
+    window = _window(config, machine, route, steps, [coarse_yz] if refined_yz is None else [coarse_yz, refined_yz])
+    maps = _maps(machine, route, steps, window)
+    canvas = _Canvas(
+        norm=_norm(maps, config.route.kappa_max),
+        window=window,
+        route=route,
+        coarse_yz=coarse_yz,
+        corners=np.arange(len(route)) if coarse is None else corner_samples(coarse, route),
+        refined_yz=refined_yz,
+    )
+    return _draw(canvas, steps, maps)
+
+
+def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
+    columns = min(_COLUMNS, len(steps))
+    rows = -(-len(steps) // columns)
+    figure = style.new_figure(_height_in(canvas, rows, columns))
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    panels = list(grid.flat)
+    for axes, step, a_map in zip(panels, steps, maps, strict=False):
+        _draw_panel(axes, canvas, int(step), a_map)
+    for axes in panels[len(steps) :]:
+        axes.remove()
+    _label_outer(panels[: len(steps)], columns)
+    _add_colour_bar(figure, panels[: len(steps)], canvas.norm)
+    figure.legend(handles=_legend_handles(canvas), loc="outside lower center", ncols=3)
+    return figure
+
+
+def select_steps(route: Route, count: int) -> IntArray:
+    """Choose at most `count` >= 3 steps evenly, with the first, the last and that of the largest kappa."""
+    last = len(route) - 1
+    steps = np.unique(np.linspace(0, last, min(count, len(route))).round().astype(np.int64))
+    worst = int(np.argmax(route.kappa))
+    if worst not in steps:
+        nearest = 1 + int(np.argmin(np.abs(steps[1:-1] - worst)))
+        steps[nearest] = worst
+    return steps
+
+
+def _maps(machine: Machine, route: Route, steps: IntArray, window: _Window) -> list[KappaMap]:
+    y_m = np.linspace(window.y_least, window.y_largest, _POINTS_Y)
+    z_m = np.linspace(window.z_least, window.z_largest, _POINTS_Z)
+    tilts = [(float(route.pose[i, 3]), float(route.pose[i, 5])) for i in steps]
+    return [kappa_map(machine, y_m, z_m, tilt, int(route.modes[i])) for i, tilt in zip(steps, tilts, strict=True)]
+
+
+def _norm(maps: list[KappaMap], kappa_max: float) -> LogNorm:
+    least = min((float(np.nanmin(a.kappa)) for a in maps if np.isfinite(a.kappa).any()), default=1.0)
+    return LogNorm(min(least, 0.5 * kappa_max), kappa_max)
+
+
+def _window(config: Config, machine: Machine, route: Route, steps: IntArray, paths: list[FloatArray]) -> _Window:
+    """Bounds of everything there is to see: what the grid and some step can reach, and the paths."""
+    grid = config.route.grid
+    y, z = np.meshgrid(*(np.linspace(axis.min, axis.max, _COARSE_POINTS) for axis in (grid.y_m, grid.z_m)))
+    points = [route.pose[:, 1:3], *paths]
+    for i in steps:
+        controlled = np.column_stack(
+            [np.zeros(y.size), y.ravel(), z.ravel(), np.tile(route.pose[i, [3, 5]], (y.size, 1))]
+        )
+        reachable = inverse_kinematics(machine, controlled, np.full(y.size, route.modes[i])).reachable
+        points.append(controlled[reachable, 1:3])
+    seen = np.concatenate(points)
+    (y_least, z_least), (y_largest, z_largest) = seen.min(axis=0) - _MARGIN_M, seen.max(axis=0) + _MARGIN_M
+    return _Window(float(y_least), float(y_largest), float(z_least), float(z_largest))
+
+
+def _height_in(canvas: _Canvas, rows: int, columns: int) -> float:
+    window = canvas.window
+    aspect = (window.z_largest - window.z_least) / (window.y_largest - window.y_least)
+    panel_in = (style.WIDTH_IN - 0.4) / columns * aspect
+    return rows * (panel_in + 0.28) + 1.25
+
+
+def _draw_panel(axes: Axes, canvas: _Canvas, step: int, a_map: KappaMap) -> None:
+    route = canvas.route
+    axes.grid(False)
+    axes.set_facecolor(style.LIGHT_GREY)
+    axes.patch.set(hatch="//////", edgecolor="white", linewidth=0.0)
+    axes.imshow(
+        a_map.kappa,
+        norm=canvas.norm,
+        cmap=_COLORMAP,
+        origin="lower",
+        extent=_extent(a_map),
+        interpolation="nearest",
+    )
+    if a_map.has_singularities:
+        axes.contour(
+            a_map.y_m,
+            a_map.z_m,
+            a_map.det,
+            levels=[0.0],
+            colors=_LOOP_COLOUR,
+            linewidths=0.9,
+            corner_mask=False,
+        )
+    _draw_paths(axes, canvas, step)
+    axes.set_xlim(canvas.window.y_least, canvas.window.y_largest)
+    axes.set_ylim(canvas.window.z_least, canvas.window.z_largest)
+    tilts = np.rad2deg(route.pose[step, [3, 5]])
+    axes.set_title(
+        f"step {step + 1}  {route.mode_names[step]}  κ {route.kappa[step]:.1f}\n"
+        f"rx {_degrees(tilts[0])}  rz {_degrees(tilts[1])}",
+        fontsize=style.SMALL_TEXT_PT,
+        linespacing=1.1,
+    )
+
+
+def _extent(a_map: KappaMap) -> tuple[float, float, float, float]:
+    """Edges of the image whose pixels are centred on the map's points."""
+    y, z = a_map.y_m, a_map.z_m
+    half_y, half_z = 0.5 * (y[1] - y[0]), 0.5 * (z[1] - z[0])
+    return float(y[0] - half_y), float(y[-1] + half_y), float(z[0] - half_z), float(z[-1] + half_z)
+
+
+def _degrees(angle: float) -> str:
+    return f"{round(angle, 1) + 0.0:g}°".replace("-", "−")
+
+
+def _draw_paths(axes: Axes, canvas: _Canvas, step: int) -> None:
+    route = canvas.route
+    if canvas.refined_yz is not None:
+        axes.plot(*canvas.refined_yz.T, **_REFINED_LINE)
+    axes.plot(*canvas.coarse_yz[: canvas.corners[step] + 1].T, **_ROUTE_LINE)
+    axes.plot(*route.pose[0, 1:3], **_START)
+    axes.plot(*route.pose[-1, 1:3], **_GOAL)
+    axes.plot(*route.pose[step, 1:3], **_HERE)
+
+
+def _label_outer(panels: list[Axes], columns: int) -> None:
+    for number, axes in enumerate(panels):
+        axes.label_outer(remove_inner_ticks=True)
+        if number % columns == 0:
+            axes.set_ylabel("z (m)")
+        if number + columns >= len(panels):
+            axes.tick_params(bottom=True, labelbottom=True)
+            axes.set_xlabel("y (m)")
+
+
+def _add_colour_bar(figure: Figure, panels: list[Axes], norm: LogNorm) -> None:
+    bar = figure.colorbar(
+        ScalarMappable(norm, _COLORMAP),
+        ax=panels,
+        location="bottom",
+        extend="max",
+        aspect=35,
+        pad=0.02,
+        shrink=0.9,
+    )
+    bar.set_label("κ, the condition number of H (moments in m)")
+    bar.ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    bar.ax.xaxis.set_minor_locator(NullLocator())
+    bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def _legend_handles(canvas: _Canvas) -> list[Line2D | Patch]:
+    handles: list[Line2D | Patch] = [Line2D([], [], **_ROUTE_LINE)]
+    if canvas.refined_yz is not None:
+        handles.append(Line2D([], [], **_REFINED_LINE))
+    handles += [
+        Line2D([], [], linestyle="none", label="this step", **_HERE),
+        Line2D([], [], **_START),
+        Line2D([], [], **_GOAL),
+        Patch(facecolor=mpl.colormaps[_COLORMAP](1.0), edgecolor=_LOOP_COLOUR, label="det H = 0"),
+        Patch(facecolor=style.LIGHT_GREY, edgecolor="white", hatch="//////", linewidth=0.0, label="out of reach"),
+    ]
+    return handles

@@ -1,0 +1,92 @@
+"""One style for all figures: the colours, and sizes that can be read at half a page width.
+
+Figures are laid out at the width they are read at, half an A4 page, with text of 6 points and more. The
+settings hold while a figure is built (`styled`) and leave matplotlib's own as they were.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import MaxNLocator
+
+P = ParamSpec("P")
+
+WIDTH_IN = 3.5
+"""Width of every figure in inches."""
+DPI = 300
+
+# The palette of Okabe and Ito, which the colour-blind can tell apart.
+BLACK = "#000000"
+ORANGE = "#E69F00"
+SKY_BLUE = "#56B4E9"
+GREEN = "#009E73"
+YELLOW = "#F0E442"
+BLUE = "#0072B2"
+VERMILLION = "#D55E00"
+PURPLE = "#CC79A7"
+GREY = "#7F7F7F"
+LIGHT_GREY = "#DDDDDD"
+
+COARSE = BLACK
+REFINED = VERMILLION
+LIMIT_LINE: dict[str, Any] = {"color": GREY, "linestyle": (0, (4, 2)), "linewidth": 0.8}
+
+LENGTH_LABEL = "length along the path (steps)"
+
+TEXT_PT = 7
+SMALL_TEXT_PT = 6
+
+_STYLE: dict[Any, Any] = {
+    "font.size": TEXT_PT,
+    "axes.titlesize": TEXT_PT,
+    "axes.labelsize": TEXT_PT,
+    "axes.linewidth": 0.6,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.labelpad": 2.0,
+    "axes.titlepad": 3.0,
+    "grid.linewidth": 0.4,
+    "grid.color": "#E5E5E5",
+    "lines.linewidth": 1.0,
+    "lines.markersize": 3.0,
+    "hatch.linewidth": 0.4,
+    "legend.fontsize": SMALL_TEXT_PT,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.columnspacing": 1.0,
+    "legend.borderpad": 0.2,
+    "xtick.labelsize": SMALL_TEXT_PT,
+    "ytick.labelsize": SMALL_TEXT_PT,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.0,
+    "ytick.major.size": 2.0,
+    "xtick.major.pad": 2.0,
+    "ytick.major.pad": 2.0,
+}
+
+
+def styled(build: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Build a figure in this style and leave matplotlib's own settings untouched."""
+
+    @wraps(build)
+    def in_style(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with mpl.rc_context(_STYLE):
+            return build(*args, **kwargs)
+
+    return in_style
+
+
+def new_figure(height_in: float) -> Figure:
+    """Make an empty figure of the common width that lays itself out without overlaps."""
+    layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.02, hspace=0.02)
+    return Figure(figsize=(WIDTH_IN, height_in), dpi=DPI, layout=layout)
+
+
+def angle_locator() -> MaxNLocator:
+    """Place ticks at multiples of 15 or 30 degrees rather than 20 or 25."""
+    return MaxNLocator(5, steps=[1, 1.5, 3, 5, 10])

@@ -1,0 +1,142 @@
+"""The machine as CasADi functions: closure, joints, H and smooth condition numbers, for gradient-based optimisation.
+
+All take a pose (6,) = (x, y, z, rx, ry, rz) and actuator positions (5,). Links point along
+u_l = (A_l - C_l) / |A_l - C_l|, the norm and not the given length: H is then the NumPy one whether or not the closure
+holds, and does not depend on the telescopes, which leaves two columns of every Hessian empty.
+"""
+
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
+
+Smooth = Literal["schatten", "frobenius"]
+
+_SQUARINGS = 5
+_SCHATTEN = 2 * 2**_SQUARINGS
+"""Exponent of the singular values: kappa_2 <= kappa_s <= 6^(2 / 64) kappa_2, a bound within 6 per cent."""
+
+
+def closure_function(machine: Machine) -> ca.Function:
+    """Build (pose, q) -> residual (6,): (|A_l - C_l|^2 - len_l^2) / (2 L_l), by how many metres each link misses.
+
+    L_l is the link's length, for telescopes that in the middle of the stroke, so that the residual is a polynomial
+    in joints and lengths.
+    """
+    pose, q = _variables()
+    vectors, _ = _links(machine, pose, q)
+    lengths = ca.SX(machine.lengths_m)
+    lengths[TELESCOPES] = q[3:]
+    scale = machine.lengths_m.copy()
+    scale[TELESCOPES] = machine.strokes_m.mean(axis=1)
+    residual = (ca.sum1(vectors**2).T - lengths**2) / (2.0 * scale)
+    return ca.Function("closure", [pose, q], [residual], ["pose", "q"], ["residual"])
+
+
+def joints_function(machine: Machine) -> ca.Function:
+    """Build (pose, q) -> platform joints A (6, 3) and cart joints C (6, 3), a row per link."""
+    pose, q = _variables()
+    platform, _ = _platform_joints(machine, pose)
+    return ca.Function("joints", [pose, q], [platform.T, _cart_joints(machine, q).T], ["pose", "q"], ["A", "C"])
+
+
+def statics_function(machine: Machine) -> ca.Function:
+    """Build (pose, q) -> H of (1)-(2), (6, 6), as `statics.statics_matrix`."""
+    pose, q = _variables()
+    return ca.Function("statics", [pose, q], [_statics(machine, pose, q)], ["pose", "q"], ["H"])
+
+
+def kappa_function(machine: Machine, kind: Smooth) -> ca.Function:
+    """Build (pose, q) -> a smooth upper bound of kappa_2.
+
+    With M = H'H, "frobenius" is sqrt(tr(M) tr(M^-1)), up to six times kappa_2, and "schatten" is
+    (tr(M^32) tr(M^-32))^(1/64), at most 6 per cent above it.
+    """
+    pose, q = _variables()
+    H = _statics(machine, pose, q)
+    kappa = {"frobenius": _frobenius, "schatten": _schatten}[kind](_gram(H))
+    return ca.Function(f"kappa_{kind}", [pose, q], [kappa], ["pose", "q"], ["kappa"])
+
+
+def _variables() -> tuple[ca.SX, ca.SX]:
+    return ca.SX.sym("pose", 6), ca.SX.sym("q", 5)
+
+
+def _rotation(rx: ca.SX, ry: ca.SX, rz: ca.SX) -> ca.SX:
+    """R = Rx(rx) Rz(rz) Ry(ry)."""
+    cx, sx, cy, sy, cz, sz = ca.cos(rx), ca.sin(rx), ca.cos(ry), ca.sin(ry), ca.cos(rz), ca.sin(rz)
+    return ca.vertcat(
+        ca.horzcat(cz * cy, -sz, cz * sy),
+        ca.horzcat(cx * sz * cy + sx * sy, cx * cz, cx * sz * sy - sx * cy),
+        ca.horzcat(sx * sz * cy - cx * sy, sx * cz, sx * sz * sy + cx * cy),
+    )
+
+
+def _platform_joints(machine: Machine, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Joints A_l and arms A'_l = R a_l, both (3, 6)."""
+    # Sparse, so that the zeros of the geometry leave no trace in the expression.
+    points = ca.sparsify(ca.DM(machine.platform_points_m.T))
+    arms = ca.densify(_rotation(pose[3], pose[4], pose[5]) @ points)
+    return ca.repmat(pose[:3], 1, 6) + arms, arms
+
+
+def _cart_joints(machine: Machine, q: ca.SX) -> ca.SX:
+    """C_l, (3, 6)."""
+    fixed = machine.cart_offsets_m + np.column_stack([np.zeros(6), machine.rails_m[ARM_OF_LINK]])
+    carts = ca.horzcat(*(q[int(arm)] for arm in ARM_OF_LINK))
+    return ca.DM(fixed.T) + ca.vertcat(carts, ca.DM.zeros(2, 6))
+
+
+def _links(machine: Machine, pose: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Vectors A_l - C_l and arms A'_l, both (3, 6)."""
+    platform, arms = _platform_joints(machine, pose)
+    vectors: ca.SX = platform - _cart_joints(machine, q)
+    return vectors, arms
+
+
+def _statics(machine: Machine, pose: ca.SX, q: ca.SX) -> ca.SX:
+    vectors, arms = _links(machine, pose, q)
+    columns = []
+    for link in range(6):
+        u = vectors[:, link] / ca.norm_2(vectors[:, link])
+        columns.append(ca.vertcat(u, ca.cross(arms[:, link], u)))
+    return ca.horzcat(*columns)
+
+
+def _frobenius(M: ca.SX) -> ca.SX:
+    _, trace_of_inverse = _inverse_factor(M)
+    return ca.sqrt(ca.trace(M) * trace_of_inverse)
+
+
+def _schatten(M: ca.SX) -> ca.SX:
+    W, trace_of_inverse = _inverse_factor(M)
+    trace = ca.trace(M)
+    inverse = _gram(W)
+    # Divided by their traces both have eigenvalues of at most one: no power overflows.
+    powers = _trace_of_power(M / trace) * _trace_of_power(inverse / trace_of_inverse)
+    kappa: ca.SX = ca.sqrt(trace * trace_of_inverse) * powers ** (1.0 / _SCHATTEN)
+    return kappa
+
+
+def _inverse_factor(M: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """W with M^-1 = W'W, the inverted Cholesky factor of M, and tr(M^-1)."""
+    W = ca.solve(ca.chol(M).T, ca.SX.eye(6))
+    return W, ca.sumsqr(W)
+
+
+def _trace_of_power(S: ca.SX) -> ca.SX:
+    """tr(S^32) of a symmetric matrix; the last squaring needs the trace alone."""
+    for _ in range(_SQUARINGS - 1):
+        S = _gram(S)
+    return ca.sumsqr(S)
+
+
+def _gram(A: ca.SX) -> ca.SX:
+    """A'A for (6, 6) A, computed in the lower triangle alone: half the expressions of a product of matrices."""
+    product = ca.SX(6, 6)
+    for i in range(6):
+        for j in range(i + 1):
+            product[i, j] = product[j, i] = ca.dot(A[:, i], A[:, j])
+    return product

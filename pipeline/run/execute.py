@@ -1,0 +1,239 @@
+"""Running stages: which are up to date, which run again, and what becomes of old results."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Literal
+
+from pipeline.artifacts import (
+    Record,
+    RunFolder,
+    State,
+    existing_files,
+    failure_names,
+    open_run_folder,
+    plain,
+    read_state,
+)
+from pipeline.config import Config
+from pipeline.config_file import config_sha256, dump_config
+from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageError
+from pipeline.machine.geometry import build_machine
+from pipeline.route.ends import task_ends
+from pipeline.run.fingerprint import UPSTREAM, fingerprint
+from pipeline.run.reporter import Quiet, Reporter
+from pipeline.run.stages import MAKE, Product, Results
+from pipeline.stage import STAGES, Stage
+from pipeline.summary import failure_section, summarise
+
+_SECTION = {
+    Stage.REGIONS: "regions",
+    Stage.ROUTE: "route",
+    Stage.REFINE: "path",
+    Stage.RETIME: "trajectory",
+    Stage.FIGURES: "figures",
+}
+"""Where in the summary each stage's figures are."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a stage of a run went: its seconds and its part of the summary are of when it was last run."""
+
+    stage: Stage
+    outcome: Literal["done", "unchanged"]
+    seconds: float
+    section: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """What a run did, and where its results are."""
+
+    folder: Path
+    outcomes: tuple[Outcome, ...]
+    summary: dict[str, Any]
+
+
+def run_pipeline(
+    config: Config,
+    out: Path,
+    first: Stage | None = None,
+    last: Stage | None = None,
+    force: bool = False,
+    reporter: Reporter | None = None,
+    verbose: bool = False,
+) -> RunReport:
+    """Run the stages whose inputs have changed, and write their results into the folder `out`.
+
+    Parameters
+    ----------
+    first : Stage, optional
+        This stage and later ones run again in any case; earlier results must be there and up to date.
+    last : Stage, optional
+        Where to stop.
+    force : bool
+        All stages run again.
+    verbose : bool
+        Solvers write their logs to the terminal.
+
+    Raises
+    ------
+    ConfigError
+        When the machine cannot be at the start or goal; nothing was touched.
+    UsageError
+        When the stages asked for make no range, or results they need are missing or outdated.
+    NoSolutionError
+        When a stage has no solution; why is kept in the run folder.
+    """
+    out, last = Path(out), last or STAGES[-1]
+    machine = build_machine(config.machine)
+    task_ends(config, machine)
+    _check_range(out, first, last)
+    with open_run_folder(out) as folder:
+        run = _Run(config, folder, Results(config, machine, out), reporter or Quiet(), verbose)
+        if first is not None:
+            run.require_earlier(first)
+        forced = STAGES if force else () if first is None else (first, *first.later)
+        outcomes = [run.run(stage, again=stage in forced) for stage in (*last.earlier, last)]
+        return RunReport(out, tuple(outcomes), run.settle())
+
+
+def _check_range(out: Path, first: Stage | None, last: Stage) -> None:
+    if first is not None and first in last.later:
+        raise UsageError(f"--from {first} comes after --to {last}: there is nothing to run")
+    if first is not None and first.earlier and read_state(out) is None:
+        raise UsageError(
+            f"--from {first} builds on earlier results, and there are none in {out}.\n"
+            "  What to change: leave --from out, or name the folder of an earlier run with --out."
+        )
+
+
+class _Run:
+    """One run at work in its folder."""
+
+    def __init__(self, config: Config, folder: RunFolder, results: Results, reporter: Reporter, verbose: bool) -> None:
+        self._config = config
+        self._folder = folder
+        self._results = results
+        self._reporter = reporter
+        self._verbose = verbose
+
+    def require_earlier(self, first: Stage) -> None:
+        """Insist on results before `first` that belong to this configuration."""
+        for stage in first.earlier:
+            if trouble := self._trouble(stage):
+                raise UsageError(
+                    f"--from {first} builds on the result of {stage}, which {trouble}.\n"
+                    f"  What to change: leave --from out, or run up to there first, with --to {first.earlier[-1]}."
+                )
+
+    def run(self, stage: Stage, again: bool) -> Outcome:
+        """Run a stage unless its result is up to date."""
+        if not again and not self._trouble(stage):
+            record = self._folder.state.stages[stage]
+            self._reporter.end(stage, "unchanged", record.seconds)
+            return Outcome(stage, "unchanged", record.seconds, record.summary)
+        record = self._make(stage)
+        return Outcome(stage, "done", record.seconds, record.summary)
+
+    def settle(self) -> dict[str, Any]:
+        """Leave nothing in the folder that does not belong to this configuration; return the summary."""
+        return self._commit(self._folder.state.stages, {}, [])
+
+    def _trouble(self, stage: Stage) -> str:
+        """Say what is wrong with the result of a stage; nothing where it is up to date."""
+        record = self._folder.state.stages.get(stage)
+        if record is None:
+            return "has not been run here"
+        if record.status == "failed":
+            return "failed"
+        if record.fingerprint != self._expected(stage, self._folder.state.stages):
+            return "was run with another configuration, version or earlier result"
+        if damage := record.damage(self._folder.path):
+            return f"has files that were removed or changed since ({', '.join(damage)})"
+        return ""
+
+    def _expected(self, stage: Stage, records: dict[Stage, Record]) -> str | None:
+        """Fingerprint of the stage with these results before it; None where one is missing."""
+        upstream = {name: records.get(name) for name in UPSTREAM[stage]}
+        known = {
+            name: record.result_sha256(name)
+            for name, record in upstream.items()
+            if record is not None and record.status == "done"
+        }
+        return fingerprint(self._config, stage, known) if len(known) == len(upstream) else None
+
+    def _make(self, stage: Stage) -> Record:
+        expected = self._expected(stage, self._folder.state.stages)
+        assert expected is not None, "stages run in order, and a failed one ends the run"
+        progress = self._reporter.begin(stage)
+        began = time.perf_counter()
+        try:
+            product = MAKE[stage](self._results, progress, self._verbose)
+        except (ConfigError, UsageError):
+            raise
+        except PipelineError as error:
+            seconds = time.perf_counter() - began
+            self._keep_failure(stage, error, expected, seconds)
+            self._reporter.end(stage, "failed", seconds)
+            raise
+        seconds = time.perf_counter() - began
+        record = self._record(expected, "done", seconds, product)
+        self._replace(stage, record, product.files)
+        self._reporter.end(stage, "done", seconds)
+        return record
+
+    def _keep_failure(self, stage: Stage, error: PipelineError, expected: str, seconds: float) -> None:
+        """Keep what is known of a failure for diagnosis, under names that no result has."""
+        from pipeline.artifacts.results import failure_files
+
+        reason, advice, diagnosis = str(error), "", {}
+        if isinstance(error, NoSolutionError):
+            reason, advice, diagnosis = error.reason, error.advice, error.diagnosis
+        facts = {
+            "stage": stage,
+            "reason": reason,
+            "advice": advice,
+            "seconds": seconds,
+            "config_sha256": config_sha256(self._config),
+        }
+        section = failure_section(reason, advice, str(diagnosis.get("status", "failed")))
+        product = Product(failure_files(stage, facts, diagnosis), section)
+        self._replace(stage, self._record(expected, "failed", seconds, product), product.files)
+        error.add_note(f"What is known about it was kept in {self._folder.path / failure_names(stage)[0]}")
+
+    def _record(self, expected: str, status: Literal["done", "failed"], seconds: float, product: Product) -> Record:
+        return Record(
+            fingerprint=expected,
+            status=status,
+            seconds=seconds,
+            files={name: sha256(content).hexdigest() for name, content in product.files.items()},
+            summary=plain({**product.section, "seconds": seconds}),
+        )
+
+    def _replace(self, stage: Stage, record: Record, files: dict[str, bytes]) -> None:
+        """Put the record and files of a stage in the place of what was there."""
+        self._commit({**self._folder.state.stages, stage: record}, files, existing_files(self._folder.path, stage))
+
+    def _commit(self, records: dict[Stage, Record], files: dict[str, bytes], superseded: list[str]) -> dict[str, Any]:
+        """Change the folder at once: what no longer fits the records before it goes."""
+        kept = dict(self._fitting(records))
+        for stage in STAGES:
+            if stage not in kept:
+                superseded = superseded + existing_files(self._folder.path, stage)
+        summary = summarise(self._config, {_SECTION[stage]: record.summary for stage, record in kept.items()})
+        state = State(config_sha256=config_sha256(self._config), stages=kept)
+        self._folder.change(state, files, superseded, dump_config(self._config), summary)
+        return summary
+
+    def _fitting(self, records: dict[Stage, Record]) -> Iterator[tuple[Stage, Record]]:
+        """Go through the records in order, leaving out those that no longer fit what they build on."""
+        kept: dict[Stage, Record] = {}
+        for stage in STAGES:
+            record = records.get(stage)
+            if record is not None and record.fingerprint == self._expected(stage, kept):
+                kept[stage] = record
+                yield stage, record

@@ -1,0 +1,51 @@
+"""Results of a run that is over, for commands that look at them."""
+
+from pathlib import Path
+
+from pipeline.artifacts import read_run_folder
+from pipeline.config import Config
+from pipeline.config_file import parse_config
+from pipeline.errors import UsageError
+from pipeline.machine.geometry import build_machine
+from pipeline.run.stages import Results
+from pipeline.stage import Stage
+
+
+def open_results(folder: Path, *stages: Stage) -> Results:
+    """Open the results of a run, of which those of `stages` are needed and must be as they were written.
+
+    Raises
+    ------
+    UsageError
+        When the folder holds no run, or one of the stages has no result there.
+    """
+    config, state = read_run_folder(folder)
+    for stage in stages:
+        record = state.stages.get(stage)
+        if record is None:
+            raise UsageError(
+                f"{folder} has no result of {stage} yet.\n  What to change: run the pipeline up to there first."
+            )
+        if record.status == "failed":
+            raise UsageError(f"{folder} has no result of {stage}, which failed: {record.summary['reason']}")
+        if damage := record.damage(folder):
+            raise UsageError(
+                f"{folder} has files that were removed or changed after the run: {', '.join(damage)}.\n"
+                "  What to change: run the pipeline again; it makes what is damaged anew."
+            )
+    return Results(config, build_machine(config.machine), folder)
+
+
+def with_period(config: Config, period_s: float | None) -> Config:
+    """Put another sampling period into a configuration; None leaves it.
+
+    Raises
+    ------
+    ConfigError
+        When the period is not within what the configuration allows.
+    """
+    if period_s is None:
+        return config
+    data = config.model_dump(mode="json")
+    data["retime"]["period_s"] = period_s
+    return parse_config(data, source=f"a period of {period_s:g} s")

@@ -1,0 +1,152 @@
+"""What each stage of a run does: call the stage, measure what it made, and say which files it becomes.
+
+The stages' packages are imported when a stage runs: solvers and plotting take longer to load than a help text
+should take to appear.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.config import Config
+from pipeline.machine.geometry import Machine
+from pipeline.progress import Progress
+from pipeline.stage import Stage
+from pipeline.summary import Section
+
+if TYPE_CHECKING:
+    from pipeline.refine.measure import PathSamples
+    from pipeline.refine.result import Refinement
+    from pipeline.retime.result import Trajectory
+    from pipeline.route.regions import RegionTable
+    from pipeline.route.result import Route
+
+
+@dataclass
+class Results:
+    """The results of a run: those it made, and those of earlier runs, loaded when first asked for."""
+
+    config: Config
+    machine: Machine
+    folder: Path
+
+    @cached_property
+    def regions(self) -> "RegionTable":
+        """The region table."""
+        from pipeline.artifacts.results import load_regions
+
+        return load_regions(self.folder)
+
+    @cached_property
+    def route(self) -> "Route":
+        """The route."""
+        from pipeline.artifacts.results import load_route
+
+        return load_route(self.folder)
+
+    @cached_property
+    def refinement(self) -> "Refinement":
+        """The refined path and the coarse one."""
+        from pipeline.artifacts.results import load_refinement
+
+        return load_refinement(self.folder, self.machine)
+
+    @cached_property
+    def trajectory(self) -> "Trajectory":
+        """The path in time."""
+        from pipeline.artifacts.results import load_trajectory
+
+        return load_trajectory(self.folder, self.refinement.path)
+
+    @cached_property
+    def samples(self) -> "tuple[PathSamples, PathSamples]":
+        """Both paths, coarse and refined, sampled densely and in the same way."""
+        from pipeline.refine.measure import sample_path
+
+        s = np.linspace(0.0, 1.0, self.config.refine.check_points)
+        return sample_path(self.refinement.coarse, s), sample_path(self.refinement.path, s)
+
+
+@dataclass(frozen=True)
+class Product:
+    """What a stage made: its files by name, and its part of the summary."""
+
+    files: dict[str, bytes]
+    section: Section = field(default_factory=dict)
+
+
+def make_regions(results: Results, progress: Progress, verbose: bool) -> Product:
+    """Find every admissible region of the grid."""
+    from pipeline.artifacts.results import regions_files
+    from pipeline.route import build_regions
+    from pipeline.summary import regions_section
+
+    results.regions = build_regions(results.config, results.machine, progress)
+    return Product(regions_files(results.regions), regions_section(results.config, results.regions))
+
+
+def make_route(results: Results, progress: Progress, verbose: bool) -> Product:
+    """Search for the best route through the regions."""
+    from pipeline.artifacts.results import route_files
+    from pipeline.route import plan_route
+    from pipeline.summary import route_section
+
+    results.route = plan_route(results.config, results.machine, results.regions, progress, verbose)
+    return Product(route_files(results.route), route_section(results.route))
+
+
+def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
+    """Smooth the route, and measure what came out against the route joined by straight lines."""
+    from pipeline.artifacts.results import path_files
+    from pipeline.refine import refine_path
+    from pipeline.refine.measure import measure
+    from pipeline.route.metric import step_sizes
+    from pipeline.summary import path_section
+
+    results.refinement = refine_path(results.config, results.machine, results.route, progress, verbose)
+    progress(f"measuring both paths at {results.config.refine.check_points:,} points")
+    coarse, refined = results.samples
+    steps = step_sizes(results.config.route)
+    section = path_section(results.refinement, measure(refined, steps), measure(coarse, steps))
+    return Product(path_files(results.refinement, refined), section)
+
+
+def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Product:
+    """Time the path, and sample it for the controller."""
+    from pipeline.artifacts.results import trajectory_files
+    from pipeline.export import sidecar
+    from pipeline.retime import measure_trajectory, retime_path, sample
+    from pipeline.summary import trajectory_section
+
+    results.trajectory = retime_path(results.config, results.refinement.path, progress)
+    samples = sample(results.trajectory, results.config.retime.period_s)
+    figures = measure_trajectory(results.trajectory, samples)
+    meaning = sidecar(results.config, results.machine, samples, figures.usage)
+    return Product(trajectory_files(results.trajectory, samples, meaning), trajectory_section(figures))
+
+
+def make_figures(results: Results, progress: Progress, verbose: bool) -> Product:
+    """Draw the results."""
+    from pipeline.artifacts.results import figure_files
+    from pipeline.compare import all_figures
+    from pipeline.retime import sample
+
+    progress("drawing")
+    coarse, refined = results.samples
+    samples = sample(results.trajectory, results.config.retime.period_s)
+    figures = all_figures(results.config, results.machine, results.route, coarse, refined, samples)
+    return Product(figure_files(figures), {"status": "done", "count": len(figures)})
+
+
+MAKE: dict[Stage, Callable[[Results, Progress, bool], Product]] = {
+    Stage.REGIONS: make_regions,
+    Stage.ROUTE: make_route,
+    Stage.REFINE: make_path,
+    Stage.RETIME: make_trajectory,
+    Stage.FIGURES: make_figures,
+}
+"""What makes the result of each stage; `verbose` lets solvers talk."""

@@ -1,0 +1,26 @@
+"""The stages of a run and their order."""
+
+from enum import StrEnum
+
+
+class Stage(StrEnum):
+    """What a run consists of, in order."""
+
+    REGIONS = "regions"
+    ROUTE = "route"
+    REFINE = "refine"
+    RETIME = "retime"
+    FIGURES = "figures"
+
+    @property
+    def later(self) -> tuple["Stage", ...]:
+        """The stages after this one."""
+        return STAGES[STAGES.index(self) + 1 :]
+
+    @property
+    def earlier(self) -> tuple["Stage", ...]:
+        """The stages before this one."""
+        return STAGES[: STAGES.index(self)]
+
+
+STAGES = tuple(Stage)

@@ -1,0 +1,125 @@
+"""The parts of `summary.json`: every figure of a run, and honest words where there is none."""
+
+import platform
+from collections.abc import Mapping
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+from pipeline.config import Config
+from pipeline.config_file import config_sha256
+
+if TYPE_CHECKING:
+    from pipeline.refine.measure import PathFigures
+    from pipeline.refine.result import Refinement
+    from pipeline.retime import TrajectoryFigures
+    from pipeline.route.regions import RegionTable
+    from pipeline.route.result import Route
+
+PACKAGE = "gantry-tau"
+SKIPPED = "skipped"
+_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "matplotlib")
+_TERMS = 13
+"""Variables of the paper's model per step beside one binary for each region."""
+
+Section = dict[str, Any]
+
+
+def package_version() -> str:
+    """Version of the installed package."""
+    return metadata.version(PACKAGE)
+
+
+def summarise(config: Config, sections: Mapping[str, Section]) -> Section:
+    """Put the parts together; a part that is missing says that it was skipped.
+
+    Parameters
+    ----------
+    sections : mapping
+        Any of `regions`, `route`, `path`, `trajectory`, each with its `seconds`.
+    """
+    versions = {name: metadata.version(name) for name in (PACKAGE, *_LIBRARIES)}
+    return {
+        "name": config.name,
+        "config_sha256": config_sha256(config),
+        "versions": {**versions, "python": platform.python_version()},
+        **{name: sections.get(name, {"status": SKIPPED}) for name in ("regions", "route", "path")},
+        "certificate": {"verdict": SKIPPED},
+        "trajectory": sections.get("trajectory", {"status": SKIPPED}),
+    }
+
+
+def regions_section(config: Config, table: "RegionTable") -> Section:
+    """Size of stage one: `nominal_variables` is what the paper's own model would have, (13 + count) N."""
+    return {
+        "status": "done",
+        "count": len(table),
+        "gates": table.gates,
+        "nominal_variables": (_TERMS + len(table)) * config.route.step_budget,
+    }
+
+
+def route_section(route: "Route") -> Section:
+    """Quality of the route and how it was proven; `steps` counts its distinct positions."""
+    search = route.search
+    return {
+        "status": str(route.status),
+        "solver": search.solver,
+        "objective": route.objective,
+        "bound": search.bound,
+        "gap": search.gap,
+        "steps": len(route),
+        "kappa_max": route.kappa_max,
+        "mode_changes": route.mode_changes,
+        "relaxation": search.relaxation,
+        "threshold": search.threshold,
+        "core_regions": search.core_regions,
+        "core_columns": search.core_columns,
+        "moves": search.moves,
+        "rounds": search.rounds,
+        "forbidden_moves": search.forbidden_moves,
+    }
+
+
+def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "PathFigures") -> Section:
+    """Figures of the refined path, and of the coarse one measured in the same way."""
+    return {
+        "status": str(refinement.status),
+        "iterations": refinement.iterations,
+        "rounds": refinement.rounds,
+        "nodes": refinement.nodes,
+        "kappa_max": refined.kappa_max,
+        "kappa_max_s": refined.kappa_max_s,
+        "kappa_integral": refined.kappa_integral,
+        "surrogate_integral": refinement.surrogate_integral,
+        "coarse_kappa_max": coarse.kappa_max,
+        "coarse_kappa_integral": coarse.kappa_integral,
+        "length": refined.length,
+        "coarse_length": coarse.length,
+        "closure_residual_m": refined.closure_residual_m,
+        "min_link_distance_m": refined.min_link_distance_m,
+        "min_rail_distance_m": refined.min_rail_distance_m,
+        "coarse_min_link_distance_m": coarse.min_link_distance_m,
+        "max_tilt_deg": refined.max_tilt_deg,
+        "det_sign_constant": refined.det_sign_constant,
+    }
+
+
+def trajectory_section(figures: "TrajectoryFigures") -> Section:
+    """Duration, rows of the sampled trajectory, and the largest fraction of each limit per actuator."""
+    return {
+        "status": "done",
+        "duration_s": figures.duration_s,
+        "period_s": figures.period_s,
+        "samples": figures.samples,
+        "usage": {
+            "velocity": figures.usage.velocity,
+            "acceleration": figures.usage.acceleration,
+            "jerk": SKIPPED,
+            "force": SKIPPED,
+        },
+    }
+
+
+def failure_section(reason: str, advice: str, status: str = "failed") -> Section:
+    """A stage without a result: why, and what to change."""
+    return {"status": status, "reason": reason, "advice": advice}

@@ -1,0 +1,137 @@
+"""The comparison of coarse and refined path as rows and as a table."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, comparison_rows, markdown_table, table_cells
+from pipeline.refine.measure import PathFigures, PathSamples, measure
+
+COARSE = PathFigures(
+    kappa_max=40.0,
+    kappa_max_s=0.4,
+    kappa_integral=500.0,
+    length=20.0,
+    closure_residual_m=1e-13,
+    min_link_distance_m=0.040,
+    min_rail_distance_m=0.5,
+    max_tilt_deg=30.0,
+    det_sign_constant=True,
+)
+REFINED = dataclasses.replace(
+    COARSE,
+    kappa_max=30.0,
+    kappa_max_s=0.5,
+    kappa_integral=350.0,
+    length=21.0,
+    closure_residual_m=3e-13,
+    min_link_distance_m=0.030,
+    min_rail_distance_m=0.6,
+    max_tilt_deg=27.0,
+)
+
+positive = st.floats(1e-3, 1e3)
+figures = st.builds(
+    PathFigures,
+    kappa_max=positive,
+    kappa_max_s=st.floats(0.0, 1.0),
+    kappa_integral=positive,
+    length=positive,
+    closure_residual_m=st.floats(0.0, 1e-6),
+    min_link_distance_m=positive,
+    min_rail_distance_m=positive,
+    max_tilt_deg=st.floats(0.0, 85.0),
+    det_sign_constant=st.just(True),
+)
+
+
+def by_name(rows: list[ComparisonRow]) -> dict[str, ComparisonRow]:
+    """Index rows by their figure."""
+    return {row.figure: row for row in rows}
+
+
+def test_lower_kappa_is_better_and_counts_negative() -> None:
+    """350 instead of 500 is -150, -30 %, and better."""
+    row = by_name(comparison_rows(COARSE, REFINED))["kappa integral"]
+    assert (row.coarse, row.refined, row.difference) == (500.0, 350.0, -150.0)
+    assert row.per_cent == pytest.approx(-30.0)
+    assert (row.prefers, row.better, row.unit) == ("lower", "refined", "steps")
+
+
+@pytest.mark.parametrize(
+    ("figure", "per_cent", "better"),
+    [
+        ("largest kappa", -25.0, "refined"),
+        ("largest kappa at s", 25.0, "neither"),
+        ("length", 5.0, "coarse"),
+        ("least link-link distance", -25.0, "coarse"),
+        ("least link-rail distance", 20.0, "refined"),
+        ("largest tilt", -10.0, "refined"),
+        ("closure residual", 200.0, "equal"),
+    ],
+)
+def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, better: str) -> None:
+    """Distances are better when larger, all else when smaller; rounding in the closure is no difference."""
+    row = by_name(comparison_rows(COARSE, REFINED))[figure]
+    assert row.per_cent == pytest.approx(per_cent)
+    assert row.better == better
+
+
+def test_no_per_cent_of_zero() -> None:
+    """A coarse value of zero has no percentage, and its cell is empty."""
+    rows = comparison_rows(dataclasses.replace(COARSE, max_tilt_deg=0.0), REFINED)
+    row = by_name(rows)["largest tilt"]
+    assert row.per_cent is None
+    assert row.better == "coarse"
+    assert table_cells([row])[0][5] == ""
+
+
+def test_durations_are_optional() -> None:
+    """A duration row appears exactly when durations are given."""
+    assert "duration" not in by_name(comparison_rows(COARSE, REFINED))
+    row = by_name(comparison_rows(COARSE, REFINED, durations_s=(8.0, 6.0)))["duration"]
+    assert (row.difference, row.per_cent, row.better, row.unit) == (-2.0, -25.0, "refined", "s")
+
+
+@given(a=figures, b=figures)
+def test_swapping_the_paths_swaps_the_verdicts(a: PathFigures, b: PathFigures) -> None:
+    """Differences change sign and better becomes the other one, whatever the values."""
+    other = {"coarse": "refined", "refined": "coarse", "equal": "equal", "neither": "neither"}
+    for there, back in zip(comparison_rows(a, b), comparison_rows(b, a), strict=True):
+        assert there.difference == -back.difference
+        assert there.better == other[back.better]
+
+
+@given(a=figures)
+def test_a_path_equals_itself(a: PathFigures) -> None:
+    """No figure of a path is better than its own."""
+    assert {row.better for row in comparison_rows(a, a)} == {"equal", "neither"}
+
+
+def test_measured_paths_compare(coarse: PathSamples, refined: PathSamples) -> None:
+    """The swaying path is longer than the straight one and collects more kappa."""
+    steps = np.array([0.1, 0.06, 0.06, 0.1, 0.1])
+    rows = by_name(comparison_rows(measure(coarse, steps), measure(refined, steps)))
+    assert rows["length"].better == "refined"
+    assert rows["kappa integral"].better == "refined"
+
+
+def test_markdown_is_a_table() -> None:
+    """Every line has as many cells as the header; the second is the rule, numbers to the right."""
+    lines = markdown_table(comparison_rows(COARSE, REFINED)).splitlines()
+    assert len(lines) == 2 + 8
+    assert {line.count("|") for line in lines} == {len(TABLE_HEADER) + 1}
+    assert lines[1] == "| :-- | :-- | --: | --: | --: | --: | :-- |"
+    assert lines[2] == "| kappa integral | steps | 500 | 350 | -150 | -30.0 | refined |"
+    assert lines[4] == "| largest kappa at s |  | 0.4 | 0.5 | +0.1 |  |  |"
+    assert lines[9] == "| closure residual | m | 1e-13 | 3e-13 | +2e-13 |  | equal |"
+
+
+def test_cells_fill_the_header() -> None:
+    """Rows for any other kind of table have one text per heading."""
+    for cells in table_cells(comparison_rows(COARSE, REFINED, durations_s=(1.0, 1.0))):
+        assert len(cells) == len(TABLE_HEADER)
+        assert all(isinstance(cell, str) for cell in cells)

@@ -1,0 +1,36 @@
+"""Fixtures shared by all tests, and how hypothesis searches."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+from pipeline.config import Config
+from pipeline.config_file import load_config
+from pipeline.machine import Machine, build_machine
+
+CONFIGS = Path(__file__).parents[1] / "configs"
+
+# Examples are fixed on a build server: a failure there must come from the change, never from luck.
+settings.register_profile("local", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("ci", settings.get_profile("local"), derandomize=True, print_blob=True)
+settings.load_profile("ci" if os.environ.get("CI") else "local")
+
+
+@pytest.fixture(scope="session")
+def agder_config() -> Config:
+    """Load the reference machine and task."""
+    return load_config(CONFIGS / "agder.yaml")
+
+
+@pytest.fixture(scope="session")
+def quick_config() -> Config:
+    """Load the reference machine on a coarse grid."""
+    return load_config(CONFIGS / "quick.yaml")
+
+
+@pytest.fixture(scope="session")
+def machine(agder_config: Config) -> Machine:
+    """Build the reference machine."""
+    return build_machine(agder_config.machine)

@@ -1,0 +1,185 @@
+"""Stages that take no time: the real result types, filled with a short path of the reference machine."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from scipy.interpolate import make_interp_spline
+
+from pipeline.config import Config
+from pipeline.config_file import parse_config
+from pipeline.errors import PipelineError
+from pipeline.machine import Machine, inverse_kinematics
+from pipeline.progress import Progress, silent
+from pipeline.refine.result import Path, Refinement
+from pipeline.retime.result import Trajectory
+from pipeline.route.regions import RegionTable
+from pipeline.route.result import Route, Search
+from pipeline.status import Status
+
+NODES = 21
+
+
+def changed(config: Config, **changes: Any) -> Config:
+    """Change keys of a configuration, named by paths with two underscores for a dot."""
+    data = config.model_dump(mode="json")
+    for path, value in changes.items():
+        *sections, key = path.split("__")
+        part = data
+        for section in sections:
+            part = part[section]
+        part[key] = value
+    return parse_config(data)
+
+
+@pytest.fixture(scope="session")
+def change() -> Callable[..., Config]:
+    """Give tests `changed`."""
+    return changed
+
+
+@pytest.fixture(scope="session")
+def fast_config(quick_config: Config) -> Config:
+    """Take few check points, so that measuring costs nothing."""
+    return changed(quick_config, refine__check_points=1_000)
+
+
+def line_of_poses(machine: Machine, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Poses (n, 6) and actuators (n, 5) on a short line in working mode LLL."""
+    controlled = np.linspace([1.02, 0.3, 0.9, 0.0, 0.0], [1.05, 0.33, 0.88, 0.05, -0.02], count)
+    solution = inverse_kinematics(machine, controlled, np.zeros(count, dtype=int))
+    return solution.pose, solution.q_m
+
+
+def make_regions(machine: Machine, count: int = 5) -> RegionTable:
+    """Make a table of a few regions with a column of each kind of value."""
+    pose, q = line_of_poses(machine, count)
+    return RegionTable(
+        controlled=pose[:, [0, 1, 2, 3, 5]],
+        ry_rad=pose[:, 4],
+        mode=np.arange(count),
+        gate=np.arange(count) % 4,
+        q_m=q,
+        kappa=np.geomspace(20.0, 30.0, count),
+        det_sign=np.ones(count),
+        link_distance_m=np.linspace(0.03, 0.1, count),
+        x_window_m=np.stack([np.linspace(0.1, 0.2, count), np.linspace(1.0, 1.1, count)], axis=1),
+    )
+
+
+def make_route(machine: Machine, objective: float = 100.0) -> Route:
+    """Make a route of four steps with one change of working mode."""
+    pose, q = line_of_poses(machine, 4)
+    return Route(
+        region=np.array([3, 0, 1, 4]),
+        modes=np.array([0, 0, 0, 1]),
+        gates=np.array([0, 0, 3, 0]),
+        pose=pose,
+        q_m=q,
+        kappa=np.array([25.0, 1.0 / 0.03, 30.0, 24.0]),
+        objective=objective,
+        status=Status.OPTIMAL,
+        search=Search("HiGHS 1", objective, 0.0, 99.0, 105.0, 5, 40, 12, 2, 3),
+    )
+
+
+def make_path(machine: Machine, degree: int) -> Path:
+    """Interpolate the line of poses in actuator space."""
+    pose, q = line_of_poses(machine, NODES)
+    s = np.linspace(0.0, 1.0, NODES)
+    return Path(machine, make_interp_spline(s, q, k=degree), s, pose)
+
+
+def make_refinement(machine: Machine) -> Refinement:
+    """Make a refined path and a coarse one."""
+    return Refinement(make_path(machine, 5), make_path(machine, 1), Status.CONVERGED, 17, 1, 100, 71.5)
+
+
+def make_trajectory(path: Path) -> Trajectory:
+    """Speed up for a second, slow down for a second."""
+    points = ([0.0, 1.0, 2.0], [0.0, 0.5, 1.0], [0.0, 1.0, 0.0], [1.0, -1.0, 0.0])
+    return Trajectory.from_breakpoints(path, *(np.array(values) for values in points))
+
+
+@dataclass
+class Stages:
+    """What the fake stages were asked, and how they are to behave."""
+
+    calls: list[str] = field(default_factory=list)
+    verbose: list[bool] = field(default_factory=list)
+    failures: dict[str, BaseException] = field(default_factory=dict)
+    messages: dict[str, list[tuple[str, float | None]]] = field(default_factory=dict)
+    objective: float = 100.0
+
+    def enter(self, name: str, progress: Progress) -> None:
+        """Count a call, talk, and fail where that is asked for."""
+        self.calls.append(name)
+        for message, fraction in self.messages.get(name, [("working", None), ("still working", 0.5)]):
+            progress(message, fraction)
+        if name in self.failures:
+            raise self.failures[name]
+
+    def taken(self) -> list[str]:
+        """Give the calls since the last time."""
+        calls, self.calls = self.calls, []
+        return calls
+
+
+@pytest.fixture
+def stages(monkeypatch: pytest.MonkeyPatch) -> Stages:
+    """Put fake stages in the place of the real ones."""
+    fake = Stages()
+
+    def build_regions(config: Config, machine: Machine, progress: Progress = silent) -> RegionTable:
+        fake.enter("regions", progress)
+        return make_regions(machine)
+
+    def plan_route(
+        config: Config, machine: Machine, regions: RegionTable, progress: Progress = silent, verbose: bool = False
+    ) -> Route:
+        assert len(regions) == 5
+        fake.verbose.append(verbose)
+        fake.enter("route", progress)
+        return make_route(machine, fake.objective)
+
+    def refine_path(
+        config: Config, machine: Machine, route: Route, progress: Progress = silent, verbose: bool = False
+    ) -> Refinement:
+        assert len(route) == 4
+        fake.verbose.append(verbose)
+        fake.enter("refine", progress)
+        return make_refinement(machine)
+
+    def retime_path(config: Config, path: Path, progress: Progress = silent) -> Trajectory:
+        fake.enter("retime", progress)
+        return make_trajectory(path)
+
+    def all_figures(*results: object) -> dict[str, Figure]:
+        fake.enter("figures", silent)
+        return {"route": Figure((1, 1)), "kappa": Figure((1, 1))}
+
+    monkeypatch.setattr("pipeline.route.build_regions", build_regions, raising=False)
+    monkeypatch.setattr("pipeline.route.plan_route", plan_route, raising=False)
+    monkeypatch.setattr("pipeline.refine.refine_path", refine_path, raising=False)
+    monkeypatch.setattr("pipeline.retime.retime_path", retime_path)
+    monkeypatch.setattr("pipeline.compare.all_figures", all_figures)
+    return fake
+
+
+@pytest.fixture(scope="session")
+def make() -> dict[str, Callable[..., Any]]:
+    """Give tests the makers of results."""
+    return {
+        "regions": make_regions,
+        "route": make_route,
+        "refinement": make_refinement,
+        "trajectory": make_trajectory,
+        "path": make_path,
+    }
+
+
+class StageError(PipelineError):
+    """Some failure of a stage that is not its own kind of error."""
