@@ -22,8 +22,12 @@ lint: $(READY)
 	$(BIN)/mypy
 
 # The small files of a run of the reference machine, kept in git.
+REFERENCE := results/reference/agder
 reference: $(READY)
-	$(BIN)/python -m tests.make_reference
+	$(BIN)/gantry-tau run configs/agder.yaml --out results/agder --force
+	mkdir -p $(REFERENCE)/figures
+	cp results/agder/route.csv results/agder/trajectory.csv results/agder/summary.json $(REFERENCE)/
+	cp results/agder/figures/*.png $(REFERENCE)/figures/
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

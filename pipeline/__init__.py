@@ -1,1 +1,55 @@
-"""Singularity-free assembly-mode reconfiguration of 5-DOF Gantry-Tau machines, from a YAML file to the controller."""
+"""Singularity-free assembly-mode reconfiguration of 5-DOF Gantry-Tau machines, from a YAML file to the controller.
+
+The names below are the public interface; heavy libraries are loaded when a name is first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pipeline.config import Config
+    from pipeline.config_file import load_config
+    from pipeline.machine import Machine, build_machine
+    from pipeline.refine import Path, Refinement, refine_path
+    from pipeline.retime import Trajectory, retime_path, sample
+    from pipeline.route import RegionTable, Route, build_regions, plan_route
+
+_HOME = {
+    "Config": "config",
+    "load_config": "config_file",
+    "Machine": "machine",
+    "build_machine": "machine",
+    "RegionTable": "route",
+    "Route": "route",
+    "build_regions": "route",
+    "plan_route": "route",
+    "Path": "refine",
+    "Refinement": "refine",
+    "refine_path": "refine",
+    "Trajectory": "retime",
+    "retime_path": "retime",
+    "sample": "retime",
+}
+
+__all__ = [
+    "Config",
+    "Machine",
+    "Path",
+    "Refinement",
+    "RegionTable",
+    "Route",
+    "Trajectory",
+    "build_machine",
+    "build_regions",
+    "load_config",
+    "plan_route",
+    "refine_path",
+    "retime_path",
+    "sample",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
