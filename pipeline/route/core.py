@@ -64,12 +64,15 @@ def build_core(
     """Lay out all routes of cost at most `threshold` with at most `step_budget` positions."""
     limit = threshold * (1.0 + _ROUNDING)
     arcs = _Arcs.within(regions, moves, bounds, limit)
-    forward = _sweep(arcs, arcs.tail, arcs.head, arcs.start, step_budget, x_step_m)
-    backward = _sweep(arcs, arcs.head, arcs.tail, arcs.goal, step_budget, x_step_m).reversed()
-    low = np.maximum(forward.low, backward.low)
-    high = np.minimum(forward.high, backward.high)
+    everywhere = _Windows.of_regions(arcs.window_m, step_budget)
+    forward = _sweep(arcs, arcs.tail, arcs.head, arcs.start, everywhere, x_step_m)
+    # The way back only uses the x that the way out can reach: its costs become sharper bounds.
+    backward = _sweep(arcs, arcs.head, arcs.tail, arcs.goal, forward.window.reversed(), x_step_m).reversed()
+    low, high = backward.window.low, backward.window.high
     # Costs of a sweep leave out the node itself on the way out and count it on the way back.
     alive = (forward.cost + backward.cost <= limit) & (low <= high + _ROUNDING)
+    # Hulls are relaxations: a node may look alive when no way through it leads from the start to the goal.
+    alive &= alive[0, arcs.start] and alive[-1, arcs.goal]
     bound = float(backward.cost[0, arcs.start])
     number = np.cumsum(alive.ravel()).reshape(alive.shape) - 1
     tails, heads, costs = [], [], []
@@ -132,31 +135,45 @@ class _Arcs:
 
 
 @dataclass(frozen=True, eq=False)
-class _Reach:
-    """Least cost and hull of reachable x per step and region, shape (N, regions); infinite cost: out of reach."""
+class _Windows:
+    """Least and largest x per step and region, shape (N, regions)."""
 
-    cost: FloatArray
     low: FloatArray
     high: FloatArray
 
+    @classmethod
+    def of_regions(cls, window_m: FloatArray, steps: int) -> "_Windows":
+        shape = (steps, len(window_m))
+        return cls(np.broadcast_to(window_m[:, 0], shape), np.broadcast_to(window_m[:, 1], shape))
+
+    def reversed(self) -> "_Windows":
+        return _Windows(self.low[::-1], self.high[::-1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Reach:
+    """Least cost (N, regions), infinite out of reach, and the hull of the x that can be reached."""
+
+    cost: FloatArray
+    window: _Windows
+
     def reversed(self) -> "_Reach":
-        return _Reach(self.cost[::-1], self.low[::-1], self.high[::-1])
+        return _Reach(self.cost[::-1], self.window.reversed())
 
 
-def _sweep(arcs: _Arcs, source: IntArray, target: IntArray, root: int, steps: int, x_step_m: float) -> _Reach:
+def _sweep(arcs: _Arcs, source: IntArray, target: IntArray, root: int, allowed: _Windows, x_step_m: float) -> _Reach:
     """Carry costs and x from one end through all steps, along the arcs from `source` to `target`."""
-    shape = (steps, len(arcs.region))
+    shape = allowed.low.shape
     cost, low, high = np.full(shape, np.inf), np.full(shape, np.inf), np.full(shape, -np.inf)
-    cost[0, root], (low[0, root], high[0, root]) = 0.0, arcs.window_m[root]
+    cost[0, root], low[0, root], high[0, root] = 0.0, allowed.low[0, root], allowed.high[0, root]
     order = np.argsort(target, kind="stable")
-    source, weight = source[order], arcs.cost[order]
-    reached, first = np.unique(target[order], return_index=True)
-    window = arcs.window_m[target[order]]
-    for i in range(1, steps):
-        from_low = np.maximum(low[i - 1, source] - x_step_m, window[:, 0])
-        from_high = np.minimum(high[i - 1, source] + x_step_m, window[:, 1])
+    source, target, weight = source[order], target[order], arcs.cost[order]
+    reached, first = np.unique(target, return_index=True)
+    for i in range(1, len(cost)):
+        from_low = np.maximum(low[i - 1, source] - x_step_m, allowed.low[i, target])
+        from_high = np.minimum(high[i - 1, source] + x_step_m, allowed.high[i, target])
         open_: BoolArray = from_low <= from_high + _ROUNDING
         cost[i, reached] = np.minimum.reduceat(np.where(open_, cost[i - 1, source] + weight, np.inf), first)
         low[i, reached] = np.minimum.reduceat(np.where(open_, from_low, np.inf), first)
         high[i, reached] = np.maximum.reduceat(np.where(open_, from_high, -np.inf), first)
-    return _Reach(cost, low, high)
+    return _Reach(cost, _Windows(low, high))

@@ -20,6 +20,7 @@ from pipeline.route.travel import calm_travel
 from pipeline.status import Status
 
 _GROWTH = 3.0
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,26 +107,29 @@ def _prove(
     options = config.route
     # No route within the step budget can cost more than this.
     ceiling = options.step_budget * float(regions.kappa.max())
-    margin = options.threshold_margin
-    threshold = min(bounds.optimum * (1.0 + margin), ceiling)
+    margin, excluded, known = options.threshold_margin, bounds.optimum, np.inf
+    threshold = min(excluded * (1.0 + margin), ceiling)
     while True:
         core = build_core(regions, moves, bounds, threshold, options.step_budget, options.x_step_m)
         progress(f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}")
+        # The core's own bound minds x and the step budget: a lower threshold may do, and a smaller core.
+        lower = core.bound * (1.0 + options.threshold_margin)
+        if not core.empty and core.bound > excluded and lower < min(threshold, known):
+            threshold, margin = lower, options.threshold_margin
+            continue
         if not core.empty:
             sequence = solve_core(core, options.step_budget, options.x_step_m, options.time_limit_s, progress, verbose)
-            status = sequence.outcome.status
-            if status is Status.OPTIMAL and sequence.outcome.objective <= threshold * (1.0 + 1e-9):
-                return _Optimum(sequence, core)
-            if status not in (Status.OPTIMAL, Status.INFEASIBLE):
+            outcome = sequence.outcome
+            if outcome.status not in (Status.OPTIMAL, Status.INFEASIBLE):
                 raise _unproven(sequence, threshold)
-            if status is Status.OPTIMAL:
-                # A route is known: nothing dearer than it has to be looked at.
-                threshold = sequence.outcome.objective
-                continue
+            if outcome.objective <= threshold * (1.0 + _ROUNDING):
+                return _Optimum(sequence, core)
+            known = min(known, outcome.objective)
         if threshold >= ceiling:
             return None
+        excluded = threshold
         margin *= _GROWTH
-        threshold = min(bounds.optimum * (1.0 + margin), ceiling)
+        threshold = min(excluded * (1.0 + margin), known, ceiling)
 
 
 def _unproven(sequence: StepSequence, threshold: float) -> NoSolutionError:
