@@ -1,5 +1,6 @@
 """The parts of `summary.json`: every figure of a run, and honest words where there is none."""
 
+import functools
 import platform
 from collections.abc import Mapping
 from importlib import metadata
@@ -24,9 +25,17 @@ _TERMS = 13
 Section = dict[str, Any]
 
 
+@functools.cache
 def package_version() -> str:
     """Version of the installed package."""
     return metadata.version(PACKAGE)
+
+
+@functools.cache
+def _versions() -> dict[str, str]:
+    """Versions of everything that has a say in the results."""
+    versions = {name: metadata.version(name) for name in (PACKAGE, *_LIBRARIES)}
+    return {**versions, "python": platform.python_version()}
 
 
 def summarise(config: Config, sections: Mapping[str, Section]) -> Section:
@@ -35,16 +44,15 @@ def summarise(config: Config, sections: Mapping[str, Section]) -> Section:
     Parameters
     ----------
     sections : mapping
-        Any of `regions`, `route`, `path`, `trajectory`, each with its `seconds`.
+        Any of `regions`, `route`, `path`, `trajectory`, `figures`, each with its `seconds`.
     """
-    versions = {name: metadata.version(name) for name in (PACKAGE, *_LIBRARIES)}
     return {
         "name": config.name,
         "config_sha256": config_sha256(config),
-        "versions": {**versions, "python": platform.python_version()},
+        "versions": _versions(),
         **{name: sections.get(name, {"status": SKIPPED}) for name in ("regions", "route", "path")},
         "certificate": {"verdict": SKIPPED},
-        "trajectory": sections.get("trajectory", {"status": SKIPPED}),
+        **{name: sections.get(name, {"status": SKIPPED}) for name in ("trajectory", "figures")},
     }
 
 

@@ -1,6 +1,5 @@
 """What a run folder remembers: for each stage what its result was made from, and the hashes of its files."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -52,12 +51,6 @@ class State(BaseModel):
 
     config_sha256: str = ""
     stages: dict[Stage, Record] = {}
-
-    def replace(self, records: Mapping[Stage, Record | None], config_sha256: str) -> "State":
-        """Put other records in the place of some; None takes one away."""
-        merged = {**self.stages, **records}
-        kept = {stage: merged[stage] for stage in Stage if merged.get(stage) is not None}
-        return State.model_validate({"config_sha256": config_sha256, "stages": kept})
 
 
 def read_state(folder: Path) -> State | None:

@@ -18,11 +18,12 @@ _BROKEN_PIPE = 141
 
 _HELP = """Reconfigure a 5-DOF Gantry-Tau from one working mode to another without meeting a singularity.
 
-One YAML file describes the machine and the task. A run turns it into a route (which regions, which working modes),
-a path (a smooth curve in actuator space) and a trajectory (that curve in time, for the controller).
+One YAML file describes the machine and the task. A run turns it into a
+route (which regions, which working modes), a path (a smooth curve in
+actuator space) and a trajectory (that curve in time, for the controller).
 
-Exit codes: 0 done; 1 no solution, told with the reason and what to change; 2 bad usage or configuration;
-130 interrupted.
+Exit codes: 0 done; 1 no solution, told with the reason and what to change;
+2 bad usage or configuration; 130 interrupted.
 """
 
 _BEGIN = (
@@ -66,7 +67,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
-    pretty_exceptions_show_locals=False,
+    pretty_exceptions_enable=False,
 )
 
 
@@ -93,14 +94,7 @@ for _command, _examples in (*runs.COMMANDS, *looks.COMMANDS):
 
 def main() -> None:
     """Run the command line of this process."""
-    try:
-        try:
-            app()
-        finally:
-            sys.stdout.flush()
-    except BrokenPipeError:
-        _stop_writing()
-        sys.exit(_BROKEN_PIPE)
+    app()
 
 
 def _stop_writing() -> None:

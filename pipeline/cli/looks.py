@@ -57,8 +57,9 @@ def compare(
 ) -> None:
     """Compare the refined path with the route it came from, joined by straight lines in actuator space.
 
-    Both are followed continuously and measured at the same number of points. Lengths and integrals are in steps of
-    the route: a step is the largest move allowed in each coordinate.
+    Both are followed continuously and measured at the same number of points.
+    Lengths and integrals are in steps of the route: a step is the largest
+    move allowed in each coordinate.
     """
     if markdown and as_json:
         raise UsageError("--markdown and --json exclude each other")
@@ -98,8 +99,9 @@ def export(
 ) -> None:
     """Write the trajectory of a run once more, at another period.
 
-    The motion is sampled anew from the path itself, not interpolated; its duration is stretched to the next whole
-    number of periods, so that limits still hold and the last row is the goal at rest.
+    The motion is sampled anew from the path itself, not interpolated; its
+    duration is stretched to the next whole number of periods, so that limits
+    still hold and the last row is the goal at rest.
     """
     from pipeline.artifacts import write_whole
     from pipeline.export import format_csv, trajectory_columns

@@ -16,6 +16,11 @@ _EVERY_S = 5.0
 _WIDTH = max(len(stage) for stage in STAGES)
 
 
+def _without_stage(message: str, stage: Stage) -> str:
+    """Shorten a message that names the stage itself: the line it goes to does so already."""
+    return message.removeprefix(f"{stage}: ")
+
+
 class PlainReporter:
     """Lines for logs and pipes, and for terminals that solvers write to as well."""
 
@@ -40,7 +45,7 @@ class PlainReporter:
             if time.monotonic() - said >= _EVERY_S:
                 said = time.monotonic()
                 done = "" if fraction is None else f" ({fraction:.0%})"
-                self._console.print(f"{stage}: {message}{done}", soft_wrap=True)
+                self._console.print(f"{stage}: {_without_stage(message, stage)}{done}", soft_wrap=True)
 
         return progress
 
@@ -63,6 +68,7 @@ class LiveReporter:
             TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, ratio=1)),
             console=console,
             transient=True,
+            refresh_per_second=5,
             expand=True,
         )
         self._task: TaskID | None = None
@@ -84,7 +90,7 @@ class LiveReporter:
         def progress(message: str, fraction: float | None = None) -> None:
             # Without a total the bar pulses: the stage works, and cannot say how far it is.
             task.total = None if fraction is None else 1.0
-            self._live.update(task.id, description=message, completed=fraction or 0.0)
+            self._live.update(task.id, description=_without_stage(message, stage), completed=fraction or 0.0)
 
         return progress
 

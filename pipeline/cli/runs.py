@@ -8,7 +8,7 @@ import typer
 
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.reporter import make_reporter
-from pipeline.errors import ConfigError, UsageError
+from pipeline.errors import ConfigError
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
@@ -38,8 +38,10 @@ def run(
 ) -> None:
     """Run everything: regions, route, path, trajectory, figures.
 
-    Only stages whose part of CONFIG, or whose earlier results, have changed are run; the others are kept. What a new
-    result replaces moves to DIR/superseded, what is known of a failed stage is in DIR/failed.
+    Only stages whose part of CONFIG, or whose earlier results, have changed
+    are run; the others are kept. What a new result replaces moves to
+    DIR/superseded, which may be deleted at any time; what is known of a
+    failed stage is in DIR/failed.
     """
     _run(config, out, first, last, force, verbose)
 
@@ -49,7 +51,8 @@ def route(
 ) -> None:
     """Stage one: find the regions, and the best route through them (a mixed-integer program).
 
-    The route is proven optimal over all admitted moves between regions, or proven not to exist.
+    The route is proven optimal over all admitted moves between regions, or
+    proven not to exist.
     """
     _run(config, out, None, Stage.ROUTE, force, verbose)
 
@@ -69,8 +72,8 @@ def retime(
 ) -> None:
     """Stage three: time the path within the actuators' limits, and write trajectory.csv.
 
-    Runs stages one and two before, unless their results in DIR are up to date: other limits or another period cost
-    a second.
+    Runs stages one and two before, unless their results in DIR are up to
+    date: other limits or another period cost a second.
     """
     _run(config, out, None, Stage.RETIME, force, verbose)
 
@@ -81,7 +84,7 @@ def _run(path: Path, out: Path | None, first: Stage | None, last: Stage | None, 
     from pipeline.run import run_pipeline
 
     config = load(path)
-    folder = out or default_folder(config)
+    folder = out or _RESULTS / config.name
     with make_reporter(messages_console(), verbose) as reporter:
         report = run_pipeline(config, folder, first, last, force, reporter, verbose)
     console = results_console()
@@ -112,13 +115,6 @@ def load(path: Path) -> "Config":
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
     return config
-
-
-def default_folder(config: "Config") -> Path:
-    """Name the folder of results that goes with a configuration."""
-    if config.name.strip(".") == "":
-        raise UsageError(f"the name {config.name!r} makes no folder.\n  What to change: give one with --out.")
-    return _RESULTS / config.name
 
 
 def _next_step(path: Path, folder: Path, out: Path | None, last: Stage) -> str:

@@ -96,7 +96,7 @@ def run_pipeline(
         run = _Run(config, folder, Results(config, machine, out), reporter or Quiet(), verbose)
         if first is not None:
             run.require_earlier(first)
-        forced = STAGES if force else () if first is None else (first, *first.later)
+        forced = (first, *first.later) if first is not None else STAGES if force else ()
         outcomes = [run.run(stage, again=stage in forced) for stage in (*last.earlier, last)]
         return RunReport(out, tuple(outcomes), run.settle())
 
@@ -116,6 +116,7 @@ class _Run:
 
     def __init__(self, config: Config, folder: RunFolder, results: Results, reporter: Reporter, verbose: bool) -> None:
         self._config = config
+        self._config_yaml = dump_config(config)
         self._folder = folder
         self._results = results
         self._reporter = reporter
@@ -226,7 +227,7 @@ class _Run:
                 superseded = superseded + existing_files(self._folder.path, stage)
         summary = summarise(self._config, {_SECTION[stage]: record.summary for stage, record in kept.items()})
         state = State(config_sha256=config_sha256(self._config), stages=kept)
-        self._folder.change(state, files, superseded, dump_config(self._config), summary)
+        self._folder.change(state, files, superseded, self._config_yaml, summary)
         return summary
 
     def _fitting(self, records: dict[Stage, Record]) -> Iterator[tuple[Stage, Record]]:

@@ -11,7 +11,6 @@ from scipy.interpolate import make_interp_spline
 
 from pipeline.config import Config
 from pipeline.config_file import parse_config
-from pipeline.errors import PipelineError
 from pipeline.machine import Machine, inverse_kinematics
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path, Refinement
@@ -179,7 +178,3 @@ def make() -> dict[str, Callable[..., Any]]:
         "trajectory": make_trajectory,
         "path": make_path,
     }
-
-
-class StageError(PipelineError):
-    """Some failure of a stage that is not its own kind of error."""
