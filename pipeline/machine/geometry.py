@@ -111,11 +111,6 @@ def rotation_x(angle: FloatArray) -> FloatArray:
     return _plane_rotation(angle, 1, 2)
 
 
-def rotation_y(angle: FloatArray) -> FloatArray:
-    """Rotation about y, shape (..., 3, 3)."""
-    return _plane_rotation(angle, 2, 0)
-
-
 def rotation_z(angle: FloatArray) -> FloatArray:
     """Rotation about z, shape (..., 3, 3)."""
     return _plane_rotation(angle, 0, 1)

@@ -125,7 +125,7 @@ def newton(
         # A guess may put a platform joint on its cart joint: that link has no direction, and J is singular.
         with np.errstate(invalid="ignore"):
             J = closure_jacobian(machine, pose[active], q_m[active])
-        singular = ~(np.abs(np.linalg.det(J)) > 1e-14)
+            singular = ~(np.abs(np.linalg.det(J)) > 1e-14)
         J[singular] = np.eye(6)
         step = np.linalg.solve(J, -residual[active][..., None])[..., 0]
         longest = np.abs(step).max(axis=-1, keepdims=True)

@@ -7,7 +7,8 @@ w = a_3c - a_3a and d = b_3c - b_3a the difference of the two closures is
 
 for the right-angled triangle u_3a . R w = 0. When a_3a lies on the platform's y axis, g does not depend on
 ry and the equation reads A cos(ry) + B sin(ry) = C: a closed form. Otherwise cart 3 moves along with ry
-and a root finder is needed. Where |C| = hypot(A, B) two solutions meet: a Type-II singularity.
+and a root finder is needed. Where |C| = hypot(A, B) two solutions meet and the machine may change from one assembly
+branch to the other; without tilt the right-angled triangle has a Type-II singularity there.
 """
 
 from dataclasses import replace

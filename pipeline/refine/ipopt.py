@@ -74,6 +74,7 @@ def solve_program(
         "iteration_callback": watch,
         "print_time": False,
         "error_on_fail": False,
+        "hess_lag": program.hessian,
         "ipopt": {
             "linear_solver": "mumps",
             "max_iter": max_iterations,

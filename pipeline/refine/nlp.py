@@ -18,9 +18,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from pipeline.machine.geometry import FloatArray, Machine
-from pipeline.machine.symbolic import closure_function, joints_function, kappa_function
+from pipeline.machine.symbolic import closure_function, kappa_function
 from pipeline.refine.corridor import Corridor
-from pipeline.refine.separation import Separations
+from pipeline.refine.hessian import lagrangian_hessian
+from pipeline.refine.separation import Separations, apartness
 from pipeline.refine.splines import basis
 from pipeline.route.metric import CONTROLLED
 
@@ -50,6 +51,7 @@ class Program:
     """A nonlinear program ready for a solver: CasADi expressions, bounds, start, and how to read its solution."""
 
     problem: dict[str, ca.MX]
+    hessian: ca.Function
     variable_bounds: tuple[FloatArray, FloatArray]
     constraint_bounds: tuple[FloatArray, FloatArray]
     start: FloatArray
@@ -85,7 +87,6 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
     pose, q, coefficients = ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n)
     normal, length = ca.MX.sym("n", 3, m), ca.MX.sym("length")
     B = basis(setting.knots, setting.s)
-    kappa = kappa_function(machine, setting.kind).map(k)(pose, q)
     moves = (pose[list(CONTROLLED), 1:] - pose[list(CONTROLLED), :-1]) / ca.DM(setting.steps)
     squared = ca.sum1(moves**2)
     distance = ca.sqrt(squared)
@@ -96,65 +97,31 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
         ("speed along the path (least)", ca.vec(squared - (SPEED_RANGE[0] * fraction) ** 2), 0.0, np.inf),
         ("speed along the path (largest)", ca.vec(squared - (SPEED_RANGE[1] * fraction) ** 2), -np.inf, 0.0),
         ("length", length - ca.sum2(distance), 0.0, 0.0),
-        *_clearance(machine, setting.separations, pose, q, normal),
+        ("clearance", apartness(machine, setting.separations, pose, q, normal), 0.0, np.inf),
+        ("separating vectors", ca.vec(ca.sum1(normal**2)), -np.inf, 1.0),
     ]
-    blocks, begin = [], 0
-    for name, expression, _, _ in groups:
-        blocks.append(Block(name, begin, begin + expression.numel()))
-        begin += expression.numel()
+    sizes = [expression.numel() for _, expression, _, _ in groups]
+    ends = np.cumsum(sizes)
+    x = ca.veccat(pose, q, coefficients, normal, length)
+    g = ca.vertcat(*(expression for _, expression, _, _ in groups))
+    kappa = kappa_function(machine, setting.kind)
+    weights = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
     return Program(
-        problem={
-            "x": ca.veccat(pose, q, coefficients, normal, length),
-            "f": ca.sum2((kappa[1:] + kappa[:-1]) / 2.0 * distance),
-            "g": ca.vertcat(*(expression for _, expression, _, _ in groups)),
-        },
+        problem={"x": x, "f": ca.dot(kappa.map(k)(pose, q), weights), "g": g},
+        hessian=lagrangian_hessian(kappa, pose, q, weights, x, g),
         variable_bounds=_variable_bounds(machine, setting, start),
         constraint_bounds=(
-            np.concatenate([np.full(expression.numel(), low) for _, expression, low, _ in groups]),
-            np.concatenate([np.full(expression.numel(), high) for _, expression, _, high in groups]),
+            np.repeat([low for _, _, low, _ in groups], sizes),
+            np.repeat([high for _, _, _, high in groups], sizes),
         ),
         start=_start_vector(setting, start, B),
-        blocks=tuple(blocks),
+        blocks=tuple(
+            Block(name, int(end) - size, int(end))
+            for (name, _, _, _), size, end in zip(groups, sizes, ends, strict=True)
+        ),
         nodes=k,
         coefficients=n,
     )
-
-
-def _clearance(
-    machine: Machine, separations: Separations, pose: ca.MX, q: ca.MX, normal: ca.MX
-) -> list[tuple[str, ca.MX, float, float]]:
-    """Rows n . (a - b) - c >= 0 for the end points of every pair, and n . n <= 1."""
-    if len(separations) == 0:
-        return []
-    ends = _ends_function(machine)
-    rows = []
-    for first, second in sorted(set(zip(separations.first.tolist(), separations.second.tolist(), strict=True))):
-        of_pair = np.flatnonzero((separations.first == first) & (separations.second == second))
-        at = [int(node) for node in separations.node[of_pair]]
-        apart = _pair_function(machine, ends, first, second).map(len(of_pair))
-        least = ca.repmat(ca.DM(separations.distance_m[of_pair]).T, 4, 1)
-        rows.append(ca.vec(apart(pose[:, at], q[:, at], normal[:, [int(row) for row in of_pair]]) - least))
-    return [
-        ("clearance", ca.vertcat(*rows), 0.0, np.inf),
-        ("separating vectors", ca.vec(ca.sum1(normal**2)), -np.inf, 1.0),
-    ]
-
-
-def _ends_function(machine: Machine) -> ca.Function:
-    return joints_function(machine)
-
-
-def _pair_function(machine: Machine, joints: ca.Function, first: int, second: int) -> ca.Function:
-    """n . (a - b) for the end points a of link `first` and b of the other link or rail: four rows."""
-    pose, q, normal = ca.SX.sym("pose", 6), ca.SX.sym("q", 5), ca.SX.sym("n", 3)
-    platform, cart = joints(pose, q)
-    a = [platform[first, :], cart[first, :]]
-    if second < 6:
-        b = [platform[second, :], cart[second, :]]
-    else:
-        y, z = machine.rails_m[second - 6]
-        b = [ca.horzcat(0.0, y, z), ca.horzcat(0.0, y, z)]
-    return ca.Function("apart", [pose, q, normal], [ca.vertcat(*((p - r) @ normal for p in a for r in b))])
 
 
 def _variable_bounds(machine: Machine, setting: Setting, start: Start) -> tuple[FloatArray, FloatArray]:
@@ -164,7 +131,7 @@ def _variable_bounds(machine: Machine, setting: Setting, start: Start) -> tuple[
     coefficient_high = np.tile(limits[:, 1], (len(start.coefficients), 1))
     coefficient_low[[0, -1]] = coefficient_high[[0, -1]] = start.coefficients[[0, -1]]
     normal_high = np.full((pairs, 3), np.inf)
-    normal_high[setting.separations.second >= 6, 0] = 0.0
+    normal_high[setting.separations.of_rail, 0] = 0.0
     low = (setting.corridor.low, np.full(5 * nodes, -np.inf), coefficient_low, -normal_high, [1e-3])
     high = (setting.corridor.high, np.full(5 * nodes, np.inf), coefficient_high, normal_high, [np.inf])
     return (np.concatenate([np.ravel(part) for part in low]), np.concatenate([np.ravel(part) for part in high]))

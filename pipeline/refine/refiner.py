@@ -121,12 +121,11 @@ def _solve(
     options = config.refine
     progress(f"refine: building the program ({len(s)} nodes, {kind})")
     q = BSpline(knots, start.coefficients, DEGREE)(s)
-    watch = _WATCH_FACTOR * max(machine.link_link_m, 0.0 if np.isnan(machine.link_rail_m) else machine.link_rail_m)
     setting = Setting(
         s=s,
         knots=knots,
         corridor=corridor(config, route, coarse, s, float(np.deg2rad(options.tilt_margin_deg))),
-        separations=find_separations(machine, start.pose, q, options.clearance_margin_m, watch),
+        separations=find_separations(machine, start.pose, q, options.clearance_margin_m, float(step_sizes(config.route)[:3].max())),
         steps=step_sizes(config.route),
         kind=kind,
     )

@@ -95,7 +95,8 @@ def _limit_issues(config: Config, machine: Machine, key: str, end: End) -> list[
         issues.append(
             ConfigIssue(
                 key,
-                f"has links {end.link_distance_m:.4f} m apart; machine.clearance asks for {machine.link_link_m:g} m",
+                f"has links {end.link_distance_m:.4f} m apart; "
+                f"machine.clearance.link_link_m asks for {machine.link_link_m:g} m",
             )
         )
     if end.rail_distance_m < machine.link_rail_m:
@@ -103,7 +104,7 @@ def _limit_issues(config: Config, machine: Machine, key: str, end: End) -> list[
             ConfigIssue(
                 key,
                 f"has a link {end.rail_distance_m:.4f} m from a rail; "
-                f"machine.clearance asks for {machine.link_rail_m:g} m",
+                f"machine.clearance.link_rail_m asks for {machine.link_rail_m:g} m",
             )
         )
     return issues

@@ -29,7 +29,7 @@ def grid_axes(config: Config) -> tuple[FloatArray, FloatArray, FloatArray, Float
     tilts = []
     for axis, step in (("rx", grid.rx_step_deg), ("rz", grid.rz_step_deg)):
         count = 0 if axis in task.locked_axes else int(np.floor(task.tilt_max_deg / step + _ROUNDING))
-        tilts.append(np.deg2rad(step * np.arange(-count, count + 1)))
+        tilts.append(np.deg2rad(step * np.arange(-count, count + 1, dtype=float)))
     return _values(grid.y_m), _values(grid.z_m), tilts[0], tilts[1]
 
 
@@ -89,8 +89,9 @@ def _crossed_edges(D: FloatArray, axis: int) -> IntArray:
     lower = np.take(D, np.arange(D.shape[axis] - 1), axis=axis)
     upper = np.take(D, np.arange(1, D.shape[axis]), axis=axis)
     start = np.take(index, np.arange(D.shape[axis] - 1), axis=axis)
-    with np.errstate(invalid="ignore"):
-        return start[lower * upper < 0.0]
+    # A zero on a grid point counts as negative: its gate is found once, where D is positive next to it.
+    crossed = ((lower > 0.0) != (upper > 0.0)) & np.isfinite(lower) & np.isfinite(upper)
+    return start[crossed]
 
 
 def _points_on_edges(machine: Machine, starts: FloatArray, axis: int, step: float, arm: int, third: str) -> FloatArray:

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import highspy
 import numpy as np
+from scipy.sparse import csc_array, csr_array
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.machine.geometry import BoolArray, FloatArray
 from pipeline.progress import Progress
 from pipeline.status import Status
 
@@ -27,6 +28,28 @@ class Outcome:
     gap: float
 
 
+def make_model(
+    matrix: csc_array | csr_array,
+    cost: FloatArray,
+    column_bounds: tuple[FloatArray, FloatArray],
+    row_bounds: tuple[FloatArray, FloatArray],
+    integer: BoolArray,
+) -> highspy.HighsModel:
+    """Fill HiGHS' own structure: minimise cost . x with low <= matrix x <= high, bounds and integrality of x."""
+    model = highspy.HighsModel()
+    lp, columns = model.lp_, csc_array(matrix)
+    lp.num_row_, lp.num_col_ = columns.shape
+    lp.col_cost_ = cost
+    lp.col_lower_, lp.col_upper_ = column_bounds
+    lp.row_lower_, lp.row_upper_ = row_bounds
+    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = columns.indptr, columns.indices, columns.data
+    kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
+    if integer.any():
+        lp.integrality_ = [kinds[int(flag)] for flag in integer]
+    return model
+
+
 def solver_name() -> str:
     """Name and version of the solver."""
     return f"HiGHS {highspy.Highs().version()}"
@@ -45,6 +68,8 @@ def solve_model(model: highspy.HighsModel, time_limit_s: float, progress: Progre
     solver.setOptionValue("mip_rel_gap", 0.0)
     solver.setOptionValue("mip_abs_gap", 1e-7)
     solver.setOptionValue("primal_feasibility_tolerance", 1e-9)
+    # The default, 1e-6, would let x and the cost be wrong by as much.
+    solver.setOptionValue("mip_feasibility_tolerance", 1e-9)
     solver.setOptionValue("time_limit", time_limit_s)
     solver.passModel(model)
     solver.HandleUserInterrupt = True

@@ -21,7 +21,7 @@ from scipy.sparse import block_array, csc_array
 from pipeline.machine.geometry import FloatArray, IntArray
 from pipeline.progress import Progress
 from pipeline.route.core import Core
-from pipeline.route.highs import Outcome, solve_model
+from pipeline.route.highs import Outcome, make_model, solve_model
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ def build_model(core: Core, step_budget: int, x_step_m: float) -> highspy.HighsM
         ([None, difference], np.full(step_budget - 1, -x_step_m), np.full(step_budget - 1, x_step_m)),
     ]
     matrix = csc_array(block_array([blocks for blocks, _, _ in rows], format="csc"))
-    return _model(
+    return make_model(
         matrix,
         cost=np.concatenate([core.cost, np.zeros(step_budget)]),
         column_bounds=(
@@ -66,7 +66,7 @@ def build_model(core: Core, step_budget: int, x_step_m: float) -> highspy.HighsM
             np.concatenate([low for _, low, _ in rows]),
             np.concatenate([high for _, _, high in rows]),
         ),
-        integers=arcs,
+        integer=np.arange(arcs + step_budget) < arcs,
     )
 
 
@@ -84,24 +84,3 @@ def solve_core(
     region = core.region[np.concatenate([core.tail[used], core.head[used[-1:]]])]
     length = int(np.argmax(region == region[-1])) + 1
     return StepSequence(region[:length], outcome.values[arcs:][:length], outcome, arcs + step_budget)
-
-
-def _model(
-    matrix: csc_array,
-    cost: FloatArray,
-    column_bounds: tuple[FloatArray, FloatArray],
-    row_bounds: tuple[FloatArray, FloatArray],
-    integers: int,
-) -> highspy.HighsModel:
-    """Fill HiGHS' own structure; the first `integers` columns are integer."""
-    model = highspy.HighsModel()
-    lp = model.lp_
-    lp.num_row_, lp.num_col_ = matrix.shape
-    lp.col_cost_ = cost
-    lp.col_lower_, lp.col_upper_ = column_bounds
-    lp.row_lower_, lp.row_upper_ = row_bounds
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
-    kinds = [highspy.HighsVarType.kInteger] * integers
-    lp.integrality_ = kinds + [highspy.HighsVarType.kContinuous] * (len(cost) - integers)
-    return model

@@ -10,7 +10,7 @@ from scipy.sparse import csc_array
 
 from pipeline.machine.geometry import FloatArray
 from pipeline.progress import silent
-from pipeline.route.highs import solve_model
+from pipeline.route.highs import make_model, solve_model
 
 
 def calm_travel(windows_m: FloatArray, x_step_m: float, time_limit_s: float, feasible_m: FloatArray) -> FloatArray:
@@ -22,15 +22,9 @@ def calm_travel(windows_m: FloatArray, x_step_m: float, time_limit_s: float, fea
     difference = csc_array(np.diff(np.eye(n), axis=0))
     square = np.tril((2.0 * difference.T @ difference).toarray())
     hessian = csc_array(square)
-    model = highspy.HighsModel()
-    lp = model.lp_
-    lp.num_row_, lp.num_col_ = difference.shape
-    lp.col_cost_ = np.zeros(n)
-    lp.col_lower_, lp.col_upper_ = windows_m[:, 0], windows_m[:, 1]
-    lp.row_lower_, lp.row_upper_ = np.full(n - 1, -x_step_m), np.full(n - 1, x_step_m)
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_, lp.a_matrix_.index_ = difference.indptr, difference.indices
-    lp.a_matrix_.value_ = difference.data
+    change = np.full(n - 1, x_step_m)
+    bounds = (windows_m[:, 0], windows_m[:, 1])
+    model = make_model(difference, np.zeros(n), bounds, (-change, change), np.zeros(n, dtype=bool))
     model.hessian_.dim_ = n
     model.hessian_.format_ = highspy.HessianFormat.kTriangular
     model.hessian_.start_, model.hessian_.index_ = hessian.indptr, hessian.indices

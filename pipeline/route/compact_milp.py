@@ -1,0 +1,60 @@
+"""The compact program: the paper's, with its big-M rows added up; the plain baseline.
+
+As exactly one delta_ij of a step is 1, P_i = sum of X(j) delta_ij says all that (18)-(24) say in one row, and so do
+sums for (25) and (36)-(37). Only (13) needs P_x itself. There is one boolean per step and region and a handful of
+rows a step, but the relaxation stays weak: a bit of many regions adds up to any position.
+"""
+
+import highspy
+import numpy as np
+
+from pipeline.machine.geometry import MODE_SIGNS, FloatArray
+from pipeline.route.exclusions import Exclusions
+from pipeline.route.highs import make_model
+from pipeline.route.regions import RegionTable
+from pipeline.route.rows import Rows
+
+
+def build_compact_model(
+    regions: RegionTable, exclusions: Exclusions, steps: FloatArray, step_budget: int
+) -> highspy.HighsModel:
+    """Write the compact program: per step P_x, then a boolean per region."""
+    Nd, width = len(regions), 1 + len(regions)
+    rows = Rows(columns=width * step_budget)
+    for i in range(step_budget):
+        step = width * i
+        delta = step + 1 + np.arange(Nd)
+        rows.add("(12) one region per step", [(delta, np.ones(Nd))], 1.0, 1.0)
+        P = (np.array([step]), np.ones(1))
+        rows.add("(18) window of x, least", [P, (delta, -regions.x_window_m[:, 0])], 0.0, np.inf)
+        rows.add("(18) window of x, largest", [P, (delta, -regions.x_window_m[:, 1])], -np.inf, 0.0)
+        if i > 0:
+            _between(rows, regions, exclusions, steps, step - width, step)
+    kappa = regions.kappa.copy()
+    kappa[regions.goal] = 0.0
+    lower = np.tile(np.concatenate([[regions.x_window_m[:, 0].min()], np.zeros(Nd)]), (step_budget, 1))
+    upper = np.tile(np.concatenate([[regions.x_window_m[:, 1].max()], np.ones(Nd)]), (step_budget, 1))
+    for row, region in ((0, regions.start), (-1, regions.goal)):  # (8)-(11)
+        upper[row, 1:] = 0.0
+        lower[row, 1 + region] = upper[row, 1 + region] = 1.0
+    cost = np.tile(np.concatenate([[0.0], kappa]), step_budget)
+    integer = np.tile(np.concatenate([[False], np.ones(Nd, bool)]), step_budget)
+    matrix, low, high = rows.matrix()
+    return make_model(matrix, cost, (lower.ravel(), upper.ravel()), (low, high), integer)
+
+
+def _between(
+    rows: Rows, regions: RegionTable, exclusions: Exclusions, steps: FloatArray, before: int, step: int
+) -> None:
+    """(13)-(17) and (38) in sums over the regions of two neighbouring steps."""
+    ahead, behind = step + 1 + np.arange(len(regions)), before + 1 + np.arange(len(regions))
+    rows.add("(13)", [(np.array([step, before]), np.array([1.0, -1.0]))], -steps[0], steps[0])
+    for axis in range(1, 5):
+        values = regions.controlled[:, axis]
+        rows.add(f"({13 + axis})", [(ahead, values), (behind, -values)], -steps[axis], steps[axis])
+    right = (MODE_SIGNS[regions.mode] > 0.0).astype(float)
+    gate = (regions.gate[:, None] == np.arange(1, 4)).astype(float)
+    for k in range(3):
+        rows.add("(38)", [(ahead, right[:, k]), (behind, -right[:, k] - gate[:, k])], -np.inf, 0.0)
+        rows.add("(38)", [(ahead, -right[:, k]), (behind, right[:, k] - gate[:, k])], -np.inf, 0.0)
+    exclusions.add_rows(rows, before + 1, step + 1)
