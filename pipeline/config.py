@@ -223,6 +223,9 @@ class RouteConfig(Section):
         0.002, gt=0.0, le=10.0, description="first guess of how far the optimum lies above its bound, relative"
     )
     max_rounds: int = Field(50, ge=1, le=10_000, description="rounds of following, forbidding and solving again")
+    formulation: Literal["core", "compact", "paper"] = Field(
+        "core", description="the program that is solved; compact and paper are over all regions, for small grids"
+    )
     time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())
 

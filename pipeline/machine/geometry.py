@@ -6,6 +6,7 @@ follows from the triangle. Working modes are numbered 0 (LLL) to 7 (RRR), arm 1 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,7 @@ import numpy.typing as npt
 from pipeline.config import FixedLinkConfig, MachineConfig, TelescopeConfig, TriangleLinkConfig
 
 FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+IntArray = npt.NDArray[np.signedinteger[Any]]
 BoolArray = npt.NDArray[np.bool_]
 
 LINKS = ("1", "2a", "2b", "3a", "3b", "3c")

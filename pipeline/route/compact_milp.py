@@ -8,7 +8,7 @@ rows a step, but the relaxation stays weak: a bit of many regions adds up to any
 import highspy
 import numpy as np
 
-from pipeline.machine.geometry import MODE_SIGNS, FloatArray
+from pipeline.machine.geometry import MODE_SIGNS, FloatArray, IntArray
 from pipeline.route.exclusions import Exclusions
 from pipeline.route.highs import make_model
 from pipeline.route.regions import RegionTable
@@ -58,3 +58,9 @@ def _between(
         rows.add("(38)", [(ahead, right[:, k]), (behind, -right[:, k] - gate[:, k])], -np.inf, 0.0)
         rows.add("(38)", [(ahead, -right[:, k]), (behind, right[:, k] - gate[:, k])], -np.inf, 0.0)
     exclusions.add_rows(rows, before + 1, step + 1)
+
+
+def read_compact(values: FloatArray, regions: RegionTable, step_budget: int) -> tuple[IntArray, FloatArray]:
+    """Read the region and the x of every step from a solution."""
+    table = values.reshape(step_budget, 1 + len(regions))
+    return np.argmax(table[:, 1:], axis=1), table[:, 0]

@@ -4,14 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray, IntArray
-from pipeline.route.grid import gate_bit
-from pipeline.route.moves import Moves
+from pipeline.config import Config
+from pipeline.machine.geometry import IntArray
+from pipeline.route.moves import Moves, rule_moves
 from pipeline.route.regions import RegionTable
 from pipeline.route.rows import Rows
-
-_ROUNDING = 1e-9
-_BLOCK = 2_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,24 +43,11 @@ class Exclusions:
         return list(zip(sources.tolist(), begin.tolist(), end.tolist(), strict=True))
 
 
-def excluded_pairs(regions: RegionTable, moves: Moves, steps: FloatArray) -> Exclusions:
-    """List the pairs within the largest moves (14)-(17) and the mode rule (38) that are no admitted moves.
-
-    Every pair is looked at: meant for tables of a few thousand regions. `steps` (5,) are the largest moves.
-    """
-    coordinates = regions.controlled[:, 1:] / steps[1:]
-    flip = gate_bit(regions.gate)
+def excluded_pairs(config: Config, regions: RegionTable, moves: Moves) -> Exclusions:
+    """List the pairs that (14)-(17) and (38) admit but that are no admitted moves."""
+    by_rule = rule_moves(config, regions)
     count = len(regions)
+    keys = by_rule.source.astype(np.int64) * count + by_rule.target
     admitted = moves.source.astype(np.int64) * count + moves.target
-    sources, targets = [], []
-    for begin in range(0, count, _BLOCK):
-        block = np.arange(begin, min(begin + _BLOCK, count))
-        near = (np.abs(coordinates[block, None] - coordinates[None]) <= 1.0 + _ROUNDING).all(axis=2)
-        changed = regions.mode[block, None] ^ regions.mode[None]
-        near &= (changed & ~flip[block, None]) == 0
-        i, k = np.nonzero(near)
-        i = block[i]
-        keep = (i != k) & ~np.isin(i * count + k, admitted)
-        sources.append(i[keep])
-        targets.append(k[keep])
-    return Exclusions(np.concatenate(sources), np.concatenate(targets))
+    excluded = np.setdiff1d(keys, admitted)
+    return Exclusions(excluded // count, excluded % count)

@@ -8,8 +8,9 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from pipeline.config import AxisConfig, Config
-from pipeline.machine.geometry import MODE_SIGNS, MODES, PRIMARY, FloatArray, IntArray, Machine
+from pipeline.machine.geometry import MODE_SIGNS, MODES, FloatArray, IntArray, Machine
 from pipeline.machine.kinematics import inverse_kinematics
+from pipeline.machine.triangle import dependent_angle, on_axis, third_discriminant
 
 _ROUNDING = 1e-9
 _ARM_BIT = np.array([4, 2, 1])
@@ -29,12 +30,15 @@ def grid_axes(config: Config) -> tuple[FloatArray, FloatArray, FloatArray, Float
     tilts = []
     for axis, step in (("rx", grid.rx_step_deg), ("rz", grid.rz_step_deg)):
         count = 0 if axis in task.locked_axes else int(np.floor(task.tilt_max_deg / step + _ROUNDING))
-        tilts.append(np.deg2rad(step * np.arange(-count, count + 1, dtype=float)))
+        values: FloatArray = np.deg2rad(step * np.arange(-count, count + 1, dtype=float))
+        tilts.append(values)
     return _values(grid.y_m), _values(grid.z_m), tilts[0], tilts[1]
 
 
 def _values(axis: AxisConfig) -> FloatArray:
-    return axis.min + axis.step * np.arange(int(np.floor((axis.max - axis.min) / axis.step + _ROUNDING)) + 1)
+    count = int(np.floor((axis.max - axis.min) / axis.step + _ROUNDING)) + 1
+    values: FloatArray = axis.min + axis.step * np.arange(count, dtype=float)
+    return values
 
 
 def find_gates(config: Config, machine: Machine, lattice: FloatArray) -> tuple[FloatArray, IntArray, IntArray]:
@@ -61,26 +65,21 @@ def _discriminant(machine: Machine, controlled: FloatArray, arm: int, third: str
 
     Without the continuation an edge that leaves arm 3's reach after it has passed a gate would lose the gate.
     """
-    modes = np.full(len(controlled), MODES.index("LL" + third))
-    if machine.platform_points_m[PRIMARY[2], [0, 2]].any():
-        # Off the axis D_3 exists only together with ry: beyond reach a negative stand-in marks the boundary.
-        D = inverse_kinematics(machine, controlled, modes).discriminants_m2[:, arm]
-        return np.where(np.isnan(D), -1.0, D) if arm == 2 else D
-    D_3 = _third_discriminant(machine, controlled)
     if arm == 2:
-        return D_3
-    beyond = np.where(D_3 < 0.0, 3, 0)
+        return _third_discriminant(machine, controlled)
+    modes = np.full(len(controlled), MODES.index("LL" + third))
+    beyond = np.where(_third_discriminant(machine, controlled) < 0.0, 3, 0) if on_axis(machine) else None
     return inverse_kinematics(machine, controlled, modes, beyond).discriminants_m2[:, arm]
 
 
 def _third_discriminant(machine: Machine, controlled: FloatArray) -> FloatArray:
-    """D_3 for a joint 3a on the platform's y axis, where it does not depend on ry."""
-    primary = PRIMARY[2]
-    rx, rz, arm = controlled[:, 3], controlled[:, 4], machine.platform_points_m[primary, 1]
-    across = np.column_stack([np.cos(rx) * np.cos(rz), np.sin(rx) * np.cos(rz)]) * arm
-    offset = controlled[:, 1:3] + across - machine.rails_m[2] - machine.cart_offsets_m[primary, 1:]
-    D: FloatArray = machine.lengths_m[primary] ** 2 - np.sum(offset**2, axis=1)
-    return D
+    """D_3 with cart 3 abreast of its joint: zero where both modes of arm 3 meet, and smooth around it.
+
+    Off the platform's y axis it depends on ry, which is then that of cart 3 abreast, too.
+    """
+    abreast = np.zeros(len(controlled))
+    ry = abreast if on_axis(machine) else dependent_angle(machine, controlled, abreast)
+    return third_discriminant(machine, controlled, ry)
 
 
 def _crossed_edges(D: FloatArray, axis: int) -> IntArray:
@@ -91,7 +90,8 @@ def _crossed_edges(D: FloatArray, axis: int) -> IntArray:
     start = np.take(index, np.arange(D.shape[axis] - 1), axis=axis)
     # A zero on a grid point counts as negative: its gate is found once, where D is positive next to it.
     crossed = ((lower > 0.0) != (upper > 0.0)) & np.isfinite(lower) & np.isfinite(upper)
-    return start[crossed]
+    edges: IntArray = start[crossed]
+    return edges
 
 
 def _points_on_edges(machine: Machine, starts: FloatArray, axis: int, step: float, arm: int, third: str) -> FloatArray:
@@ -111,7 +111,8 @@ def _points_on_edges(machine: Machine, starts: FloatArray, axis: int, step: floa
         args=(rows,),
     )
     # Where D jumps instead of passing zero (the triangle folds there), the edge has no gate.
-    return at(root.x, rows)[root.success & (np.abs(root.f_x) < _ROUNDING)]
+    gates: FloatArray = at(root.x, rows)[root.success & (np.abs(root.f_x) < _ROUNDING)]
+    return gates
 
 
 def _in_all_modes(points: FloatArray, arm: int, third: str) -> tuple[FloatArray, IntArray, IntArray]:

@@ -23,6 +23,8 @@ _SLACK = 0.05
 _ROUNDING = 1e-9
 _LOW = 0xFFFF
 _SHIFT = 16
+_OFFSETS = np.stack(np.meshgrid(*[[-1, 0, 1]] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
+"""The cell itself and its neighbours in y, z, rx, rz; of a direction and its reverse one is above zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,36 +53,75 @@ class Moves:
 def find_moves(config: Config, machine: Machine, regions: RegionTable, progress: Progress = silent) -> Moves:
     """Find all admitted moves, from the start and between regions up to the goal, which is never left."""
     steps = step_sizes(config.route)
-    coordinates = regions.controlled[:, 1:] / steps[1:]
-    codes = passing_codes(machine, regions)
-    opposite = (codes >> _SHIFT) | ((codes & _LOW) << _SHIFT)
-    bucket, cells = _Buckets.of(coordinates, regions.mode)
-    flip = gate_bit(regions.gate)
-    rows = np.arange(len(regions))
-    leaving = rows[rows != regions.goal]
-    at_gate = leaving[flip[leaving] > 0]
-    origins = np.concatenate([leaving, at_gate])
-    arrival_modes = np.concatenate([regions.mode[leaving], regions.mode[at_gate] ^ flip[at_gate]])
-    sources, targets = [], []
-    offsets = np.stack(np.meshgrid(*[[-1, 0, 1]] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
-    for count, offset in enumerate(offsets):
-        progress("moves", count / len(offsets))
-        i, j = bucket.pairs(origins, cells[origins] + offset, arrival_modes)
-        near = (np.abs(coordinates[i] - coordinates[j]) <= 1.0 + _ROUNDING).all(axis=1)
-        i, j = i[near], j[near]
-        # Opposite signs of det H, or of a passing pair of links, share a bit.
-        clear = ((codes[i] & opposite[j]) == 0) & (i != j) & (j != regions.start)
-        i, j = i[clear], j[clear]
-        apart = np.maximum(
-            regions.x_window_m[i, 0] - regions.x_window_m[j, 1],
-            regions.x_window_m[j, 0] - regions.x_window_m[i, 1],
-        )
-        within = apart <= steps[0] + _ROUNDING
-        sources.append(i[within].astype(np.int32))
-        targets.append(j[within].astype(np.int32))
-    source, target = np.concatenate(sources), np.concatenate(targets)
+    return _collect(_Search.of(regions, steps, passing_codes(machine, regions), steps[0]), regions, progress)
+
+
+def rule_moves(config: Config, regions: RegionTable) -> Moves:
+    """Find all moves that (14)-(17) and (38) alone would admit, whatever x, det H and the links do."""
+    steps = step_sizes(config.route)
+    return _collect(_Search.of(regions, steps, np.zeros(len(regions), dtype=np.int64), np.inf), regions, silent)
+
+
+def _collect(search: "_Search", regions: RegionTable, progress: Progress) -> Moves:
+    """Look at all neighbouring cells.
+
+    Between regions of the same working mode a move can be made both ways, so that half of the directions is
+    looked at; moves that change a mode at a gate are looked at one by one.
+    """
+    kept, changing = np.arange(len(regions), dtype=np.int32), np.flatnonzero(regions.gate).astype(np.int32)
+    arrival = regions.mode[changing] ^ gate_bit(regions.gate[changing])
+    found: list[tuple[IntArray, IntArray]] = []
+    for count, offset in enumerate(_OFFSETS):
+        progress("moves", count / len(_OFFSETS))
+        if tuple(offset) >= (0, 0, 0, 0):
+            i, j = search.pairs(kept, regions.mode, offset)
+            if not offset.any():
+                i, j = i[i < j], j[i < j]
+            found += [(i, j), (j, i)]
+        found.append(search.pairs(changing, arrival, offset))
+    source, target = (np.concatenate(side) for side in zip(*found, strict=True))
+    allowed = (source != regions.goal) & (target != regions.start)
+    source, target = source[allowed], target[allowed]
     order = np.argsort(source, kind="stable")
     return Moves(source[order], target[order])
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What decides whether two regions of neighbouring cells can be joined."""
+
+    buckets: "_Buckets"
+    cells: IntArray
+    coordinates: FloatArray
+    codes: IntArray
+    opposite: IntArray
+    low_m: FloatArray
+    high_m: FloatArray
+    x_step_m: float
+
+    @classmethod
+    def of(cls, regions: RegionTable, steps: FloatArray, codes: IntArray, x_step_m: float) -> "_Search":
+        """Sort the regions; `codes` (n,) as of `passing_codes`, `x_step_m` the largest move along X."""
+        coordinates = regions.controlled[:, 1:] / steps[1:]
+        opposite = (codes >> _SHIFT) | ((codes & _LOW) << _SHIFT)
+        buckets, cells = _Buckets.of(coordinates, regions.mode)
+        low, high = regions.x_window_m.T.copy()
+        return cls(buckets, cells, coordinates.T.copy(), codes, opposite, low, high, x_step_m + _ROUNDING)
+
+    def pairs(self, origins: IntArray, modes: IntArray, offset: IntArray) -> tuple[IntArray, IntArray]:
+        """Regions (n,) with all they can be joined to in the cell `offset` away, arriving in working modes (n,)."""
+        i, j = self.buckets.pairs(origins, self.cells[origins] + offset, modes)
+        # Opposite signs of det H, or of a passing pair of links, share a bit.
+        clear = (self.codes[i] & self.opposite[j]) == 0
+        i, j = i[clear], j[clear]
+        # Within one cell no coordinate differs by a whole step.
+        for axis in np.flatnonzero(offset):
+            near = np.abs(self.coordinates[axis, i] - self.coordinates[axis, j]) <= 1.0 + _ROUNDING
+            if not near.all():
+                i, j = i[near], j[near]
+        apart = np.maximum(self.low_m[i] - self.high_m[j], self.low_m[j] - self.high_m[i])
+        within = apart <= self.x_step_m
+        return i[within], j[within]
 
 
 def passing_codes(machine: Machine, regions: RegionTable) -> IntArray:
@@ -124,12 +165,12 @@ class _Buckets:
         low, shape = np.full(4, -1), (8, *(cells.max(axis=0) + 3))
         key = np.ravel_multi_index((modes, *(cells - low).T), shape)
         begin = np.concatenate([[0], np.cumsum(np.bincount(key, minlength=int(np.prod(shape))))])
-        return cls(np.argsort(key, kind="stable"), begin, shape, low), cells
+        return cls(np.argsort(key, kind="stable").astype(np.int32), begin, shape, low), cells
 
     def pairs(self, origins: IntArray, cells: IntArray, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """Every origin with every region of its cell (n, 4) and mode (n,), as two arrays of rows."""
+        """Every origin (n,) with every region of its cell (n, 4) and mode (n,), as two arrays of rows."""
         key = np.ravel_multi_index((modes, *(cells - self.low).T), self.shape)
         begin, count = self.begin[key], self.begin[key + 1] - self.begin[key]
-        rows = np.repeat(np.arange(len(origins)), count)
-        within = np.arange(len(rows)) - np.repeat(np.cumsum(count) - count, count)
-        return origins[rows], self.order[begin[rows] + within]
+        rows = np.repeat(np.arange(len(origins), dtype=np.int32), count)
+        shift = begin - (np.cumsum(count) - count)
+        return origins[rows], self.order[np.arange(len(rows)) + shift[rows]]

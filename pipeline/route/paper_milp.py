@@ -153,3 +153,9 @@ def _columns(regions: RegionTable, kappa: FloatArray, step_budget: int) -> tuple
         lower[row, HEAD + region] = upper[row, HEAD + region] = 1.0
     integer = np.tile(np.concatenate([[False, True], np.zeros(5, bool), np.ones(6 + Nd, bool)]), (step_budget, 1))
     return lower.ravel(), upper.ravel(), integer.ravel()
+
+
+def read_paper(values: FloatArray, regions: RegionTable, step_budget: int) -> tuple[IntArray, FloatArray]:
+    """Read the region and the x of every step from a solution."""
+    table = values.reshape(step_budget, HEAD + len(regions))
+    return np.argmax(table[:, HEAD:], axis=1), table[:, POSITION]

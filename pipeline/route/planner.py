@@ -8,27 +8,17 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray, IntArray, Machine
 from pipeline.progress import Progress, silent
-from pipeline.route.core import Core, build_core
 from pipeline.route.follow import Flaw, check_moves
 from pipeline.route.highs import solver_name
-from pipeline.route.milp import StepSequence, solve_core
+from pipeline.route.metric import step_sizes
 from pipeline.route.moves import Moves, find_moves
+from pipeline.route.prove import Optimum, find_optimum
 from pipeline.route.regions import RegionTable
 from pipeline.route.relaxation import Bounds, fewest_moves, shortest_paths
 from pipeline.route.result import Route, Search
+from pipeline.route.rules import rule_violations
 from pipeline.route.travel import calm_travel
 from pipeline.status import Status
-
-_GROWTH = 3.0
-_ROUNDING = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class _Optimum:
-    """A proven optimum over the moves admitted so far, and the core it was proven on."""
-
-    sequence: StepSequence
-    core: Core
 
 
 def plan_route(
@@ -49,10 +39,11 @@ def plan_route(
     flaws: list[Flaw] = []
     for round_ in range(1, config.route.max_rounds + 1):
         progress(f"route: round {round_}, {len(moves) - len(admitted)} moves forbidden")
-        optimum = _prove(config, regions, admitted, bounds, progress, verbose)
+        optimum = find_optimum(config, regions, admitted, bounds, progress, verbose)
         if optimum is None:
             raise _no_route(regions, moves, flaws)
         placed = _place(config, regions, optimum)
+        _require_rules(config, regions, placed)
         bad, found = _flawed_moves(config, machine, placed)
         if not found:
             return _route(placed, optimum, bounds, len(moves), len(moves) - len(admitted), round_)
@@ -94,55 +85,6 @@ def _require_relaxation(config: Config, regions: RegionTable, moves: Moves, boun
         )
 
 
-def _prove(
-    config: Config, regions: RegionTable, moves: Moves, bounds: Bounds, progress: Progress, verbose: bool
-) -> _Optimum | None:
-    """Raise the threshold until the optimum over the core is at most it, hence optimal; None: there is no route.
-
-    Raises
-    ------
-    NoSolutionError
-        When the solver's time limit ends a solve.
-    """
-    options = config.route
-    # No route within the step budget can cost more than this.
-    ceiling = options.step_budget * float(regions.kappa.max())
-    margin, excluded, known = options.threshold_margin, bounds.optimum, np.inf
-    threshold = min(excluded * (1.0 + margin), ceiling)
-    while True:
-        core = build_core(regions, moves, bounds, threshold, options.step_budget, options.x_step_m)
-        progress(f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}")
-        # The core's own bound minds x and the step budget: a lower threshold may do, and a smaller core.
-        lower = core.bound * (1.0 + options.threshold_margin)
-        if not core.empty and core.bound > excluded and lower < min(threshold, known):
-            threshold, margin = lower, options.threshold_margin
-            continue
-        if not core.empty:
-            sequence = solve_core(core, options.step_budget, options.x_step_m, options.time_limit_s, progress, verbose)
-            outcome = sequence.outcome
-            if outcome.status not in (Status.OPTIMAL, Status.INFEASIBLE):
-                raise _unproven(sequence, threshold)
-            if outcome.objective <= threshold * (1.0 + _ROUNDING):
-                return _Optimum(sequence, core)
-            known = min(known, outcome.objective)
-        if threshold >= ceiling:
-            return None
-        excluded = threshold
-        margin *= _GROWTH
-        threshold = min(excluded * (1.0 + margin), known, ceiling)
-
-
-def _unproven(sequence: StepSequence, threshold: float) -> NoSolutionError:
-    outcome = sequence.outcome
-    return NoSolutionError(
-        "route",
-        f"HiGHS stopped without a proof ({outcome.status}); best sum of kappa {outcome.objective:.3f}, "
-        f"bound {outcome.bound:.3f}, threshold {threshold:.3f}",
-        outcome.status.advice + " The key is route.time_limit_s.",
-        {"status": outcome.status.value, "objective": outcome.objective, "bound": outcome.bound},
-    )
-
-
 def _no_route(regions: RegionTable, moves: Moves, flaws: list[Flaw]) -> NoSolutionError:
     because = f", after {len(flaws)} moves were forbidden that fail when followed ({_count(flaws)})" if flaws else ""
     return NoSolutionError(
@@ -168,7 +110,7 @@ class _Placed:
     q_m: FloatArray
 
 
-def _place(config: Config, regions: RegionTable, optimum: _Optimum) -> _Placed:
+def _place(config: Config, regions: RegionTable, optimum: Optimum) -> _Placed:
     """Turn a sequence of regions into poses and actuator positions, with the calmest travel along X."""
     sequence, options = optimum.sequence, config.route
     steps = regions.take(sequence.region)
@@ -179,7 +121,20 @@ def _place(config: Config, regions: RegionTable, optimum: _Optimum) -> _Placed:
     return _Placed(sequence.region, steps, pose, q)
 
 
-def _route(placed: _Placed, optimum: _Optimum, bounds: Bounds, moves: int, forbidden: int, rounds: int) -> Route:
+def _require_rules(config: Config, regions: RegionTable, placed: _Placed) -> None:
+    """Hold the solver's result against the rules alone: nothing is taken on trust."""
+    options = config.route
+    broken = rule_violations(regions, placed.region, placed.pose[:, 0], step_sizes(options), options.step_budget)
+    if broken:
+        raise NoSolutionError(
+            "route",
+            f"the solver returned a sequence that breaks the rules: {'; '.join(broken)}",
+            "this is a numerical failure: change route.grid or route.x_step_m a little",
+            {"status": Status.NOT_CONVERGED.value, "broken": broken},
+        )
+
+
+def _route(placed: _Placed, optimum: Optimum, bounds: Bounds, moves: int, forbidden: int, rounds: int) -> Route:
     """Put the result together: the steps, and how their optimality was proven."""
     kappa, bound = placed.steps.kappa, optimum.sequence.outcome.bound
     objective = float(kappa[:-1].sum())
@@ -188,8 +143,8 @@ def _route(placed: _Placed, optimum: _Optimum, bounds: Bounds, moves: int, forbi
         bound=bound,
         gap=_gap(objective, bound),
         relaxation=bounds.optimum,
-        threshold=optimum.core.threshold,
-        core_regions=optimum.core.regions,
+        threshold=optimum.threshold,
+        core_regions=optimum.regions,
         core_columns=optimum.sequence.columns,
         moves=moves,
         rounds=rounds,
