@@ -1,6 +1,7 @@
 """Commands that run stages: run, route, refine, retime."""
 
 from collections.abc import Callable
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +16,15 @@ if TYPE_CHECKING:
     from pipeline.config import Config
 
 _RESULTS = Path("results")
+
+
+class Formulation(StrEnum):
+    """Programs of stage one."""
+
+    CORE = "core"
+    COMPACT = "compact"
+    PAPER = "paper"
+
 
 ConfigArgument = Annotated[Path, typer.Argument(metavar="CONFIG", help="The YAML file of machine, task and options.")]
 OutOption = Annotated[
@@ -47,14 +57,31 @@ def run(
 
 
 def route(
-    config: ConfigArgument, out: OutOption = None, force: ForceOption = False, verbose: VerboseOption = False
+    config: ConfigArgument,
+    out: OutOption = None,
+    force: ForceOption = False,
+    verbose: VerboseOption = False,
+    formulation: Annotated[
+        Formulation | None,
+        typer.Option(help="The program to solve. Default: route.formulation of CONFIG; core is the fast one."),
+    ] = None,
+    write_mps: Annotated[
+        Path | None,
+        typer.Option("--write-mps", metavar="FILE", help="Write the paper or compact program and do not solve it."),
+    ] = None,
 ) -> None:
     """Stage one: find the regions, and the best route through them (a mixed-integer program).
 
     The route is proven optimal over all admitted moves between regions, or
     proven not to exist.
     """
-    _run(config, out, None, Stage.ROUTE, force, verbose)
+    changes = {} if formulation is None else {"formulation": formulation.value}
+    if write_mps is None:
+        _run(config, out, None, Stage.ROUTE, force, verbose, changes)
+        return
+    from pipeline.cli.program_file import write_program
+
+    write_program(_with_route(load(config), changes), write_mps, messages_console())
 
 
 def refine(
@@ -78,12 +105,20 @@ def retime(
     _run(config, out, None, Stage.RETIME, force, verbose)
 
 
-def _run(path: Path, out: Path | None, first: Stage | None, last: Stage | None, force: bool, verbose: bool) -> None:
+def _run(
+    path: Path,
+    out: Path | None,
+    first: Stage | None,
+    last: Stage | None,
+    force: bool,
+    verbose: bool,
+    route_changes: dict[str, str] | None = None,
+) -> None:
     from pipeline.artifacts import sights
     from pipeline.cli.stage_table import stage_table
     from pipeline.run import run_pipeline
 
-    config = load(path)
+    config = _with_route(load(path), route_changes or {})
     folder = out or _RESULTS / config.name
     with make_reporter(messages_console(), verbose) as reporter:
         report = run_pipeline(config, folder, first, last, force, reporter, verbose)
@@ -95,6 +130,11 @@ def _run(path: Path, out: Path | None, first: Stage | None, last: Stage | None, 
     for where, what in found:
         console.print(f"{where!s:<{width}}  {what}", soft_wrap=True)
     console.print(f"Next: {_next_step(path, folder, out, stages[-1])}", soft_wrap=True)
+
+
+def _with_route(config: "Config", changes: dict[str, str]) -> "Config":
+    """Apply options of the command line to the route section."""
+    return config.model_copy(update={"route": config.route.model_copy(update=changes)}) if changes else config
 
 
 def load(path: Path) -> "Config":
@@ -136,7 +176,14 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau run configs/agder.yaml --from retime    (path in time and figures, whatever has changed)",
         ),
     ),
-    (route, ("gantry-tau route configs/quick.yaml -v",)),
+    (
+        route,
+        (
+            "gantry-tau route configs/quick.yaml -v",
+            "gantry-tau route configs/tiny.yaml --formulation paper    (the paper's own program, for small grids)",
+            "gantry-tau route configs/tiny.yaml --formulation paper --write-mps paper.mps",
+        ),
+    ),
     (refine, ("gantry-tau refine configs/quick.yaml",)),
     (retime, ("gantry-tau retime configs/quick.yaml",)),
 )

@@ -1,6 +1,7 @@
 """Running HiGHS: options, progress, interruption, and one vocabulary for how it ended."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import highspy
 import numpy as np
@@ -50,6 +51,21 @@ def make_model(
     return model
 
 
+def write_model(model: highspy.HighsModel, target: Path) -> None:
+    """Write a program as an MPS or LP file, by the ending of its name.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be written.
+    """
+    solver = highspy.Highs()
+    solver.setOptionValue("output_flag", False)
+    solver.passModel(model)
+    if solver.writeModel(str(target)) is highspy.HighsStatus.kError:
+        raise OSError(f"{target} cannot be written")
+
+
 def solver_name() -> str:
     """Name and version of the solver."""
     return f"HiGHS {highspy.Highs().version()}"
@@ -64,12 +80,15 @@ def solve_model(model: highspy.HighsModel, time_limit_s: float, progress: Progre
         When the user interrupts.
     """
     solver = highspy.Highs()
-    solver.setOptionValue("output_flag", verbose)
+    # Without any output there would be no progress to report either.
+    solver.setOptionValue("log_to_console", verbose)
     solver.setOptionValue("mip_rel_gap", 0.0)
     solver.setOptionValue("mip_abs_gap", 1e-7)
     solver.setOptionValue("primal_feasibility_tolerance", 1e-9)
     # The default, 1e-6, would let x and the cost be wrong by as much.
     solver.setOptionValue("mip_feasibility_tolerance", 1e-9)
+    # The quadratic programs are definite between fixed ends; regularised they would miss by a micrometre.
+    solver.setOptionValue("qp_regularization_value", 0.0)
     solver.setOptionValue("time_limit", time_limit_s)
     solver.passModel(model)
     solver.HandleUserInterrupt = True

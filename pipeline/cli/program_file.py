@@ -1,0 +1,53 @@
+"""Writing the mixed-integer program of a task as an MPS file, for other solvers and for reading."""
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from pipeline.config import Config
+from pipeline.errors import UsageError
+from pipeline.machine.geometry import build_machine
+
+
+def write_program(config: Config, target: Path, console: Console) -> None:
+    """Write the program over all regions and admitted moves; says its exact size before it is built.
+
+    Raises
+    ------
+    UsageError
+        When the formulation is the core, which is no program of its own, or the file has no known ending.
+    """
+    if config.route.formulation == "core":
+        raise UsageError("--write-mps goes with --formulation paper or --formulation compact")
+    if target.suffix not in (".mps", ".lp"):
+        raise UsageError(f"--write-mps {target}: the file's name has to end in .mps (or .lp)")
+    from pipeline.route.compact_milp import build_compact_model
+    from pipeline.route.exclusions import excluded_pairs
+    from pipeline.route.highs import write_model
+    from pipeline.route.metric import step_sizes
+    from pipeline.route.moves import find_moves
+    from pipeline.route.paper_milp import build_paper_model, paper_size
+    from pipeline.route.regions import build_regions
+
+    machine = build_machine(config.machine)
+    with console.status("regions and moves"):
+        regions = build_regions(config, machine)
+        exclusions = excluded_pairs(config, regions, find_moves(config, machine, regions))
+    N = config.route.step_budget
+    size = paper_size(len(regions), N, len(exclusions), len(np.unique(exclusions.source)))
+    console.print(
+        f"{len(regions):,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} of them "
+        f"boolean), {size.rows:,} rows, {size.entries:,} entries"
+    )
+    build = build_paper_model if config.route.formulation == "paper" else build_compact_model
+    with console.status(f"writing {target}"):
+        model = build(regions, exclusions, step_sizes(config.route), N)
+        # Written beside the target and renamed, so that a file that is there is whole.
+        with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+            beside = Path(folder) / f"program{target.suffix}"
+            write_model(model, beside)
+            os.replace(beside, target)
+    console.print(f"{target}: the {config.route.formulation} program")
