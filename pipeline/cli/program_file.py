@@ -1,6 +1,5 @@
 """Writing the mixed-integer program of a task as an MPS file, for other solvers and for reading."""
 
-import os
 import tempfile
 from pathlib import Path
 
@@ -39,8 +38,8 @@ def write_program(config: Config, target: Path, console: Console) -> None:
     N = config.route.step_budget
     size = paper_size(len(regions), N, len(exclusions), len(np.unique(exclusions.source)))
     console.print(
-        f"{len(regions):,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} of them "
-        f"boolean), {size.rows:,} rows, {size.entries:,} entries"
+        f"{len(regions):,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} "
+        f"of them boolean), {size.rows:,} rows, {size.entries:,} entries"
     )
     build = build_paper_model if config.route.formulation == "paper" else build_compact_model
     with console.status(f"writing {target}"):
@@ -49,5 +48,5 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             beside = Path(folder) / f"program{target.suffix}"
             write_model(model, beside)
-            os.replace(beside, target)
+            beside.replace(target)
     console.print(f"{target}: the {config.route.formulation} program")

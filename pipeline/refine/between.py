@@ -13,13 +13,17 @@ from pipeline.refine.result import Path
 _ROUNDING = 1e-9
 
 
+_TILTS = (("rx", 3), ("rz", 5))
+
+
 @dataclass(frozen=True, eq=False)
 class Breach:
-    """A promise broken somewhere: what, by how much at worst, and at which s (n,)."""
+    """A promise broken somewhere: what, by how much at worst, at which s (n,), and what to change."""
 
     what: str
     worst: float
     s: FloatArray
+    advice: str
 
     def __str__(self) -> str:
         return f"{self.what} (worst {self.worst:.4g}, first at s = {self.s[0]:.4f})"
@@ -31,35 +35,61 @@ def breaches(config: Config, path: Path) -> list[Breach]:
     try:
         samples = sample_path(path, s)
     except ForwardKinematicsError as error:
-        return [Breach("the closure equations have no solution", error.residual_m, s[[error.index]])]
-    machine, q = path.machine, samples.q_m
-    limits = machine.actuator_limits_m
-    outside = np.maximum(limits[:, 0] - q, q - limits[:, 1]).max(axis=1)
-    tilt = np.rad2deg(np.abs(samples.pose[:, [3, 5]]))
-    allowed = np.array(
-        [
-            config.refine.lock_tolerance_deg if axis in config.task.locked_axes else config.task.tilt_max_deg
-            for axis in ("rx", "rz")
-        ]
-    )
-    excesses = {
-        "det H changes sign": np.where(samples.det_sign == samples.det_sign[0], 0.0, 1.0),
-        "kappa above route.kappa_max": samples.kappa - config.route.kappa_max,
-        "links too close, metres": machine.link_link_m - samples.link_distance_m,
-        "a link too close to a rail, metres": _unless_unchecked(machine.link_rail_m - samples.rail_distance_m),
-        "tilt too large, degrees": (tilt - allowed).max(axis=1),
-        "actuators beyond stroke or travel, metres": outside,
-        "the pose jumps": _jumps(samples),
-    }
+        what = "the closure equations have no solution, links miss their lengths by metres"
+        return [Breach(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
     return [
-        Breach(what, float(excess.max()), s[excess > _ROUNDING])
-        for what, excess in excesses.items()
+        Breach(what, float(excess.max()), s[excess > _ROUNDING], advice)
+        for what, excess, advice in _excesses(config, path, samples)
         if (excess > _ROUNDING).any()
     ]
 
 
-def _unless_unchecked(excess: FloatArray) -> FloatArray:
-    return np.nan_to_num(excess, nan=-1.0)
+def _excesses(config: Config, path: Path, samples: PathSamples) -> list[tuple[str, FloatArray, str]]:
+    """By how much each promise is broken at every sample (n,), negative where it is kept; and what would help."""
+    machine, q = path.machine, samples.q_m
+    limits = machine.actuator_limits_m
+    more_clearance = "Raise refine.clearance_margin_m or refine.nodes."
+    return [
+        ("det H changes sign", _sign_changes(samples.det_sign), "Raise refine.nodes."),
+        (
+            "kappa above route.kappa_max",
+            samples.kappa - config.route.kappa_max,
+            "Raise route.kappa_max or refine.corridor_cells.",
+        ),
+        ("links too close, metres", machine.link_link_m - samples.link_distance_m, more_clearance),
+        ("a link too close to a rail, metres", _rail_excess(path, samples), more_clearance),
+        (
+            "tilt too large, degrees",
+            _tilt_excess(config, samples),
+            "Raise refine.tilt_margin_deg, refine.nodes or, for a locked axis, refine.lock_tolerance_deg.",
+        ),
+        (
+            "actuators beyond stroke or travel, metres",
+            np.maximum(limits[:, 0] - q, q - limits[:, 1]).max(axis=1),
+            "Raise refine.nodes.",
+        ),
+        ("the pose jumps", _jumps(samples), "Raise refine.nodes."),
+    ]
+
+
+def _sign_changes(sign: FloatArray) -> FloatArray:
+    """One where a sign differs from the one before or is zero, shape (n,)."""
+    changes: FloatArray = (np.diff(sign, prepend=sign[:1]) != 0.0) | (sign == 0.0)
+    return changes.astype(float)
+
+
+def _rail_excess(path: Path, samples: PathSamples) -> FloatArray:
+    if np.isnan(path.machine.link_rail_m):
+        return np.full(len(samples.s), -np.inf)
+    return path.machine.link_rail_m - samples.rail_distance_m
+
+
+def _tilt_excess(config: Config, samples: PathSamples) -> FloatArray:
+    locked, task = config.task.locked_axes, config.task
+    allowed = [config.refine.lock_tolerance_deg if axis in locked else task.tilt_max_deg for axis, _ in _TILTS]
+    tilt = np.rad2deg(np.abs(samples.pose[:, [column for _, column in _TILTS]]))
+    excess: FloatArray = (tilt - allowed).max(axis=1)
+    return excess
 
 
 def _jumps(samples: PathSamples) -> FloatArray:

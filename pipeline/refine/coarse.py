@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.interpolate import BSpline
 
+from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray, IntArray, Machine
 from pipeline.machine.kinematics import follow
 from pipeline.refine.result import Path
@@ -10,16 +11,24 @@ from pipeline.route.metric import arc_length
 from pipeline.route.result import Route
 
 _SAMPLES_PER_MOVE = 100
+_ARRIVAL = 1e-6
+"""How far, in metres and radians, a move may end from the next step of the route."""
 
 
 def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     """Join the steps of a route; s is the arc length in the metric of the route, `steps` (5,) its largest moves.
 
     The nodes are dense samples marched along every move, so that the pose is known on the right branch everywhere.
+
+    Raises
+    ------
+    NoSolutionError
+        When a move, followed continuously, does not arrive at the next step: no route of stage one does that.
     """
     part = np.linspace(0.0, 1.0, _SAMPLES_PER_MOVE + 1)[:, None]
     q = route.q_m[:-1, None] * (1.0 - part) + route.q_m[1:, None] * part
-    poses, _ = follow(machine, q, route.pose[:-1])
+    poses, misses = follow(machine, q, route.pose[:-1])
+    _require_arrival(poses, misses, route)
     lengths = np.array([arc_length(move, steps)[-1] for move in poses])
     corners = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
     # Rounding must not leave the last knot beside 1.
@@ -31,6 +40,16 @@ def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
         node_s=np.append(node_s.ravel(), 1.0),
         node_pose=np.vstack([poses[:, :-1].reshape(-1, 6), route.pose[-1]]),
     )
+
+
+def _require_arrival(poses: FloatArray, misses: FloatArray, route: Route) -> None:
+    lost = ~np.isfinite(misses).all(axis=1) | (np.abs(poses[:, -1] - route.pose[1:]).max(axis=1) > _ARRIVAL)
+    if lost.any():
+        raise NoSolutionError(
+            "refine",
+            f"move {int(np.argmax(lost)) + 1} of the route cannot be followed from its first step to its second",
+            "Find the route again: it does not belong to this machine, or was changed.",
+        )
 
 
 def corner_parameters(coarse: Path) -> FloatArray:

@@ -39,8 +39,8 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray, tilt_mar
     low[:, _RY], high[:, _RY] = -np.inf, np.inf
     for column, axis in ((3, "rx"), (5, "rz")):
         limit = _tilt_limit(config, axis, tilt_margin_rad)
-        low[:, column] = np.maximum(low[:, column], -limit)
-        high[:, column] = np.minimum(high[:, column], limit)
+        low[:, column] = np.clip(low[:, column], -limit, limit)
+        high[:, column] = np.clip(high[:, column], -limit, limit)
     low[[0, -1]] = high[[0, -1]] = route.pose[[0, -1]]
     return Corridor(low, high)
 

@@ -38,9 +38,7 @@ def lagrangian_hessian(
     hessian = ca.Function("expanded", [x, about, value, g, H, lam_f, lam_g], [triangle])
     values, gradients, hessians = derivatives.map(k)(pose, q)
     result = hessian(x, nodes, values, gradients, ca.sparsity_cast(hessians, blocks), lam_f, lam_g)
-    return ca.Function(
-        "hessian", [x, p, lam_f, lam_g], [result], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
-    )
+    return ca.Function("hessian", [x, p, lam_f, lam_g], [result], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"])
 
 
 def _derivatives(kappa: ca.Function) -> ca.Function:

@@ -2,10 +2,11 @@
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -16,6 +17,8 @@ from pipeline.refine.nlp import Program
 from pipeline.status import Status
 
 _SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
+_PRECISE = {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9}
+_ROUGH = {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,16 +56,23 @@ class _Watch(ca.Callback):
     def get_sparsity_in(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self._sizes[ca.nlpsol_out(i)], 1)
 
-    def eval(self, arguments: list[ca.DM]) -> list[int]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[int]:
         self._count += 1
         self._progress(f"{self._what}: IPOPT iteration {self._count}, kappa integral {float(arguments[1]):.2f}")
         return [int(self.interrupted.is_set())]
 
 
 def solve_program(
-    program: Program, max_iterations: int, progress: Progress, what: str, verbose: bool = False
+    program: Program,
+    max_iterations: int,
+    progress: Progress,
+    what: str,
+    verbose: bool = False,
+    rough: bool = False,
 ) -> Solution:
     """Solve with IPOPT and MUMPS from the program's start; never raises for a failed solve, the status tells.
+
+    `rough` ends as soon as the solution is good enough to start another solve from.
 
     Raises
     ------
@@ -70,7 +80,7 @@ def solve_program(
         When the user interrupts.
     """
     watch = _Watch(program, progress, what)
-    options = {
+    options: dict[str, Any] = {
         "iteration_callback": watch,
         "print_time": False,
         "error_on_fail": False,
@@ -81,8 +91,7 @@ def solve_program(
             "print_level": 5 if verbose else 0,
             "sb": "yes",
             "mu_strategy": "adaptive",
-            "tol": 1e-7,
-            "constr_viol_tol": 1e-9,
+            **(_ROUGH if rough else _PRECISE),
             # Bounds are promises to a machine: IPOPT must not relax them.
             "bound_relax_factor": 0.0,
         },

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from pipeline.machine.geometry import FloatArray, Machine
-from pipeline.machine.symbolic import closure_function, kappa_function
+from pipeline.machine.symbolic import Smooth, closure_function, kappa_function
 from pipeline.refine.corridor import Corridor
 from pipeline.refine.hessian import lagrangian_hessian
 from pipeline.refine.separation import Separations, apartness
@@ -71,14 +71,14 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """What one solve is about: nodes s (k,), knots, corridor, separations and the metric (5,)."""
+    """What one solve is about: nodes s (k,), knots, corridor, separations, the metric (5,) and the kind of kappa."""
 
     s: FloatArray
     knots: FloatArray
     corridor: Corridor
     separations: Separations
     steps: FloatArray
-    kind: str
+    kind: Smooth
 
 
 def build_program(machine: Machine, setting: Setting, start: Start) -> Program:

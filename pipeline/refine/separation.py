@@ -118,11 +118,12 @@ def _foot(point: FloatArray, begin: FloatArray, vector: FloatArray) -> FloatArra
     """Where on the segment begin + [0, 1] vector the point is nearest. Shape (n,)."""
     squared = np.sum(vector**2, axis=1)
     along = np.sum((point - begin) * vector, axis=1)
-    return np.clip(along / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
+    foot: FloatArray = np.clip(along / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
+    return foot
 
 
 def apartness(machine: Machine, separations: Separations, pose: ca.MX, q: ca.MX, normal: ca.MX) -> ca.MX:
-    """n . (a - b) - c for the end points a of the first and b of the second of every pair: to be >= 0.
+    """Write n . (a - b) - c for the end points a of the first and b of the second of every pair: to be >= 0.
 
     For poses (6, k), actuators (5, k) and vectors (3, m). Four entries for two links; two for a link and a rail,
     of which any one point will do. Shape (entries,).

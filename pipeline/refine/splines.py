@@ -7,7 +7,7 @@ from scipy.sparse import csr_array
 from pipeline.machine.geometry import FloatArray
 
 DEGREE = 5
-"""Quintic: q'' is continuously differentiable twice, so that acceleration and jerk are smooth along the path."""
+"""Quintic: q has four continuous derivatives, so that acceleration and jerk are smooth along the path."""
 
 
 def clamped_knots(coefficients: int) -> FloatArray:
@@ -22,7 +22,7 @@ def basis(knots: FloatArray, s: FloatArray) -> csr_array:
 
 
 def fit(knots: FloatArray, s: FloatArray, q_m: FloatArray) -> FloatArray:
-    """Fit coefficients (n, 5) to samples q (k, 5) at s (k,) by least squares, its ends exactly at the first and last."""
+    """Fit coefficients (n, 5) to samples q (k, 5) at s (k,) by least squares; the ends are met exactly."""
     coefficients: FloatArray = make_lsq_spline(s, q_m, knots, DEGREE).c
     coefficients[0], coefficients[-1] = q_m[0], q_m[-1]
     return coefficients

@@ -1,0 +1,258 @@
+"""Stage one as a whole."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.errors import NoSolutionError
+from pipeline.machine import build_machine
+from pipeline.route import build_regions, plan_route, planner
+from pipeline.route.follow import Flaw, MoveChecks
+from pipeline.route.moves import Moves
+from pipeline.route.prove import prove_on_core
+from pipeline.route.relaxation import shortest_paths
+from pipeline.status import Status
+
+
+def _plan(config, **more):
+    machine = build_machine(config.machine)
+    return machine, plan_route(config, machine, build_regions(config, machine), **more)
+
+
+@pytest.fixture(scope="module")
+def ten(quick_config, vary, pose_problem):
+    """Make the quick task with at most 10 degrees of tilt."""
+    return pose_problem(vary(quick_config, {"task.tilt_max_deg": 10}))
+
+
+@pytest.fixture(scope="module")
+def twenty(quick_config, vary, pose_problem):
+    """Make the quick task with at most 20 degrees of tilt."""
+    return pose_problem(vary(quick_config, {"task.tilt_max_deg": 20}))
+
+
+def test_the_quick_task_has_a_proven_route_that_keeps_all_rules(quick, assert_rules):
+    """LLL to RRR on the coarse grid, with telescope limits and rails: gap zero, rules checked independently."""
+    route = plan_route(quick.config, quick.machine, quick.regions)
+    assert_rules(quick.config, quick.machine, route)
+    assert route.status is Status.OPTIMAL
+    assert route.search.gap == 0.0
+    assert route.search.bound == pytest.approx(route.objective, abs=1e-6)
+    assert route.search.relaxation <= route.objective <= route.search.threshold * (1.0 + 1e-9)
+    assert route.search.moves == len(quick.moves)
+    assert route.kappa_max < 40.0
+    assert route.mode_changes >= 3
+    assert route.objective == pytest.approx(274.198822, abs=1e-6)
+
+
+def test_the_reversed_task_works(quick, vary, assert_rules):
+    """All-right to all-left: the same way back costs the same but for the ends."""
+    config = vary(quick.config, {"task.start.mode": "RRR", "task.goal.mode": "LLL"})
+    swapped = np.append(np.arange(len(quick.regions) - 2), [quick.regions.goal, quick.regions.start])
+    route = plan_route(config, quick.machine, quick.regions.take(swapped))
+    assert_rules(config, quick.machine, route)
+    assert route.mode_names[0] == "RRR"
+    assert route.objective == pytest.approx(273.460101, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "least"),
+    [("tilt_max_deg", 10, 364.992), ("locked_axes", ["rx"], 338.896), ("locked_axes", ["rz"], 412.190)],
+)
+def test_less_tilt_or_a_locked_axis_still_leaves_a_route(quick_config, vary, assert_rules, key, value, least):
+    """The 4-DOF machines of the paper's outlook reconfigure, and so does 10 degrees of tilt: at no less cost."""
+    config = vary(quick_config, {f"task.{key}": value})
+    machine, route = _plan(config)
+    assert_rules(config, machine, route)
+    assert route.objective >= least - 1e-3
+
+
+def test_moves_that_fail_when_followed_are_forbidden_and_counted(twenty, assert_rules):
+    """With 20 degrees of tilt the first routes do not hold; the one that does costs more than the relaxation."""
+    seen = []
+    route = plan_route(
+        twenty.config, twenty.machine, twenty.regions, lambda message, fraction=None: seen.append(message)
+    )
+    assert_rules(twenty.config, twenty.machine, route)
+    assert route.search.rounds > 1
+    assert route.search.forbidden_moves >= route.search.rounds - 1
+    assert route.search.relaxation == pytest.approx(311.625, abs=1e-3)
+    assert route.objective > route.search.relaxation
+    rounds = [message for message in seen if message.startswith("route: round")]
+    assert len(rounds) == route.search.rounds
+    assert rounds[0] == "route: round 1, 0 moves forbidden"
+    assert rounds[-1].endswith(f"{route.search.forbidden_moves} moves forbidden")
+
+
+def test_too_few_rounds_end_with_what_was_wrong_with_the_moves(twenty, vary):
+    """The error counts the flaws and names the key."""
+    config = vary(twenty.config, {"route.max_rounds": 2})
+    with pytest.raises(NoSolutionError, match=r"after 2 rounds .* \(\d+: .*\)") as caught:
+        plan_route(config, twenty.machine, twenty.regions)
+    assert "route.max_rounds" in caught.value.advice
+    assert caught.value.exit_code == 1
+
+
+@pytest.mark.parametrize("tilt", [0, 5])
+def test_too_little_tilt_is_proven_to_leave_no_route(quick_config, vary, tilt):
+    """Not a time limit: the regions that can be reached from the start are exhausted."""
+    with pytest.raises(NoSolutionError, match=r"no route exists on these .* \(proven by exhausting them\)") as caught:
+        _plan(vary(quick_config, {"task.tilt_max_deg": tilt}))
+    assert caught.value.stage == "route"
+    assert "task.tilt_max_deg" in caught.value.advice
+    assert caught.value.diagnosis["status"] == "infeasible"
+    assert 0 < caught.value.diagnosis["reached"] < caught.value.diagnosis["regions"]
+
+
+def test_start_and_goal_without_a_grid_between_them_have_no_route(quick_config, vary):
+    """An empty table ends in the same proof."""
+    config = vary(quick_config, {"route.grid.y_m": {"min": 5, "max": 5.1, "step": 0.1}, "task.tilt_max_deg": 0})
+    with pytest.raises(NoSolutionError, match="no route exists on these 2 regions"):
+        _plan(config)
+
+
+def test_a_step_budget_too_small_names_the_one_that_is_needed(quick, vary, assert_rules):
+    """Eleven moves need twelve positions: with eleven there is an error that says so, with twelve a route."""
+    with pytest.raises(NoSolutionError, match="at least 12 positions") as caught:
+        plan_route(vary(quick.config, {"route.step_budget": 11}), quick.machine, quick.regions)
+    assert caught.value.diagnosis["fewest_positions"] == 12
+    assert "12" in caught.value.advice
+    config = vary(quick.config, {"route.step_budget": 12})
+    route = plan_route(config, quick.machine, quick.regions)
+    assert_rules(config, quick.machine, route)
+    assert len(route) == 12
+
+
+def test_x_that_takes_more_steps_than_there_are_is_proven_impossible(quick_config, vary):
+    """From x 1.6 to 0.2 at 2 cm a step: no threshold helps, and the error says that x or the budget is at fault."""
+    values = {
+        "task.start.x_m": 1.6,
+        "task.goal.x_m": 0.2,
+        "route.x_step_m": 0.02,
+        "route.step_budget": 13,
+        "task.tilt_max_deg": 10,
+    }
+    with pytest.raises(NoSolutionError, match=r"within the step budget and the travel along X .*proven") as caught:
+        _plan(vary(quick_config, values))
+    assert "x_step_m" in caught.value.advice
+
+
+def test_a_time_limit_is_told_as_such_with_the_best_known_route(quick, vary):
+    """No proof, no result: objective, bound and the key to change."""
+    config = vary(quick.config, {"route.time_limit_s": 1e-6})
+    with pytest.raises(NoSolutionError, match="without a proof") as caught:
+        plan_route(config, quick.machine, quick.regions)
+    assert caught.value.diagnosis["status"] == "time limit"
+    assert "route.time_limit_s" in caught.value.advice
+
+
+@pytest.mark.parametrize("margin", [1e-12, 0.05])
+def test_the_first_guess_of_the_threshold_does_not_change_the_optimum(ten, vary, margin):
+    """Too low and it is raised until the proof holds, too high and the core is only larger than need be."""
+    config = vary(ten.config, {"route.threshold_margin": margin})
+    route = plan_route(config, ten.machine, ten.regions)
+    usual = plan_route(ten.config, ten.machine, ten.regions)
+    assert route.objective == pytest.approx(usual.objective, abs=1e-9)
+    assert route.objective <= route.search.threshold * (1.0 + 1e-9)
+
+
+@pytest.fixture(scope="module")
+def hand_config(quick_config, vary):
+    """Let a step of x be one metre, as random problems want it."""
+
+    def configure(positions, **more):
+        return vary(quick_config, {"route.x_step_m": 1.0, "route.step_budget": positions} | more)
+
+    return configure
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 1_000_000), st.floats(0.0, 0.6), st.sampled_from([1e-6, 0.002, 1.0]))
+def test_the_optimum_over_moves_that_hold_is_found_for_any_flaws(
+    random_problem, hand_config, machine, cheapest, seed, share, margin
+):
+    """Moves are forbidden only when a route uses them; the sum is that of a dynamic program that knows all flaws."""
+    regions, moves, positions = random_problem(seed)
+    random = np.random.default_rng(seed)
+    bad = {
+        frozenset((i, j))
+        for i, j in zip(moves.source.tolist(), moves.target.tolist(), strict=True)
+        if random.random() < share
+    }
+    good = np.array(
+        [frozenset(pair) not in bad for pair in zip(moves.source.tolist(), moves.target.tolist(), strict=True)],
+        dtype=bool,
+    )
+    expected = cheapest(regions, Moves(moves.source[good], moves.target[good]), positions, 1.0)
+
+    def check(config, machine, pose, q_m):
+        # y is the row's number.
+        ends = np.rint(pose[:, :, 1]).astype(int).tolist()
+        return MoveChecks([Flaw.KAPPA if frozenset(pair) in bad else None for pair in ends], np.zeros(len(ends)))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(planner, "find_moves", lambda *arguments: moves)
+        patch.setattr(planner, "check_moves", check)
+        # Rows are a metre of y apart: only these rules do not apply to made-up regions.
+        patch.setattr(planner, "step_sizes", lambda options: np.array([1.0, 1e3, 1e3, 1e3, 1e3]))
+        config = hand_config(positions, **{"route.threshold_margin": margin})
+        if np.isfinite(expected):
+            route = plan_route(config, machine, regions)
+            assert route.objective == pytest.approx(expected, abs=1e-6)
+            assert route.search.gap == 0.0
+            assert (route.search.rounds > 1) == (route.search.forbidden_moves > 0)
+        else:
+            with pytest.raises(NoSolutionError, match="proven"):
+                plan_route(config, machine, regions)
+
+
+def test_a_flaw_forbids_a_move_both_ways(hand_table, hand_moves):
+    """And no other; row numbers whose product exceeds 32 bits do not get mixed up."""
+    moves = hand_moves([(70_000, 2), (2, 70_000), (70_000, 3), (3, 2)])
+    moves = Moves(moves.source.astype(np.int32), moves.target.astype(np.int32))
+    left = planner._without(moves, np.array([70_000]), np.array([2]), 3_000_000)
+    assert list(zip(left.source.tolist(), left.target.tolist(), strict=True)) == [(3, 2), (70_000, 3)]
+
+
+def test_a_start_that_is_the_goal_is_one_move_that_leads_nowhere(quick_config, vary):
+    """Stage one has an answer; that there is nothing to refine is for others to say."""
+    config = vary(quick_config, {"task.goal.mode": "LLL", "task.tilt_max_deg": 0})
+    _, route = _plan(config)
+    assert len(route) == 2
+    np.testing.assert_array_equal(route.q_m[0], route.q_m[1])
+    assert route.objective == route.kappa[0]
+
+
+@pytest.fixture(scope="module")
+def across(cross_config, vary, pose_problem):
+    """Make the task that x binds: from 1.6 to 0.2, on rails of 2.1 m."""
+    rails = {f"machine.rails.{k}.travel_m": [0.0, 2.1] for k in range(3)}
+    return pose_problem(vary(cross_config, rails | {"task.start.x_m": 1.6, "task.goal.x_m": 0.2}))
+
+
+@pytest.mark.slow
+def test_a_detour_forced_by_x_is_proven_optimal(across, cheapest, assert_rules):
+    """328.695121 before moves are followed, as a dynamic program over cost and reachable x finds, too."""
+    bounds = shortest_paths(across.regions, across.moves)
+    optimum = prove_on_core(across.config, across.regions, across.moves, bounds, lambda *_: None, False)
+    assert optimum.sequence.outcome.objective == pytest.approx(328.695121, abs=1e-6)
+    assert cheapest(across.regions, across.moves, 25, 0.1, cap=328.8) == pytest.approx(328.695121, abs=1e-6)
+    route = plan_route(across.config, across.machine, across.regions)
+    assert_rules(across.config, across.machine, route)
+    assert route.search.rounds > 1
+    assert route.objective == pytest.approx(328.901367, abs=1e-6)
+    assert np.ptp(route.pose[:, 0]) >= 1.4
+
+
+@pytest.mark.slow
+def test_the_reference_task_is_proven_at_full_size(agder_config, assert_rules):
+    """0.06 m and 5 degrees: more than 150,000 regions, within 25 positions, kappa below 40."""
+    machine = build_machine(agder_config.machine)
+    regions = build_regions(agder_config, machine)
+    assert len(regions) >= 150_000
+    route = plan_route(agder_config, machine, regions)
+    assert_rules(agder_config, machine, route)
+    assert route.search.gap == 0.0
+    assert route.kappa_max < 40.0
+    assert route.search.rounds > 1
