@@ -1,0 +1,59 @@
+"""The corridor around the route."""
+
+import numpy as np
+import pytest
+
+from pipeline.config import Config
+from pipeline.refine import Path
+from pipeline.refine.corridor import corridor
+from pipeline.route import Route
+
+S = np.linspace(0.0, 1.0, 101)
+
+
+def test_it_holds_the_coarse_path(quick_config: Config, route: Route, coarse: Path) -> None:
+    """With one cell to spare the way it was found is inside everywhere."""
+    bounds = corridor(quick_config, route, coarse, S, 0.0)
+    pose = coarse.pose(S)
+    tolerance = np.deg2rad(quick_config.route.follow.tilt_overshoot_deg)
+    assert (pose >= bounds.low - tolerance).all()
+    assert (pose <= bounds.high + tolerance).all()
+
+
+def test_start_and_goal_are_exact(quick_config: Config, route: Route, coarse: Path) -> None:
+    """The ends leave no freedom."""
+    bounds = corridor(quick_config, route, coarse, S, 0.01)
+    for row in (0, -1):
+        np.testing.assert_array_equal(bounds.low[row], route.pose[row])
+        np.testing.assert_array_equal(bounds.high[row], route.pose[row])
+
+
+def test_no_tilt_beyond_its_limit_less_the_margin(quick_config: Config, route: Route, coarse: Path) -> None:
+    """Tilts are cut off at the limit."""
+    margin = np.deg2rad(2.0)
+    bounds = corridor(quick_config, route, coarse, S, margin)
+    limit = np.deg2rad(30.0) - margin + 1e-12
+    for column in (3, 5):
+        assert bounds.high[:, column].max() <= limit
+        assert bounds.low[:, column].min() >= -limit
+
+
+def test_a_locked_axis_keeps_within_its_tolerance(quick_config: Config, route: Route, coarse: Path) -> None:
+    """The box of a locked axis is its tolerance, whatever the route does."""
+    task = quick_config.task.model_copy(update={"locked_axes": ("rx",)})
+    bounds = corridor(quick_config.model_copy(update={"task": task}), route, coarse, S[1:-1], 0.0)
+    assert np.rad2deg(bounds.high[1:-1, 3].max()) < quick_config.refine.lock_tolerance_deg
+    assert np.rad2deg(bounds.low[1:-1, 3].min()) > -quick_config.refine.lock_tolerance_deg
+
+
+@pytest.mark.parametrize("cells", [0.0, 2.0])
+def test_every_cell_widens_it_by_one_grid_step(
+    quick_config: Config, route: Route, coarse: Path, steps: np.ndarray, cells: float
+) -> None:
+    """In y and z, where nothing else cuts, the box grows by the configured cells."""
+    refine = quick_config.refine.model_copy(update={"corridor_cells": cells})
+    bounds = corridor(quick_config.model_copy(update={"refine": refine}), route, coarse, S, 0.0)
+    narrow = np.abs(np.diff(route.pose[:, 1:3], axis=0))
+    widths = (bounds.high - bounds.low)[1:-1, 1:3] - 2.0 * cells * steps[1:3]
+    assert widths.min() >= -1e-12
+    assert widths.max() <= narrow.max() + 1e-12

@@ -1,0 +1,113 @@
+"""The nonlinear program against NumPy."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from pipeline.config import Config
+from pipeline.machine import Machine, condition_number, statics_matrix
+from pipeline.machine.kinematics import newton
+from pipeline.refine import Path
+from pipeline.refine.corridor import corridor
+from pipeline.refine.nlp import Program, Setting, Start, build_program
+from pipeline.refine.separation import find_separations
+from pipeline.refine.splines import DEGREE, clamped_knots, fit
+from pipeline.route import Route
+from pipeline.route.metric import arc_length
+
+
+@pytest.fixture(scope="module")
+def setting(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray):
+    """Give a small program with its setting and its start, which closes all links."""
+    s, knots = np.linspace(0.0, 1.0, 12), clamped_knots(9)
+    coefficients = fit(knots, coarse.node_s, coarse.q(coarse.node_s))
+    from scipy.interpolate import BSpline
+
+    q = BSpline(knots, coefficients, DEGREE)(s)
+    near = np.stack([np.interp(s, coarse.node_s, column) for column in coarse.node_pose.T], axis=1)
+    pose, _ = newton(machine, q, near)
+    box = corridor(quick_config, route, coarse, s, 0.0)
+    separations = find_separations(machine, pose, q, 0.001, 0.2)
+    made = Setting(s, knots, box, separations, steps, "frobenius")
+    return made, Start(pose, coefficients), q
+
+
+@pytest.fixture(scope="module")
+def program(machine: Machine, setting) -> Program:
+    """Write the program."""
+    return build_program(machine, setting[0], setting[1])
+
+
+def test_the_objective_is_the_trapezoidal_integral_of_kappa(machine: Machine, setting, program: Program) -> None:
+    """F agrees with the integral computed from NumPy's Frobenius condition numbers."""
+    made, start, q = setting
+    H = statics_matrix(machine, start.pose, q[:, :3])
+    kappa = np.linalg.norm(H, axis=(1, 2)) * np.linalg.norm(np.linalg.inv(H), axis=(1, 2))
+    assert (kappa >= condition_number(H)).all()
+    f = ca.Function("f", [program.problem["x"]], [program.problem["f"]])
+    expected = np.trapezoid(kappa, arc_length(start.pose, made.steps))
+    assert float(f(program.start)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_equations_hold_at_a_start_that_closes(program: Program) -> None:
+    """Closure, spline and length are satisfied by construction of the start."""
+    g = np.array(ca.Function("g", [program.problem["x"]], [program.problem["g"]])(program.start)).ravel()
+    for block in program.blocks:
+        if block.name in ("closure", "spline", "length"):
+            assert np.abs(g[block.begin : block.end]).max() < 1e-9, block.name
+
+
+def test_clearance_rows_are_the_distances_at_the_start(setting, program: Program, machine: Machine) -> None:
+    """With the best separating vectors the least row of a pair is its distance less what is asked for."""
+    from pipeline.machine import link_distances
+
+    made, start, q = setting
+    g = np.array(ca.Function("g", [program.problem["x"]], [program.problem["g"]])(program.start)).ravel()
+    block = next(block for block in program.blocks if block.name == "clearance")
+    rows = g[block.begin : block.end].reshape(4, len(made.separations))
+    distances = link_distances(machine, start.pose, q[:, :3])
+    from pipeline.machine.clearance import link_pairs
+
+    column = [
+        link_pairs(machine).index((a, b)) for a, b in zip(made.separations.first, made.separations.second, strict=True)
+    ]
+    expected = distances[made.separations.node, column] - made.separations.distance_m
+    np.testing.assert_allclose(rows.min(axis=0), expected, atol=1e-9)
+
+
+def test_blocks_name_every_row_once(program: Program) -> None:
+    """Messages can name any violated constraint."""
+    edges = [0, *(block.end for block in program.blocks)]
+    assert [block.begin for block in program.blocks] == edges[:-1]
+    assert edges[-1] == program.problem["g"].numel() == len(program.constraint_bounds[0])
+
+
+def test_the_hessian_is_that_of_the_lagrangian(program: Program) -> None:
+    """The blockwise Hessian agrees with finite differences of the Lagrangian's gradient along random directions."""
+    rng = np.random.default_rng(3)
+    x, g, f = program.problem["x"], program.problem["g"], program.problem["f"]
+    multipliers = rng.normal(size=g.numel())
+    gradient = ca.Function("gradient", [x], [ca.gradient(1.3 * f + ca.dot(ca.DM(multipliers), g), x)])
+    H = np.array(ca.DM(program.hessian(program.start, ca.DM(0, 1), 1.3, multipliers)))
+    H = np.triu(H) + np.triu(H, 1).T
+    step = 1e-6
+    for _ in range(3):
+        direction = rng.normal(size=x.numel())
+        ahead, behind = (np.array(gradient(program.start + sign * step * direction)).ravel() for sign in (1, -1))
+        expected = (ahead - behind) / (2.0 * step)
+        np.testing.assert_allclose(H @ direction, expected, atol=1e-4 * np.abs(expected).max())
+
+
+def test_solutions_are_read_as_they_were_written(setting, program: Program) -> None:
+    """Poses and coefficients come back from the vector of unknowns."""
+    _, start, _ = setting
+    np.testing.assert_array_equal(program.poses(program.start), start.pose)
+    np.testing.assert_array_equal(program.spline_coefficients(program.start), start.coefficients)
+
+
+def test_ends_are_fixed_and_coefficients_keep_strokes_and_travel(machine: Machine, setting, program: Program) -> None:
+    """Bounds of coefficients hold everywhere, as a spline stays in the hull of its coefficients."""
+    low, high = (program.spline_coefficients(bound) for bound in program.variable_bounds)
+    np.testing.assert_array_equal(low[[0, -1]], high[[0, -1]])
+    np.testing.assert_array_equal(low[1:-1], np.tile(machine.actuator_limits_m[:, 0], (7, 1)))
+    np.testing.assert_array_equal(high[1:-1], np.tile(machine.actuator_limits_m[:, 1], (7, 1)))

@@ -1,0 +1,200 @@
+"""Stage two as a whole."""
+
+import signal
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.config import Config
+from pipeline.errors import NoSolutionError
+from pipeline.machine import Machine
+from pipeline.refine import Path, Refinement, measure, refine_path, sample_path
+from pipeline.refine.between import Breach, breaches
+from pipeline.route import Route
+from pipeline.status import Status
+
+
+@pytest.fixture(scope="module")
+def samples(refinement: Refinement):
+    """Sample the refined path where nothing was checked before."""
+    return sample_path(refinement.path, np.sort(np.random.default_rng(5).uniform(0.0, 1.0, 10_000)))
+
+
+def test_it_is_better_than_the_coarse_path(refinement: Refinement, steps: np.ndarray, samples) -> None:
+    """Less integral of kappa, less length and no larger kappa."""
+    coarse = measure(sample_path(refinement.coarse, np.linspace(0.0, 1.0, 10_000)), steps)
+    fine = measure(samples, steps)
+    assert fine.kappa_integral < 0.8 * coarse.kappa_integral
+    assert fine.kappa_max <= coarse.kappa_max
+    assert fine.length < coarse.length
+
+
+def test_it_keeps_every_promise_between_the_nodes(refinement: Refinement, machine: Machine, samples) -> None:
+    """One sign of det H, clearance, tilt, strokes and travel at 10,000 places that were no samples before."""
+    assert refinement.status is Status.CONVERGED
+    assert len(set(samples.det_sign.tolist())) == 1
+    assert samples.link_distance_m.min() >= 0.03
+    assert np.rad2deg(np.abs(samples.pose[:, [3, 5]]).max()) <= 30.0
+    limits = machine.actuator_limits_m
+    assert (samples.q_m >= limits[:, 0]).all()
+    assert (samples.q_m <= limits[:, 1]).all()
+
+
+def test_it_begins_and_ends_exactly_where_the_route_does(refinement: Refinement, route: Route) -> None:
+    """Start and goal are hit without tolerance."""
+    np.testing.assert_array_equal(refinement.path.q(np.array([0.0, 1.0])), route.q_m[[0, -1]])
+
+
+def test_the_route_backwards_gives_the_same_path(
+    light_config: Config, machine: Machine, route: Route, refinement: Refinement, steps: np.ndarray
+) -> None:
+    """Nothing in the program knows a direction."""
+    flipped = {name: getattr(route, name)[::-1] for name in ("region", "modes", "gates", "pose", "q_m", "kappa")}
+    back = refine_path(light_config, machine, replace(route, **flipped))
+    there, again = (
+        measure(sample_path(path, np.linspace(0.0, 1.0, 2_000)), steps) for path in (refinement.path, back.path)
+    )
+    assert again.kappa_integral == pytest.approx(there.kappa_integral, rel=1e-3)
+
+
+def test_too_few_iterations_end_with_what_is_violated(light_config: Config, machine: Machine, route: Route) -> None:
+    """A failed solve is told as failed, with the last iterate kept."""
+    short = light_config.refine.model_copy(update={"max_iterations": 2})
+    with pytest.raises(NoSolutionError, match="Maximum_Iterations_Exceeded") as caught:
+        refine_path(light_config.model_copy(update={"refine": short}), machine, route)
+    assert caught.value.diagnosis["status"] == "not converged"
+    assert np.shape(caught.value.diagnosis["coefficients"]) == (22, 5)
+
+
+def test_a_broken_promise_adds_nodes_and_is_told_when_it_stays(
+    light_config: Config, machine: Machine, route: Route, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each round has more nodes; the last one ends with what is broken and what to change."""
+    seen: list[int] = []
+
+    def broken(config: Config, path: Path) -> list[Breach]:
+        seen.append(len(path.node_s))
+        return [Breach("links too close, metres", 0.01, np.array([0.305]), "Raise refine.nodes.")]
+
+    monkeypatch.setattr("pipeline.refine.refiner.breaches", broken)
+    few = light_config.refine.model_copy(update={"max_rounds": 2})
+    with pytest.raises(NoSolutionError, match="links too close") as caught:
+        refine_path(light_config.model_copy(update={"refine": few}), machine, route)
+    assert seen == [50, 51]
+    assert "refine.nodes" in caught.value.advice
+
+
+def test_ctrl_c_during_ipopt_is_raised_again(light_config: Config, machine: Machine, route: Route) -> None:
+    """CasADi swallows interrupts; here one ends the solve, and the handler is put back."""
+    before = signal.getsignal(signal.SIGINT)
+
+    def interrupt(message: str, fraction: float | None = None) -> None:
+        if "iteration 3" in message:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        refine_path(light_config, machine, route, interrupt)
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_it_works_in_another_thread(light_config: Config, machine: Machine, route: Route) -> None:
+    """Where no signals arrive there is nothing to note."""
+    short = light_config.refine.model_copy(update={"max_iterations": 1})
+    ended: list[str] = []
+
+    def work() -> None:
+        try:
+            refine_path(light_config.model_copy(update={"refine": short}), machine, route)
+        except NoSolutionError as error:
+            ended.append(error.stage)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert ended == ["refine"]
+
+
+def _with_pose(path: Path, column: int, amount: float) -> Path:
+    pose = path.node_pose.copy()
+    pose[:, column] += amount
+    return replace(path, node_pose=pose)
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ({"task": {"tilt_max_deg": 5.0}}, "tilt too large"),
+        ({"route": {"kappa_max": 25.0}}, "kappa above"),
+        ({"task": {"locked_axes": ("rz",)}}, "tilt too large"),
+    ],
+)
+def test_each_breach_of_the_configuration_is_found(
+    light_config: Config, refinement: Refinement, change: dict[str, dict[str, object]], what: str
+) -> None:
+    """Stricter limits than the path was made for are seen."""
+    sections = {name: getattr(light_config, name).model_copy(update=values) for name, values in change.items()}
+    found = breaches(light_config.model_copy(update=sections), refinement.path)
+    assert [what in breach.what for breach in found] == [True]
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ({"link_link_m": 0.05}, "links too close"),
+        ({"link_rail_m": 0.6}, "too close to a rail"),
+        ({"strokes_m": np.array([[0.95, 1.1], [1.05, 1.4]])}, "beyond stroke"),
+    ],
+)
+def test_each_breach_of_the_machine_is_found(
+    light_config: Config, refinement: Refinement, change: dict[str, object], what: str
+) -> None:
+    """Stricter clearances and strokes than the path was made for are seen."""
+    path = replace(refinement.path, machine=replace(refinement.path.machine, **change))
+    found = breaches(light_config, path)
+    assert [what in breach.what for breach in found] == [True]
+
+
+def test_a_path_that_cannot_close_is_a_breach(light_config: Config, refinement: Refinement) -> None:
+    """Lost closure is told with the place."""
+    spline = refinement.path.spline
+    far = replace(refinement.path, spline=type(spline)(spline.t, spline.c + [0.0, 0.0, 5.0, 0.0, 0.0], spline.k))
+    found = breaches(light_config, far)
+    assert "no solution" in str(found[0])
+
+
+@pytest.mark.slow
+def test_the_reference_machine_keeps_its_figures(agder_config: Config, machine: Machine) -> None:
+    """At least 18 % less integral of kappa, no larger kappa, and the surrogate within 1 % of the true one."""
+    from pipeline.route import build_regions, plan_route
+    from pipeline.route.metric import step_sizes
+
+    route = plan_route(agder_config, machine, build_regions(agder_config, machine))
+    result = refine_path(agder_config, machine, route)
+    steps = step_sizes(agder_config.route)
+    coarse, fine = (
+        measure(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
+    )
+    assert fine.kappa_integral < 0.82 * coarse.kappa_integral
+    assert fine.kappa_max <= coarse.kappa_max
+    assert result.surrogate_integral == pytest.approx(fine.kappa_integral, rel=0.01)
+    assert fine.min_link_distance_m >= 0.03
+    assert fine.det_sign_constant
+    assert fine.max_tilt_deg <= 30.0
+    assert fine.closure_residual_m < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", ["rx", "rz"])
+def test_a_locked_axis_stays_locked(quick_config: Config, machine: Machine, axis: str) -> None:
+    """The 4-DOF machines reconfigure, their locked axis within its tolerance."""
+    from pipeline.route import build_regions, plan_route
+
+    task = quick_config.task.model_copy(update={"locked_axes": (axis,)})
+    config = quick_config.model_copy(update={"task": task})
+    route = plan_route(config, machine, build_regions(config, machine))
+    path = refine_path(config, machine, route).path
+    column = {"rx": 3, "rz": 5}[axis]
+    tilt = np.rad2deg(np.abs(path.pose(np.linspace(0.0, 1.0, 5_000))[:, column]).max())
+    assert tilt <= quick_config.refine.lock_tolerance_deg
