@@ -35,7 +35,7 @@ class Core:
     threshold : float
         T.
     bound : float
-        No route within the step budget costs less, whatever x does in it; infinite without a route.
+        No route of cost at most T costs less, whatever x does in it; infinite when there is none.
     """
 
     step: IntArray

@@ -45,6 +45,10 @@ def task_ends(config: Config, machine: Machine) -> tuple[End, End]:
         end, found = _place(config, machine, key, pose)
         issues += found
         ends.append(end)
+    if not issues and ends[0].mode == ends[1].mode and np.array_equal(ends[0].pose, ends[1].pose):
+        issues.append(
+            ConfigIssue("task.goal", "is the start itself, in the same working mode: there is nothing to plan")
+        )
     if not issues and ends[0].det_sign != ends[1].det_sign:
         issues.append(
             ConfigIssue(

@@ -49,5 +49,5 @@ def excluded_pairs(config: Config, regions: RegionTable, moves: Moves) -> Exclus
     count = len(regions)
     keys = by_rule.source.astype(np.int64) * count + by_rule.target
     admitted = moves.source.astype(np.int64) * count + moves.target
-    excluded = np.setdiff1d(keys, admitted)
+    excluded = np.setdiff1d(keys, admitted, assume_unique=True)
     return Exclusions(excluded // count, excluded % count)

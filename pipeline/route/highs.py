@@ -62,7 +62,7 @@ def write_model(model: highspy.HighsModel, target: Path) -> None:
     solver = highspy.Highs()
     solver.setOptionValue("output_flag", False)
     solver.passModel(model)
-    if solver.writeModel(str(target)) is highspy.HighsStatus.kError:
+    if solver.writeModel(str(target)) == highspy.HighsStatus.kError:
         raise OSError(f"{target} cannot be written")
 
 

@@ -37,9 +37,10 @@ def plan_route(
     _require_relaxation(config, regions, moves, bounds)
     admitted = moves
     flaws: list[Flaw] = []
+    at_least = 0.0
     for round_ in range(1, config.route.max_rounds + 1):
         progress(f"route: round {round_}, {len(moves) - len(admitted)} moves forbidden")
-        optimum = find_optimum(config, regions, admitted, bounds, progress, verbose)
+        optimum = find_optimum(config, regions, admitted, bounds, progress, verbose, at_least)
         if optimum is None:
             raise _no_route(regions, moves, flaws)
         placed = _place(config, regions, optimum)
@@ -48,6 +49,7 @@ def plan_route(
         if not found:
             return _route(placed, optimum, bounds, len(moves), len(moves) - len(admitted), round_)
         flaws += found
+        at_least = float(placed.steps.kappa[:-1].sum())
         admitted = _without(admitted, placed.region[bad], placed.region[bad + 1], len(regions))
     raise NoSolutionError(
         "route",

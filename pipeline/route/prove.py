@@ -47,9 +47,17 @@ class Optimum:
 
 
 def find_optimum(
-    config: Config, regions: RegionTable, moves: Moves, bounds: Bounds, progress: Progress, verbose: bool
+    config: Config,
+    regions: RegionTable,
+    moves: Moves,
+    bounds: Bounds,
+    progress: Progress,
+    verbose: bool,
+    at_least: float = 0.0,
 ) -> Optimum | None:
     """Find the route of least sum of kappa with the configured formulation; None: there is no route (proven).
+
+    `at_least` is known to be no more than the optimum: that of an earlier round with more moves.
 
     Raises
     ------
@@ -57,7 +65,7 @@ def find_optimum(
         When the solver's time limit ends a solve.
     """
     if config.route.formulation == "core":
-        return prove_on_core(config, regions, moves, bounds, progress, verbose)
+        return prove_on_core(config, regions, moves, bounds, progress, verbose, at_least)
     return solve_whole(config, regions, moves, progress, verbose)
 
 
@@ -90,7 +98,13 @@ def solve_whole(
 
 
 def prove_on_core(
-    config: Config, regions: RegionTable, moves: Moves, bounds: Bounds, progress: Progress, verbose: bool
+    config: Config,
+    regions: RegionTable,
+    moves: Moves,
+    bounds: Bounds,
+    progress: Progress,
+    verbose: bool,
+    at_least: float = 0.0,
 ) -> Optimum | None:
     """Raise the threshold until the optimum over the core is at most it, hence optimal; None: there is no route.
 
@@ -102,7 +116,7 @@ def prove_on_core(
     options = config.route
     # No route within the step budget can cost more than this.
     ceiling = options.step_budget * float(regions.kappa.max())
-    margin, excluded, known = options.threshold_margin, bounds.optimum, np.inf
+    margin, excluded, known = options.threshold_margin, max(bounds.optimum, at_least), np.inf
     threshold = min(excluded * (1.0 + margin), ceiling)
     while True:
         core = build_core(regions, moves, bounds, threshold, options.step_budget, options.x_step_m)

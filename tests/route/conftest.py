@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from pipeline.config import Config
 from pipeline.config_file import parse_config
-from pipeline.machine import MODES, Machine, build_machine
+from pipeline.machine import Machine, build_machine
 from pipeline.route import RegionTable, Route, build_regions
 from pipeline.route.moves import Moves, find_moves
 
@@ -266,9 +266,3 @@ def assert_rules(joints, statics) -> Callable[[Config, Machine, Route], None]:
         assert (route.region[:-1] != route.region[-1]).all()
 
     return check
-
-
-@pytest.fixture(scope="session")
-def mode_numbers() -> dict[str, int]:
-    """Number the working modes by their names."""
-    return {name: number for number, name in enumerate(MODES)}

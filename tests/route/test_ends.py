@@ -137,3 +137,9 @@ def test_start_and_goal_may_be_the_same(agder_config: Config, machine: Machine):
     config = changed(agder_config, {"task.goal.mode": "LLL"})
     start, goal = task_ends(config, machine)
     np.testing.assert_array_equal(start.q_m, goal.q_m)
+
+
+def test_a_goal_that_is_the_start_is_refused(agder_config: Config):
+    """There is nothing to plan; another working mode at the same pose is a task."""
+    found = refusal(agder_config, {"task.goal.mode": "LLL"})
+    assert found == ["task.goal: is the start itself, in the same working mode: there is nothing to plan"]

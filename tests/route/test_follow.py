@@ -175,7 +175,7 @@ def test_tilt_beyond_the_limit_is_a_flaw_but_for_the_accepted_overshoot(cross, v
     """Between two regions at 30 degrees the straight line in actuator space tilts a little farther."""
     regions, moves = cross.regions, cross.moves
     at_limit = np.isclose(np.rad2deg(regions.controlled[:, 3]), 30.0)
-    both = np.flatnonzero(at_limit[moves.source] & at_limit[moves.target])[::2500]
+    both = np.flatnonzero(at_limit[moves.source] & at_limit[moves.target])[::4000]
     rows = np.column_stack([moves.source[both], moves.target[both]])
     pose, q = regions.pose[rows], regions.q_m[rows]
     poses, _ = _along(cross.machine, pose, q)
@@ -201,6 +201,19 @@ def test_the_first_reason_is_the_one_told(cross, sample, vary):
     assert check_moves(tight, cross.machine, pose[tilted], q[tilted]).flaw == [Flaw.KAPPA]
     tight = vary(cross.config, {"task.tilt_max_deg": 1})
     assert check_moves(tight, cross.machine, pose[tilted], q[tilted]).flaw == [Flaw.TILT]
+
+
+def test_arm_3_changes_its_mode_at_its_gates_off_the_axis_too(small_config, vary, pose_problem):
+    """With a_3a off the platform's y axis D_3 is coupled with ry, yet nearly all moves out of its gates hold."""
+    values = {"machine.links.l3a.platform_point_m": [0.02, 0.10, 0.01], "task.locked_axes": ["rz"]}
+    problem = pose_problem(vary(small_config, values))
+    regions, moves = problem.regions, problem.moves
+    changes = (regions.gate[moves.source] == 3) & (regions.mode[moves.source] ^ regions.mode[moves.target] == 1)
+    rows = np.flatnonzero(changes)[::3]
+    ends = np.column_stack([moves.source[rows], moves.target[rows]])
+    assert len(ends) > 50
+    checks = check_moves(problem.config, problem.machine, regions.pose[ends], regions.q_m[ends])
+    assert checks.good.mean() > 0.9
 
 
 @pytest.fixture(scope="module")

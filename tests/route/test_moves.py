@@ -148,7 +148,7 @@ def tunnels(cross):
         patch.setattr(moves_module, "passing_codes", lambda machine, table: np.zeros(len(table), dtype=np.int64))
         neighbours = find_moves(cross.config, cross.machine, table)
     codes = [moves.source.astype(np.int64) * len(table) + moves.target for moves in (neighbours, admitted)]
-    pairs = np.column_stack(np.divmod(np.setdiff1d(*codes), len(table)))
+    pairs = np.column_stack(np.divmod(np.setdiff1d(*codes, assume_unique=True), len(table)))
     return table, pairs[(pairs < table.start).all(axis=1)]
 
 

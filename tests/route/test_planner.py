@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
+from pipeline.progress import silent
 from pipeline.route import build_regions, plan_route, planner
 from pipeline.route.follow import Flaw, MoveChecks
 from pipeline.route.moves import Moves
@@ -157,6 +158,36 @@ def test_the_first_guess_of_the_threshold_does_not_change_the_optimum(ten, vary,
     assert route.objective <= route.search.threshold * (1.0 + 1e-9)
 
 
+def test_a_sequence_that_breaks_the_rules_is_never_handed_on(ten, monkeypatch):
+    """Should a solver ever return one, the error says which rules it breaks."""
+    monkeypatch.setattr(planner, "rule_violations", lambda *arguments: ["(13): the move after step 3 is too long"])
+    with pytest.raises(NoSolutionError, match=r"breaks the rules: \(13\)") as caught:
+        plan_route(ten.config, ten.machine, ten.regions)
+    assert caught.value.diagnosis["broken"] == ["(13): the move after step 3 is too long"]
+
+
+@pytest.mark.parametrize(
+    ("start_m", "goal_m", "x_step_m", "binds"), [(1.3, 0.6, 0.05, True), (1.02, 1.02, 0.03, False)]
+)
+def test_the_optimum_over_real_regions_is_that_of_a_dynamic_program(
+    ten, vary, pose_problem, cheapest, start_m, goal_m, x_step_m, binds
+):
+    """Labels of cost and reachable x over five thousand regions; where x binds, the shortest path is not enough."""
+    values = {
+        "task.start.x_m": start_m,
+        "task.goal.x_m": goal_m,
+        "route.x_step_m": x_step_m,
+        "route.step_budget": 20,
+    }
+    problem = pose_problem(vary(ten.config, values))
+    bounds = shortest_paths(problem.regions, problem.moves)
+    optimum = prove_on_core(problem.config, problem.regions, problem.moves, bounds, silent, False)
+    objective = optimum.sequence.outcome.objective
+    expected = cheapest(problem.regions, problem.moves, 20, x_step_m, cap=objective + 0.1)
+    assert objective == pytest.approx(expected, abs=1e-6)
+    assert (objective > bounds.optimum + 1.0) == binds
+
+
 @pytest.fixture(scope="module")
 def hand_config(quick_config, vary):
     """Let a step of x be one metre, as random problems want it."""
@@ -207,21 +238,36 @@ def test_the_optimum_over_moves_that_hold_is_found_for_any_flaws(
                 plan_route(config, machine, regions)
 
 
+def test_an_optimum_above_its_threshold_is_no_proof_yet(hand_table, hand_moves, hand_config):
+    """All nodes of the core look cheap enough, but x only lets the two dear ones follow each other.
+
+    With a threshold of 15 the program finds 24; the core of all routes of at most 24 then proves it.
+    """
+    a_cheap, a_dear, j, b_cheap, b_dear, start, goal = range(7)
+    wide = (-20.0, 20.0)
+    regions = hand_table(
+        [(0.0, 0.0), (8.0, 8.0), wide, (4.0, 4.0), (8.0, 8.0), wide, wide], [1.0, 11.0, 1.0, 1.0, 11.0, 1.0, 1.0]
+    )
+    before, after = (a_cheap, a_dear), (b_cheap, b_dear)
+    moves = hand_moves(
+        [(start, a) for a in before] + [(a, j) for a in before] + [(j, b) for b in after] + [(b, goal) for b in after]
+    )
+    bounds = shortest_paths(regions, moves)
+    assert bounds.optimum == 4.0
+    config = hand_config(5, **{"route.threshold_margin": 2.75})
+    seen = []
+    optimum = prove_on_core(config, regions, moves, bounds, lambda text, part=None: seen.append(text), False)
+    assert optimum.sequence.outcome.objective == pytest.approx(24.0)
+    assert optimum.threshold == pytest.approx(24.0)
+    assert [text.split()[-1] for text in seen if text.startswith("route: core")] == ["15.00", "24.00"]
+
+
 def test_a_flaw_forbids_a_move_both_ways(hand_table, hand_moves):
     """And no other; row numbers whose product exceeds 32 bits do not get mixed up."""
     moves = hand_moves([(70_000, 2), (2, 70_000), (70_000, 3), (3, 2)])
     moves = Moves(moves.source.astype(np.int32), moves.target.astype(np.int32))
     left = planner._without(moves, np.array([70_000]), np.array([2]), 3_000_000)
     assert list(zip(left.source.tolist(), left.target.tolist(), strict=True)) == [(3, 2), (70_000, 3)]
-
-
-def test_a_start_that_is_the_goal_is_one_move_that_leads_nowhere(quick_config, vary):
-    """Stage one has an answer; that there is nothing to refine is for others to say."""
-    config = vary(quick_config, {"task.goal.mode": "LLL", "task.tilt_max_deg": 0})
-    _, route = _plan(config)
-    assert len(route) == 2
-    np.testing.assert_array_equal(route.q_m[0], route.q_m[1])
-    assert route.objective == route.kappa[0]
 
 
 @pytest.fixture(scope="module")
@@ -235,7 +281,7 @@ def across(cross_config, vary, pose_problem):
 def test_a_detour_forced_by_x_is_proven_optimal(across, cheapest, assert_rules):
     """328.695121 before moves are followed, as a dynamic program over cost and reachable x finds, too."""
     bounds = shortest_paths(across.regions, across.moves)
-    optimum = prove_on_core(across.config, across.regions, across.moves, bounds, lambda *_: None, False)
+    optimum = prove_on_core(across.config, across.regions, across.moves, bounds, silent, False)
     assert optimum.sequence.outcome.objective == pytest.approx(328.695121, abs=1e-6)
     assert cheapest(across.regions, across.moves, 25, 0.1, cap=328.8) == pytest.approx(328.695121, abs=1e-6)
     route = plan_route(across.config, across.machine, across.regions)
