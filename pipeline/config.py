@@ -220,7 +220,7 @@ class RouteConfig(Section):
     step_budget: int = Field(25, ge=2, le=500, description="N, the number of positions of the paper")
     kappa_max: float = Field(100.0, gt=1.0, description="regions and moves with a larger kappa are not admitted")
     threshold_margin: float = Field(
-        0.002, gt=0.0, le=0.5, description="first guess of how far the optimum lies above its bound, relative"
+        0.002, gt=0.0, le=3.0, description="first guess of how far the optimum lies above its bound, relative"
     )
     max_rounds: int = Field(50, ge=1, le=10_000, description="rounds of following, forbidding and solving again")
     formulation: Literal["core", "compact", "paper"] = Field(

@@ -132,13 +132,6 @@ def test_links_too_close_to_a_rail_are_told(agder_config: Config):
     assert start.rail_distance_m == pytest.approx(0.6041, abs=1e-4)
 
 
-def test_start_and_goal_may_be_the_same(agder_config: Config, machine: Machine):
-    """Nothing forbids a task that is done before it begins."""
-    config = changed(agder_config, {"task.goal.mode": "LLL"})
-    start, goal = task_ends(config, machine)
-    np.testing.assert_array_equal(start.q_m, goal.q_m)
-
-
 def test_a_goal_that_is_the_start_is_refused(agder_config: Config):
     """There is nothing to plan; another working mode at the same pose is a task."""
     found = refusal(agder_config, {"task.goal.mode": "LLL"})
