@@ -29,6 +29,12 @@ reference: $(READY)
 	cp results/agder/route.csv results/agder/trajectory.csv results/agder/summary.json $(REFERENCE)/
 	cp results/agder/figures/*.png $(REFERENCE)/figures/
 
+# Seconds and memory of stage one, alone and beside other solvers: about a quarter of an hour on a quiet machine.
+.PHONY: bench
+bench: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
+	$(BIN)/python -m tests.benchmarks $(ARGS)
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"

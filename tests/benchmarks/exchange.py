@@ -1,0 +1,84 @@
+"""A problem as files, which every method reads in a process of its own.
+
+`config.yaml`, `regions.npz` (the region table, and the pairs no step may join) and `compact.mps` (the compact
+program, for solvers that read files).
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import highspy
+import numpy as np
+
+from pipeline.config import Config
+from pipeline.config_file import dump_config, load_config
+from pipeline.machine import build_machine
+from pipeline.route import RegionTable, build_regions
+from pipeline.route.compact_milp import build_compact_model
+from pipeline.route.exclusions import Exclusions, excluded_pairs
+from pipeline.route.metric import step_sizes
+from pipeline.route.moves import find_moves
+from pipeline.route.relaxation import fewest_moves
+from tests.benchmarks.peers.reading import PROGRAM, REGIONS
+
+CONFIG = "config.yaml"
+
+
+def save_config(config: Config, folder: Path) -> None:
+    """Begin the folder of a problem."""
+    (folder / CONFIG).write_text(dump_config(config), encoding="utf-8")
+
+
+def prepare(folder: Path, with_program: bool) -> Iterator[dict[str, Any]]:
+    """Compute what the methods share and write it beside the configuration."""
+    config = load_problem(folder)
+    machine = build_machine(config.machine)
+    regions = build_regions(config, machine)
+    moves = find_moves(config, machine, regions)
+    excluded = excluded_pairs(config, regions, moves)
+    steps, budget = step_sizes(config.route), config.route.step_budget
+    np.savez(
+        folder / REGIONS,
+        steps=steps,
+        step_budget=np.array(budget),
+        excluded_source=excluded.source,
+        excluded_target=excluded.target,
+        **asdict(regions),
+    )
+    if with_program:
+        write_program(build_compact_model(regions, excluded, steps, budget), folder / PROGRAM)
+    yield {
+        "regions": len(regions),
+        "gates": regions.gates,
+        "moves": len(moves),
+        "excluded": len(excluded),
+        "step_budget": budget,
+        "fewest_positions": (fewest_moves(regions, moves) or 0) + 1,
+    }
+
+
+def write_program(model: highspy.HighsModel, path: Path) -> None:
+    """Write an MPS file; its columns are named c0, c1, ... in order."""
+    solver = highspy.Highs()
+    solver.setOptionValue("output_flag", False)
+    solver.passModel(model)
+    solver.writeModel(str(path))
+
+
+def load_problem(folder: Path) -> Config:
+    """Read the configuration."""
+    return load_config(folder / CONFIG)
+
+
+def load_regions(folder: Path) -> RegionTable:
+    """Read the region table."""
+    with np.load(folder / REGIONS) as arrays:
+        return RegionTable(**{name: arrays[name] for name in RegionTable.__dataclass_fields__})
+
+
+def load_exclusions(folder: Path) -> Exclusions:
+    """Read the pairs that no step may join."""
+    with np.load(folder / REGIONS) as arrays:
+        return Exclusions(arrays["excluded_source"], arrays["excluded_target"])

@@ -1,0 +1,218 @@
+"""The benchmark's own machinery: what it measures on a tiny case, how it judges answers, and the page it writes."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+from pipeline.config_file import load_config
+from pipeline.machine import build_machine
+from pipeline.route import build_regions, plan_route
+from tests.benchmarks import cli, report, side_by_side
+from tests.benchmarks.growth import growth
+from tests.benchmarks.isolated import FINISHED, measure
+from tests.benchmarks.peers.ours import place_along_x
+from tests.benchmarks.problems import CONFIGS, Problem, ladder, scale_problems
+from tests.benchmarks.side_by_side import METHODS, Method, compare, headline
+
+ROOT = Path(__file__).parents[1]
+TASKS = """
+import os, signal, time
+
+def finishes():
+    yield {"first": 1}
+    yield {"second": 2}
+
+def fails():
+    yield {"first": 1}
+    raise ArithmeticError
+
+def lingers():
+    yield {"first": 1}
+    time.sleep(60)
+
+def dies():
+    yield {"first": 1}
+    os.kill(os.getpid(), signal.SIGKILL)
+
+def jumps(folder, limit_s):
+    import numpy as np
+    with np.load(folder / "regions.npz") as table:
+        count = len(table["kappa"])
+    yield {"status": "optimal", "seconds": 0.1, "rows": np.array([count - 2, count - 1]), "x_m": np.full(2, 1.02)}
+
+def dawdles(folder, limit_s):
+    yield {"status": "optimal", "seconds": 2 * limit_s, "bound": 0.0}
+"""
+
+
+@pytest.fixture(autouse=True)
+def importable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let processes of their own find the benchmark and, as module `tasks`, the tasks above."""
+    (tmp_path / "tasks.py").write_text(TASKS)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.syspath_prepend(ROOT)
+
+
+def test_benchmark_writes_a_table_and_the_same_figures_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tiny run ends with every method named, all optima equal, well-formed JSON and well-formed tables."""
+    config = ladder()[0].config
+    once = config.model_copy(update={"route": config.route.model_copy(update={"max_rounds": 1})})
+    monkeypatch.setattr(cli, "scale_problems", lambda: [Problem("tiny", once)])
+    monkeypatch.setattr(side_by_side, "METHODS", METHODS[:3])
+    monkeypatch.setattr(report, "METHODS", METHODS[:3])
+    cli.benchmark(out=tmp_path, case_limit_s=60.0, peer_limit_s=1.0, cases=1, rungs=1)
+    results = json.loads((tmp_path / "route.json").read_text())
+    case, instance = results["cases"][0], results["instances"][0]
+    assert case["ended"] == FINISHED
+    assert case["nominal_variables"] == (13 + case["regions"]) * case["step_budget"]
+    assert case["total_s"] == pytest.approx(sum(case[p] for p in ("regions_s", "moves_s", "relaxation_s", "solve_s")))
+    assert case["objective"] <= case["threshold"] * (1 + 1e-9)
+    assert 10.0 < case["peak_mb"] < 2_000.0
+    assert "after 1 rounds" in case["not_followed"]
+    assert list(instance["methods"]) == ["core", "Dijkstra", "compact, HiGHS"]
+    assert instance["methods"]["core"]["status"] == "optimal"
+    assert instance["optimum"] == pytest.approx(case["objective"], rel=1e-9)
+    assert instance["methods"]["Dijkstra"]["objective"] == pytest.approx(instance["optimum"], rel=1e-9)
+    assert instance["agree"]
+    assert results["host"]["cores"] >= 1
+    page = (tmp_path / "route.md").read_text()
+    tables = re.findall(r"(?:^\|.*\|\n)+", page, flags=re.MULTILINE)
+    assert len(tables) >= 5
+    for table in tables:
+        lines = table.splitlines()
+        assert len({line.count("|") for line in lines}) == 1
+        assert set(lines[1]) <= set("|- ")
+        assert len(lines) >= 3
+
+
+def test_a_wrong_or_a_late_answer_does_not_count_as_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A peer that breaks the rules makes the methods disagree; one that comes too late is not tried again."""
+    liar, dawdler = Method("liar", "tasks:jumps"), Method("dawdler", "tasks:dawdles")
+    monkeypatch.setattr(side_by_side, "METHODS", (liar, dawdler))
+    first, second = compare(ladder()[:1] * 2, 60.0, lambda _: None)
+    assert not first["agree"]
+    assert first["methods"]["liar"]["broken"]
+    assert first["methods"]["dawdler"]["status"].startswith("too late")
+    assert second["methods"]["dawdler"]["status"] == f"not tried, not solved with {first['regions']} regions"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", METHODS[2:-1], ids=lambda method: method.name)
+def test_every_peer_finds_the_optimum_of_the_core(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The smallest problem has one optimum, whichever solver looks for it and whatever its numbers are."""
+    monkeypatch.setattr(side_by_side, "METHODS", (METHODS[0], method))
+    (found,) = compare(ladder()[:1], 60.0, lambda _: None)
+    if found["methods"][method.name]["status"].endswith("not installed"):
+        pytest.skip(found["methods"][method.name]["status"])
+    assert found["methods"][method.name]["status"] == "optimal"
+    assert found["agree"]
+
+
+def test_headline_compares_on_the_largest_problem_a_peer_solves() -> None:
+    """The ratio is the best peer's seconds over the core's, on the largest contested problem and its worst variant."""
+
+    def instance(regions: int, core_s: float, *peers: float | None) -> dict[str, object]:
+        names = ("compact, HiGHS", "compact, SCIP")
+        solved = [{"status": "time limit"} if s is None else {"status": "optimal", "seconds": s} for s in peers]
+        methods = {"core": {"status": "optimal", "seconds": core_s}, "Dijkstra": {"status": "optimal", "seconds": 0.0}}
+        return {"name": f"{regions}", "regions": regions, "methods": methods | dict(zip(names, solved, strict=True))}
+
+    found = headline(
+        [
+            instance(10, 0.1, 1.0, 2.0),
+            instance(20, 0.1, 30.0, 20.0),
+            instance(20, 0.1, 40.0, None),
+            instance(30, 1, None, None),
+        ]
+    )
+    assert found is not None
+    assert (found["regions"], found["best_peer"]) == (20, "compact, SCIP")
+    assert found["ratio"] == pytest.approx(200.0)
+    assert headline([instance(10, 0.1, None, None)]) is None
+
+
+@pytest.mark.parametrize(
+    ("task", "limit_s", "ending"),
+    [
+        ("finishes", 30.0, FINISHED),
+        ("fails", 30.0, "failed"),
+        ("lingers", 2.0, "not finished"),
+        ("dies", 30.0, "killed"),
+    ],
+)
+def test_figures_survive_however_a_measurement_ends(task: str, limit_s: float, ending: str) -> None:
+    """What was told before the end is kept, and the ending is named."""
+    measured = measure(f"tasks:{task}", (), limit_s)
+    assert measured.ended.startswith(ending)
+    assert measured.figures["first"] == 1
+
+
+def test_a_solver_that_is_not_installed_is_named() -> None:
+    """A missing extra is a result, not a failure."""
+    measured = measure("no_such_solver:compact", (), 30.0)
+    assert measured.ended == FINISHED
+    assert measured.figures == {"status": "no_such_solver is not installed"}
+
+
+@given(st.floats(0.2, 3.0), st.floats(1e-8, 1e-3))
+def test_growth_recovers_a_power_law(exponent: float, factor: float) -> None:
+    """Seconds that follow a power law give its exponent; a part that no two cases finished is left out."""
+    cases = [{"regions": n, "moves_s": factor * n**exponent} for n in (900, 4_000, 70_000)]
+    cases[0]["relaxation_s"] = 1.0
+    found = growth(cases)
+    assert set(found) == {"moves_s"}
+    assert found["moves_s"]["exponent"] == pytest.approx(exponent, abs=1e-9)
+
+
+def test_n_log_n_is_the_unit_of_growth() -> None:
+    """Seconds proportional to n log n give ones, in whatever order the cases come."""
+    found = growth([{"regions": n, "total_s": 1e-6 * n * np.log(n)} for n in (70_000, 900, 4_000)])
+    np.testing.assert_allclose(found["total_s"]["n_log_n"], 1.0)
+    assert found["total_s"]["regions"] == [900, 4_000, 70_000]
+
+
+@given(st.lists(st.tuples(st.floats(0, 2), st.floats(0, 0.5)), min_size=1, max_size=8), st.floats(0.05, 0.5))
+def test_x_is_placed_wherever_a_linear_program_can(windows: list[tuple[float, float]], step: float) -> None:
+    """X is found exactly when a linear program finds one, within its windows and its step."""
+    limits = np.array([(low, low + width) for low, width in windows])
+    change = np.diff(np.eye(len(limits)), axis=0)
+    program = linprog(
+        np.zeros(len(limits)), np.vstack([change, -change]), np.full(2 * len(change), step), bounds=limits
+    )
+    x = place_along_x(limits, step)
+    if x is None:
+        tight = linprog(
+            np.zeros(len(limits)), np.vstack([change, -change]), np.full(2 * len(change), step - 1e-6), bounds=limits
+        )
+        assert not tight.success
+        return
+    assert program.success
+    assert ((x >= limits[:, 0]) & (x <= limits[:, 1])).all()
+    assert (np.abs(np.diff(x)) <= step + 1e-12).all()
+
+
+def test_the_reference_task_is_among_the_problems_and_names_tell_them_apart() -> None:
+    """One of the grids is that of the reference configuration itself, and no name stands for two problems."""
+    scale, rungs = scale_problems(), ladder()
+    assert load_config(CONFIGS / "agder.yaml") in [problem.config for problem in scale]
+    assert len({problem.name for problem in scale}) == len(scale)
+    assert len({problem.name for problem in rungs}) == len(rungs)
+
+
+@pytest.mark.slow
+def test_paper_size_is_the_papers() -> None:
+    """The grid has the paper's 45,936 regions within 2 %, N is 25, and there is a proven route."""
+    config = load_config(CONFIGS / "paper_size.yaml")
+    machine = build_machine(config.machine)
+    regions = build_regions(config, machine)
+    assert len(regions) == pytest.approx(45_936, rel=0.02)
+    assert config.route.step_budget == 25
+    route = plan_route(config, machine, regions)
+    assert route.search.gap == 0.0
+    assert len(route) <= 25
