@@ -36,15 +36,15 @@ def _regions(section: dict[str, Any]) -> str:
 
 def _route(section: dict[str, Any]) -> str:
     return (
-        f"{section['steps']} steps, {section['mode_changes']} mode changes; sum of kappa {section['objective']:.1f} "
-        f"(gap {section['gap']:.2%}), largest {section['kappa_max']:.1f}"
+        f"{section['steps']} positions, {section['mode_changes']} mode changes; "
+        f"sum of kappa {section['objective']:.1f} (gap {section['gap']:.2%}), largest {section['kappa_max']:.1f}"
     )
 
 
 def _path(section: dict[str, Any]) -> str:
     coarse, refined = section["coarse_kappa_integral"], section["kappa_integral"]
     return (
-        f"kappa integral {refined:.1f} ({refined / coarse - 1.0:+.1%} against the route), "
+        f"kappa integral {refined:.1f} ({refined / coarse - 1.0:+.1%} against the coarse path's {coarse:.1f}), "
         f"largest {section['kappa_max']:.1f}; links at least {section['min_link_distance_m']:.4f} m apart"
     )
 

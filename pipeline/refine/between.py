@@ -11,7 +11,8 @@ from pipeline.refine.measure import PathSamples, sample_path
 from pipeline.refine.result import Path
 
 _ROUNDING = 1e-9
-
+_LEAST_SPEED = 0.1
+"""Least |q'(s)| relative to its mean: where actuators nearly stand still the path cannot be timed well."""
 
 _TILTS = (("rx", 3), ("rz", 5))
 
@@ -69,6 +70,11 @@ def _excesses(config: Config, path: Path, samples: PathSamples) -> list[tuple[st
             "Raise refine.nodes.",
         ),
         ("the pose jumps", _jumps(samples), "Raise refine.nodes."),
+        (
+            "the actuators nearly stop, relative to the mean speed",
+            _LEAST_SPEED - _relative_speed(path, samples.s),
+            "Raise refine.corridor_cells or refine.nodes, or change refine.coefficients.",
+        ),
     ]
 
 
@@ -90,6 +96,12 @@ def _tilt_excess(config: Config, samples: PathSamples) -> FloatArray:
     tilt = np.rad2deg(np.abs(samples.pose[:, [column for _, column in _TILTS]]))
     excess: FloatArray = (tilt - allowed).max(axis=1)
     return excess
+
+
+def _relative_speed(path: Path, s: FloatArray) -> FloatArray:
+    speed = np.linalg.norm(path.q(s, 1), axis=1)
+    relative: FloatArray = speed / speed.mean()
+    return relative
 
 
 def _jumps(samples: PathSamples) -> FloatArray:

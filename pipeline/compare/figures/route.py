@@ -191,7 +191,7 @@ def _draw_panel(axes: Axes, canvas: _Canvas, step: int, a_map: KappaMap) -> None
     axes.set_ylim(canvas.window.z_least, canvas.window.z_largest)
     tilts = np.rad2deg(route.pose[step, [3, 5]])
     axes.set_title(
-        f"step {step + 1}  {route.mode_names[step]}  κ {route.kappa[step]:.1f}\n"
+        f"step {step}  {route.mode_names[step]}  κ {route.kappa[step]:.1f}\n"
         f"rx {_degrees(tilts[0])}  rz {_degrees(tilts[1])}",
         fontsize=style.SMALL_TEXT_PT,
         linespacing=1.1,

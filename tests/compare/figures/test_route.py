@@ -63,7 +63,7 @@ def test_a_panel_per_step_chosen(figure: Figure, route: Route) -> None:
     assert len(panels) == MAX_PANELS
     assert len(figure.axes) == MAX_PANELS + 1
     for axes, step in zip(panels, select_steps(route, MAX_PANELS), strict=True):
-        assert axes.get_title().startswith(f"step {step + 1}  LLL  κ {route.kappa[step]:.1f}\nrx ")
+        assert axes.get_title().startswith(f"step {step}  LLL  κ {route.kappa[step]:.1f}\nrx ")
     assert panels[0].get_title().endswith("rx 0°  rz 0°")
 
 
