@@ -23,7 +23,7 @@ from pipeline.refine.corridor import Corridor
 from pipeline.refine.hessian import lagrangian_hessian
 from pipeline.refine.separation import Separations, apartness
 from pipeline.refine.splines import basis
-from pipeline.route.metric import CONTROLLED, arc_length
+from pipeline.route.metric import CONTROLLED
 
 SPEED_RANGE = (0.5, 1.5)
 """Speed along s relative to its mean: without it the optimum rushes through where kappa is high."""
@@ -90,15 +90,12 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
     moves = (pose[list(CONTROLLED), 1:] - pose[list(CONTROLLED), :-1]) / ca.DM(setting.steps)
     squared = ca.sum1(moves**2)
     distance = ca.sqrt(squared)
-    # In units of the start's mean speed, so that rows of short and long paths are alike.
-    first_length = _length(setting, start)
-    speed = squared / (ca.DM(np.diff(setting.s)).T * first_length) ** 2
-    mean = length / first_length
+    fraction = ca.DM(np.diff(setting.s)).T * length
     groups = [
         ("closure", ca.vec(closure_function(machine).map(k)(pose, q)), 0.0, 0.0),
         ("spline", ca.vec(q - coefficients @ _sparse(B).T), 0.0, 0.0),
-        ("speed along the path (least)", ca.vec(speed - (SPEED_RANGE[0] * mean) ** 2), 0.0, np.inf),
-        ("speed along the path (largest)", ca.vec(speed - (SPEED_RANGE[1] * mean) ** 2), -np.inf, 0.0),
+        ("speed along the path (least)", ca.vec(squared - (SPEED_RANGE[0] * fraction) ** 2), 0.0, np.inf),
+        ("speed along the path (largest)", ca.vec(squared - (SPEED_RANGE[1] * fraction) ** 2), -np.inf, 0.0),
         ("length", length - ca.sum2(distance), 0.0, 0.0),
         ("clearance", apartness(machine, setting.separations, pose, q, normal), 0.0, np.inf),
         ("separating vectors", ca.vec(ca.sum1(normal**2)), -np.inf, 1.0),
@@ -141,13 +138,11 @@ def _variable_bounds(machine: Machine, setting: Setting, start: Start) -> tuple[
 
 
 def _start_vector(setting: Setting, start: Start, B: csr_array) -> FloatArray:
+    moves = np.diff(start.pose[:, CONTROLLED], axis=0) / setting.steps
+    length = np.linalg.norm(moves, axis=1).sum()
     q = B @ start.coefficients
-    parts = (start.pose, q, start.coefficients, setting.separations.normal, [_length(setting, start)])
+    parts = (start.pose, q, start.coefficients, setting.separations.normal, [length])
     return np.concatenate([np.ravel(part) for part in parts])
-
-
-def _length(setting: Setting, start: Start) -> float:
-    return float(arc_length(start.pose, setting.steps)[-1])
 
 
 def _sparse(matrix: csr_array) -> ca.DM:
