@@ -57,3 +57,13 @@ def test_every_cell_widens_it_by_one_grid_step(
     widths = (bounds.high - bounds.low)[1:-1, 1:3] - 2.0 * cells * steps[1:3]
     assert widths.min() >= -1e-12
     assert widths.max() <= narrow.max() + 1e-12
+
+
+def test_a_margin_wider_than_the_corridor_leaves_a_tilt_without_freedom(
+    quick_config: Config, route: Route, coarse: Path
+) -> None:
+    """Where the route itself tilts beyond the limit less the margin, the box is that limit and never empty."""
+    refine = quick_config.refine.model_copy(update={"corridor_cells": 0.0})
+    bounds = corridor(quick_config.model_copy(update={"refine": refine}), route, coarse, S, np.deg2rad(15.0))
+    assert (bounds.low <= bounds.high).all()
+    assert np.rad2deg(np.abs(bounds.low[1:-1, [3, 5]]).max()) <= 15.0 + 1e-9

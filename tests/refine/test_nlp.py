@@ -1,11 +1,15 @@
 """The nonlinear program against NumPy."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 from pipeline.config import Config
-from pipeline.machine import Machine, condition_number, statics_matrix
+from pipeline.machine import Machine, condition_number, link_distances, statics_matrix
+from pipeline.machine.clearance import link_pairs, link_rail_distances, rail_pairs
 from pipeline.machine.kinematics import newton
 from pipeline.refine import Path
 from pipeline.refine.corridor import corridor
@@ -21,8 +25,6 @@ def setting(quick_config: Config, machine: Machine, route: Route, coarse: Path, 
     """Give a small program with its setting and its start, which closes all links."""
     s, knots = np.linspace(0.0, 1.0, 12), clamped_knots(9)
     coefficients = fit(knots, coarse.node_s, coarse.q(coarse.node_s))
-    from scipy.interpolate import BSpline
-
     q = BSpline(knots, coefficients, DEGREE)(s)
     near = np.stack([np.interp(s, coarse.node_s, column) for column in coarse.node_pose.T], axis=1)
     pose, _ = newton(machine, q, near)
@@ -38,20 +40,24 @@ def program(machine: Machine, setting) -> Program:
     return build_program(machine, setting[0], setting[1])
 
 
+def _values(program: Program, name: str, x: np.ndarray) -> np.ndarray:
+    """Evaluate the objective "f" or the constraints "g"."""
+    return np.array(ca.Function(name, [program.problem["x"]], [program.problem[name]])(x)).ravel()
+
+
 def test_the_objective_is_the_trapezoidal_integral_of_kappa(machine: Machine, setting, program: Program) -> None:
-    """F agrees with the integral computed from NumPy's Frobenius condition numbers."""
+    """It agrees with the integral computed from NumPy's Frobenius condition numbers."""
     made, start, q = setting
     H = statics_matrix(machine, start.pose, q[:, :3])
     kappa = np.linalg.norm(H, axis=(1, 2)) * np.linalg.norm(np.linalg.inv(H), axis=(1, 2))
     assert (kappa >= condition_number(H)).all()
-    f = ca.Function("f", [program.problem["x"]], [program.problem["f"]])
     expected = np.trapezoid(kappa, arc_length(start.pose, made.steps))
-    assert float(f(program.start)) == pytest.approx(expected, rel=1e-9)
+    assert _values(program, "f", program.start) == pytest.approx(expected, rel=1e-9)
 
 
 def test_equations_hold_at_a_start_that_closes(program: Program) -> None:
     """Closure, spline and length are satisfied by construction of the start."""
-    g = np.array(ca.Function("g", [program.problem["x"]], [program.problem["g"]])(program.start)).ravel()
+    g = _values(program, "g", program.start)
     for block in program.blocks:
         if block.name in ("closure", "spline", "length"):
             assert np.abs(g[block.begin : block.end]).max() < 1e-9, block.name
@@ -59,15 +65,11 @@ def test_equations_hold_at_a_start_that_closes(program: Program) -> None:
 
 def test_clearance_rows_are_the_distances_at_the_start(setting, program: Program, machine: Machine) -> None:
     """With the best separating vectors the least row of a pair is its distance less what is asked for."""
-    from pipeline.machine import link_distances
-
     made, start, q = setting
-    g = np.array(ca.Function("g", [program.problem["x"]], [program.problem["g"]])(program.start)).ravel()
+    g = _values(program, "g", program.start)
     block = next(block for block in program.blocks if block.name == "clearance")
     rows = g[block.begin : block.end].reshape(4, len(made.separations))
     distances = link_distances(machine, start.pose, q[:, :3])
-    from pipeline.machine.clearance import link_pairs
-
     column = [
         link_pairs(machine).index((a, b)) for a, b in zip(made.separations.first, made.separations.second, strict=True)
     ]
@@ -75,11 +77,41 @@ def test_clearance_rows_are_the_distances_at_the_start(setting, program: Program
     np.testing.assert_allclose(rows.min(axis=0), expected, atol=1e-9)
 
 
+def test_rail_rows_are_the_distances_at_the_start(setting, machine: Machine) -> None:
+    """A link and a rail have two rows, the least of which is their distance; their vector keeps no x."""
+    made, start, q = setting
+    guarded = replace(machine, link_rail_m=0.05)
+    separations = find_separations(guarded, start.pose, q, 0.001, 10.0)
+    program = build_program(guarded, replace(made, separations=separations), start)
+    rails = np.flatnonzero(separations.of_rail)
+    block = next(block for block in program.blocks if block.name == "clearance")
+    rows = _values(program, "g", program.start)[block.begin : block.end][-2 * len(rails) :].reshape(2, -1)
+    pairs = list(zip(separations.first[rails], separations.second[rails] - 6, strict=True))
+    column = [rail_pairs(machine).index(pair) for pair in pairs]
+    distances = link_rail_distances(machine, start.pose, q[:, :3])[separations.node[rails], column]
+    np.testing.assert_allclose(rows.min(axis=0), distances - 0.051, atol=1e-9)
+    high = program.variable_bounds[1]
+    normal_high = high[11 * 12 + 5 * 9 :][: 3 * len(separations)].reshape(-1, 3)
+    np.testing.assert_array_equal(normal_high[rails, 0], 0.0)
+    assert np.isinf(np.delete(normal_high, rails, axis=0)).all()
+
+
 def test_blocks_name_every_row_once(program: Program) -> None:
     """Messages can name any violated constraint."""
     edges = [0, *(block.end for block in program.blocks)]
     assert [block.begin for block in program.blocks] == edges[:-1]
     assert edges[-1] == program.problem["g"].numel() == len(program.constraint_bounds[0])
+
+
+@pytest.mark.parametrize("kind", ["frobenius", "schatten"])
+def test_the_hessian_is_the_one_casadi_finds_by_itself(machine: Machine, setting, kind: str) -> None:
+    """Expanding kappa about the point changes nothing."""
+    program = build_program(machine, replace(setting[0], kind=kind), setting[1])
+    x, g, f = program.problem["x"], program.problem["g"], program.problem["f"]
+    multipliers = np.random.default_rng(4).normal(size=g.numel())
+    whole = ca.Function("H", [x], [ca.triu(ca.hessian(0.7 * f + ca.dot(ca.DM(multipliers), g), x)[0])])(program.start)
+    ours = program.hessian(program.start, ca.DM(0, 1), 0.7, multipliers)
+    assert float(ca.norm_inf(ca.vec(ours - whole))) < 1e-9 * float(ca.norm_inf(ca.vec(whole)))
 
 
 def test_the_hessian_is_that_of_the_lagrangian(program: Program) -> None:

@@ -9,10 +9,11 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
-from pipeline.machine import Machine
+from pipeline.machine import Machine, build_machine
 from pipeline.refine import Path, Refinement, measure, refine_path, sample_path
 from pipeline.refine.between import Breach, breaches
-from pipeline.route import Route
+from pipeline.route import Route, build_regions, plan_route
+from pipeline.route.metric import step_sizes
 from pipeline.status import Status
 
 
@@ -116,12 +117,6 @@ def test_it_works_in_another_thread(light_config: Config, machine: Machine, rout
     assert ended == ["refine"]
 
 
-def _with_pose(path: Path, column: int, amount: float) -> Path:
-    pose = path.node_pose.copy()
-    pose[:, column] += amount
-    return replace(path, node_pose=pose)
-
-
 @pytest.mark.parametrize(
     ("change", "what"),
     [
@@ -167,9 +162,6 @@ def test_a_path_that_cannot_close_is_a_breach(light_config: Config, refinement: 
 @pytest.mark.slow
 def test_the_reference_machine_keeps_its_figures(agder_config: Config, machine: Machine) -> None:
     """At least 18 % less integral of kappa, no larger kappa, and the surrogate within 1 % of the true one."""
-    from pipeline.route import build_regions, plan_route
-    from pipeline.route.metric import step_sizes
-
     route = plan_route(agder_config, machine, build_regions(agder_config, machine))
     result = refine_path(agder_config, machine, route)
     steps = step_sizes(agder_config.route)
@@ -189,8 +181,6 @@ def test_the_reference_machine_keeps_its_figures(agder_config: Config, machine: 
 @pytest.mark.parametrize("axis", ["rx", "rz"])
 def test_a_locked_axis_stays_locked(quick_config: Config, machine: Machine, axis: str) -> None:
     """The 4-DOF machines reconfigure, their locked axis within its tolerance."""
-    from pipeline.route import build_regions, plan_route
-
     task = quick_config.task.model_copy(update={"locked_axes": (axis,)})
     config = quick_config.model_copy(update={"task": task})
     route = plan_route(config, machine, build_regions(config, machine))
@@ -198,3 +188,31 @@ def test_a_locked_axis_stays_locked(quick_config: Config, machine: Machine, axis
     column = {"rx": 3, "rz": 5}[axis]
     tilt = np.rad2deg(np.abs(path.pose(np.linspace(0.0, 1.0, 5_000))[:, column]).max())
     assert tilt <= quick_config.refine.lock_tolerance_deg
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("section", "change"),
+    [
+        ("task", {"tilt_max_deg": 10.0}),
+        ("machine.clearance", {"link_rail_m": 0.45}),
+    ],
+)
+def test_other_limits_are_kept_as_well(quick_config: Config, section: str, change: dict[str, float]) -> None:
+    """With less tilt or with rails to keep clear of the path improves on the route, within the limits."""
+    document = quick_config.model_dump(mode="json")
+    part = document
+    for key in section.split("."):
+        part = part[key]
+    part.update(change)
+    config = Config.model_validate(document)
+    machine, steps = build_machine(config.machine), step_sizes(config.route)
+    result = refine_path(config, machine, plan_route(config, machine, build_regions(config, machine)))
+    coarse, fine = (
+        measure(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
+    )
+    assert fine.kappa_integral < coarse.kappa_integral
+    assert fine.kappa_max <= coarse.kappa_max
+    assert fine.max_tilt_deg <= config.task.tilt_max_deg
+    assert fine.min_rail_distance_m >= (config.machine.clearance.link_rail_m or 0.0)
+    assert fine.det_sign_constant

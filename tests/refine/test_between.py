@@ -1,0 +1,84 @@
+"""The check between the nodes, on samples that break one promise each."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.config import Config
+from pipeline.refine import Path, PathSamples, Refinement, sample_path
+from pipeline.refine import between as between_module
+from pipeline.refine.between import breaches
+
+Spoil = Callable[[PathSamples], dict[str, np.ndarray]]
+
+
+@pytest.fixture
+def check(light_config: Config, refinement: Refinement, monkeypatch: pytest.MonkeyPatch):
+    """Give a check of the refined path with its samples spoiled."""
+
+    def run(spoil: Spoil):
+        def spoiled(path: Path, s: np.ndarray) -> PathSamples:
+            samples = sample_path(path, s)
+            return replace(samples, **spoil(samples))
+
+        monkeypatch.setattr(between_module, "sample_path", spoiled)
+        return breaches(light_config, refinement.path)
+
+    return run
+
+
+def _from(values: np.ndarray, first: int, change: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    changed = values.copy()
+    changed[first:] = change(changed[first:])
+    return changed
+
+
+def test_a_good_path_breaks_nothing(check) -> None:
+    """The refined path, unspoiled, passes."""
+    assert check(lambda samples: {}) == []
+
+
+def test_a_change_of_the_sign_of_det_h_is_found_where_it_happens(check) -> None:
+    """Nodes are wanted at the change, and not on all that follows."""
+    (breach,) = check(lambda samples: {"det_sign": _from(samples.det_sign, 700, np.negative)})
+    assert breach.what == "det H changes sign"
+    np.testing.assert_allclose(breach.s, [700 / 2_000])
+
+
+def test_a_singular_sample_is_found(check) -> None:
+    """Zero is no sign."""
+    (breach,) = check(lambda samples: {"det_sign": _from(samples.det_sign, 2_000, np.zeros_like)})
+    assert breach.what == "det H changes sign"
+
+
+def test_a_jump_to_another_assembly_is_found_where_it_happens(check) -> None:
+    """The pose does not move by many times its usual step."""
+    (breach,) = check(
+        lambda samples: {"pose": _from(samples.pose, 300, lambda pose: pose + [0.0, 0.0, 0.0, 0.0, 0.5, 0.0])}
+    )
+    assert breach.what == "the pose jumps"
+    assert breach.worst == pytest.approx(0.5, abs=0.01)
+    np.testing.assert_allclose(breach.s, [300 / 2_000])
+
+
+def test_several_breaches_are_told_together_with_advice(check) -> None:
+    """Each names its amount, its place and what to change."""
+    found = check(
+        lambda samples: {
+            "link_distance_m": _from(samples.link_distance_m, 1_000, lambda distance: 0.0 * distance + 0.02),
+            "kappa": _from(samples.kappa, 1_500, lambda kappa: kappa + 100.0),
+        }
+    )
+    assert [str(breach).split(" (")[0] for breach in found] == [
+        "kappa above route.kappa_max",
+        "links too close, metres",
+    ]
+    assert "worst 0.01, first at s = 0.5000" in str(found[1])
+    assert "clearance_margin_m" in found[1].advice
+
+
+def test_rails_count_only_where_the_machine_asks_for_it(check) -> None:
+    """Without a rail clearance a link may touch a rail's line."""
+    assert check(lambda samples: {"rail_distance_m": 0.0 * samples.rail_distance_m}) == []
