@@ -11,7 +11,7 @@ from pipeline.refine.measure import PathSamples, sample_path
 from pipeline.refine.result import Path
 
 _ROUNDING = 1e-9
-_LEAST_SPEED = 0.1
+_LEAST_SPEED = 0.07
 """Least |q'(s)| relative to its mean: where actuators nearly stand still the path cannot be timed well."""
 
 _TILTS = (("rx", 3), ("rz", 5))
