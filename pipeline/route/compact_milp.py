@@ -9,14 +9,15 @@ import highspy
 import numpy as np
 
 from pipeline.machine.geometry import MODE_SIGNS, FloatArray, IntArray
-from pipeline.route.exclusions import Exclusions
+from pipeline.route.exclusions import add_exclusions
 from pipeline.route.highs import make_model
+from pipeline.route.moves import Moves
 from pipeline.route.regions import RegionTable
 from pipeline.route.rows import Rows
 
 
 def build_compact_model(
-    regions: RegionTable, exclusions: Exclusions, steps: FloatArray, step_budget: int
+    regions: RegionTable, exclusions: Moves, steps: FloatArray, step_budget: int
 ) -> highspy.HighsModel:
     """Write the compact program: per step P_x, then a boolean per region."""
     Nd, width = len(regions), 1 + len(regions)
@@ -43,9 +44,7 @@ def build_compact_model(
     return make_model(matrix, cost, (lower.ravel(), upper.ravel()), (low, high), integer)
 
 
-def _between(
-    rows: Rows, regions: RegionTable, exclusions: Exclusions, steps: FloatArray, before: int, step: int
-) -> None:
+def _between(rows: Rows, regions: RegionTable, exclusions: Moves, steps: FloatArray, before: int, step: int) -> None:
     """(13)-(17) and (38) in sums over the regions of two neighbouring steps."""
     ahead, behind = step + 1 + np.arange(len(regions)), before + 1 + np.arange(len(regions))
     rows.add("(13)", [(np.array([step, before]), np.array([1.0, -1.0]))], -steps[0], steps[0])
@@ -57,7 +56,7 @@ def _between(
     for k in range(3):
         rows.add("(38)", [(ahead, right[:, k]), (behind, -right[:, k] - gate[:, k])], -np.inf, 0.0)
         rows.add("(38)", [(ahead, -right[:, k]), (behind, right[:, k] - gate[:, k])], -np.inf, 0.0)
-    exclusions.add_rows(rows, before + 1, step + 1)
+    add_exclusions(rows, exclusions, before + 1, step + 1)
 
 
 def read_compact(values: FloatArray, regions: RegionTable, step_budget: int) -> tuple[IntArray, FloatArray]:

@@ -18,8 +18,9 @@ import highspy
 import numpy as np
 
 from pipeline.machine.geometry import MODE_SIGNS, BoolArray, FloatArray, IntArray
-from pipeline.route.exclusions import Exclusions
+from pipeline.route.exclusions import add_exclusions
 from pipeline.route.highs import make_model
+from pipeline.route.moves import Moves
 from pipeline.route.regions import RegionTable
 from pipeline.route.rows import Rows
 
@@ -58,7 +59,7 @@ def paper_size(regions: int, step_budget: int, exclusions: int = 0, excluding: i
 
 
 def build_paper_model(
-    regions: RegionTable, exclusions: Exclusions, steps: FloatArray, step_budget: int
+    regions: RegionTable, exclusions: Moves, steps: FloatArray, step_budget: int
 ) -> highspy.HighsModel:
     """Write (3)-(38) for a region table; `steps` (5,) are Delta X, Delta Y, Delta Z, Delta R_x, Delta R_z."""
     Nd, width = len(regions), HEAD + len(regions)
@@ -126,9 +127,7 @@ def _modes(rows: Rows, regions: RegionTable, step: int, delta: IntArray) -> None
             rows.add_each(name, [(column, -one), (delta, value)], -np.inf, 0.0)
 
 
-def _between(
-    rows: Rows, regions: RegionTable, exclusions: Exclusions, steps: FloatArray, before: int, step: int
-) -> None:
+def _between(rows: Rows, regions: RegionTable, exclusions: Moves, steps: FloatArray, before: int, step: int) -> None:
     """(13)-(17): largest moves; (38): modes change at gates only; and the excluded pairs."""
     for axis in range(5):
         columns = np.array([step + POSITION + axis, before + POSITION + axis])
@@ -138,7 +137,7 @@ def _between(
         columns = np.array([step + MODE + k, before + MODE + k, before + CHANGE + k])
         rows.add("(38)", [(columns, np.array([1.0, -1.0, -1.0]))], -np.inf, 0.0)
         rows.add("(38)", [(columns, np.array([-1.0, 1.0, -1.0]))], -np.inf, 0.0)
-    exclusions.add_rows(rows, before + HEAD, step + HEAD)
+    add_exclusions(rows, exclusions, before + HEAD, step + HEAD)
 
 
 def _columns(regions: RegionTable, kappa: FloatArray, step_budget: int) -> tuple[FloatArray, FloatArray, BoolArray]:

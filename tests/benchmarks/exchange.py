@@ -17,9 +17,9 @@ from pipeline.config_file import dump_config, load_config
 from pipeline.machine import build_machine
 from pipeline.route import RegionTable, build_regions
 from pipeline.route.compact_milp import build_compact_model
-from pipeline.route.exclusions import Exclusions, excluded_pairs
+from pipeline.route.exclusions import excluded_pairs
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import find_moves
+from pipeline.route.moves import Moves, find_moves
 from pipeline.route.relaxation import fewest_moves
 from tests.benchmarks.peers.reading import PROGRAM, REGIONS
 
@@ -78,7 +78,7 @@ def load_regions(folder: Path) -> RegionTable:
         return RegionTable(**{name: arrays[name] for name in RegionTable.__dataclass_fields__})
 
 
-def load_exclusions(folder: Path) -> Exclusions:
+def load_exclusions(folder: Path) -> Moves:
     """Read the pairs that no step may join."""
     with np.load(folder / REGIONS) as arrays:
-        return Exclusions(arrays["excluded_source"], arrays["excluded_target"])
+        return Moves(arrays["excluded_source"], arrays["excluded_target"])

@@ -10,8 +10,8 @@ import numpy as np
 
 from pipeline.machine.geometry import FloatArray, IntArray
 from pipeline.route import RegionTable
-from pipeline.route.exclusions import Exclusions
 from pipeline.route.metric import step_sizes
+from pipeline.route.moves import Moves
 from pipeline.route.rules import route_cost, rule_violations
 from tests.benchmarks.exchange import load_exclusions, load_problem, load_regions, save_config
 from tests.benchmarks.isolated import FINISHED, measure
@@ -115,7 +115,7 @@ class _Judge:
     """Holds what a method returns against the rules alone."""
 
     regions: RegionTable
-    excluded: Exclusions
+    excluded: Moves
     steps: FloatArray
     step_budget: int
 

@@ -13,10 +13,10 @@ from pipeline.machine import build_machine
 from pipeline.progress import silent
 from pipeline.route import build_regions, plan_route
 from pipeline.route.compact_milp import build_compact_model, read_compact
-from pipeline.route.exclusions import Exclusions, excluded_pairs
+from pipeline.route.exclusions import excluded_pairs
 from pipeline.route.highs import solve_model, write_model
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import find_moves
+from pipeline.route.moves import Moves, find_moves
 from pipeline.route.paper_milp import build_paper_model, paper_size, read_paper
 from pipeline.route.rules import route_cost, rule_violations
 from pipeline.status import Status
@@ -31,7 +31,7 @@ def _all_but(regions, moves):
     admitted = set(zip(moves.source.tolist(), moves.target.tolist(), strict=True))
     every = itertools.permutations(range(len(regions)), 2)
     pairs = np.array(sorted(set(every) - admitted), dtype=np.int64).reshape(-1, 2)
-    return Exclusions(pairs[:, 0], pairs[:, 1])
+    return Moves(pairs[:, 0], pairs[:, 1])
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)

@@ -69,7 +69,7 @@ def put(folder: Path, files: dict[str, bytes]) -> None:
 
 def same(a: object, b: object) -> bool:
     """Compare two results field by field, to the last bit."""
-    for item in fields(a):  # type: ignore[arg-type]
+    for item in fields(a):
         left, right = getattr(a, item.name), getattr(b, item.name)
         if isinstance(left, np.ndarray):
             if left.dtype != right.dtype or not np.array_equal(left, right, equal_nan=left.dtype.kind == "f"):

@@ -350,7 +350,7 @@ class TestCheck:
         ends = task_ends(fast_config, machine)
         for part in machine_report(change(fast_config, route__kappa_max=2.0), machine, ends):
             console.print(part)
-        assert "none" in console.file.getvalue()  # type: ignore[attr-defined]
+        assert "none" in console.file.getvalue()
 
 
 class TestLooks:
