@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from pipeline.machine.geometry import ARM_OF_LINK, FloatArray, Machine, cart_joints, link_vectors
+from pipeline.machine.geometry import ARM_OF_LINK, FloatArray, Machine, cart_joints, cross, dot, link_vectors
 
 _PARALLEL = 1e-12
 """sin^2 of the angle below which two links count as parallel: no common perpendicular, end points decide."""
@@ -80,25 +80,23 @@ def common_perpendicular(
     All NaN for parallel lines, which have no unique common perpendicular. Shapes (n,).
     """
     r = p - q
-    uu, vv, uv = _dot(u, u), _dot(v, v), _dot(u, v)
-    ur, vr = _dot(u, r), _dot(v, r)
-    normal = np.cross(u, v)
+    uu, vv, uv = dot(u, u), dot(v, v), dot(u, v)
+    ur, vr = dot(u, r), dot(v, r)
+    normal = cross(u, v)
     square = uu * vv - uv**2
     square = np.where(square > _PARALLEL * uu * vv, square, np.nan)
     s = (uv * vr - vv * ur) / square
     t = (uu * vr - uv * ur) / square
-    return _dot(normal, r) / np.sqrt(square), s, t
+    return dot(normal, r) / np.sqrt(square), s, t
 
 
 def _point_segment(point: FloatArray, start: FloatArray, vector: FloatArray) -> FloatArray:
-    away = point - start
-    squared = _dot(vector, vector)
+    """Distance of points (..., k) from segments start + [0, 1] vector, k = 2 or 3. Shape (...)."""
+    away = [point[..., k] - start[..., k] for k in range(vector.shape[-1])]
+    along = [vector[..., k] for k in range(vector.shape[-1])]
+    squared = sum(v * v for v in along)
     with np.errstate(invalid="ignore", divide="ignore"):
-        fraction = np.where(squared > 0.0, np.clip(_dot(away, vector) / squared, 0.0, 1.0), 0.0)
-    distance: FloatArray = np.linalg.norm(away - fraction[:, None] * vector, axis=-1)
+        fraction = np.clip(sum(a * v for a, v in zip(away, along, strict=True)) / squared, 0.0, 1.0)
+    fraction = np.where(squared > 0.0, fraction, 0.0)
+    distance: FloatArray = np.sqrt(sum((a - fraction * v) ** 2 for a, v in zip(away, along, strict=True)))
     return distance
-
-
-def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    product: FloatArray = np.einsum("...i,...i->...", a, b)
-    return product

@@ -3,6 +3,9 @@
 Link order everywhere: 1, 2a, 2b, 3a, 3b, 3c. Actuator order: q = (c1, c2, c3, l2b, l3b).
 A pose is (x, y, z, rx, ry, rz) with R = Rx(rx) Rz(rz) Ry(ry); the controlled pose leaves out ry, which
 follows from the triangle. Working modes are numbered 0 (LLL) to 7 (RRR), arm 1 the highest bit.
+
+Arrays of many vectors or matrices are stored coordinate by coordinate, whatever their axes say: what is done to one
+coordinate of them all then runs through memory in order, several times as fast.
 """
 
 from dataclasses import dataclass
@@ -135,27 +138,62 @@ def rotation(rx: FloatArray, ry: FloatArray, rz: FloatArray) -> FloatArray:
         [cx * sz * cy + sx * sy, cx * cz, cx * sz * sy - sx * cy],
         [sx * sz * cy - cx * sy, sx * cz, sx * sz * sy + cx * cy],
     ]
-    return np.stack([np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows], axis=-2)
+    R = np.empty((3, 3, *np.broadcast_shapes(np.shape(rx), np.shape(ry), np.shape(rz))))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            R[i, j] = entry
+    return np.moveaxis(R, (0, 1), (-2, -1))
 
 
 def platform_arms(machine: Machine, pose: FloatArray) -> FloatArray:
     """A'_l = R a_l, the arms from the TCP to the platform joints, for poses (..., 6). Shape (..., 6, 3)."""
-    R = rotation(pose[..., 3], pose[..., 4], pose[..., 5])
-    arms: FloatArray = np.einsum("...ij,lj->...li", R, machine.platform_points_m)
-    return arms
+    R = np.moveaxis(rotation(pose[..., 3], pose[..., 4], pose[..., 5]), (-2, -1), (0, 1))
+    arms = np.zeros((3, 6, *pose.shape[:-1]))
+    for column, coordinates in zip(R.swapaxes(0, 1), _last(machine.platform_points_m.T, arms), strict=True):
+        arms += column[:, None] * coordinates
+    return np.moveaxis(arms, (0, 1), (-1, -2))
 
 
 def cart_joints(machine: Machine, carts_m: FloatArray) -> FloatArray:
     """C_l = (c_k + b_x, rail_y + b_y, rail_z + b_z) for cart positions (..., 3). Shape (..., 6, 3)."""
-    joints = np.broadcast_to(machine.cart_offsets_m, (*carts_m.shape[:-1], 6, 3)).copy()
-    joints[..., 0] += carts_m[..., ARM_OF_LINK]
-    joints[..., 1:] += machine.rails_m[ARM_OF_LINK]
-    return joints
+    joints = np.empty((3, 6, *carts_m.shape[:-1]))
+    joints[:] = _last(machine.cart_offsets_m.T, joints)
+    joints[0] += np.moveaxis(carts_m, -1, 0)[ARM_OF_LINK]
+    joints[1:] += _last(machine.rails_m[ARM_OF_LINK].T, joints)
+    return np.moveaxis(joints, (0, 1), (-1, -2))
 
 
 def link_vectors(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
     """A_l - C_l for poses (..., 6) and cart positions (..., 3). Shape (..., 6, 3)."""
-    return pose[..., None, :3] + platform_arms(machine, pose) - cart_joints(machine, carts_m)
+    vectors = platform_arms(machine, pose)
+    vectors -= cart_joints(machine, carts_m)
+    vectors += pose[..., None, :3]
+    return vectors
+
+
+def _last(constants: FloatArray, array: FloatArray) -> FloatArray:
+    """Give a table of constants the trailing axes it needs to meet an array stored coordinate by coordinate."""
+    return constants.reshape(*constants.shape, *[1] * (array.ndim - 2))
+
+
+def turned(R: FloatArray, vector: FloatArray) -> FloatArray:
+    """R v for rotations (n, 3, 3) and one vector (3,). Shape (n, 3)."""
+    return np.stack([dot(R[:, i], vector) for i in range(3)]).T
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Vector products a x b of vectors (..., 3), stored like `a`."""
+    product = np.empty_like(a)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        product[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return product
+
+
+def dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Scalar products a . b of vectors (..., 3); one of them may be a single vector (3,). Shape (...)."""
+    product: FloatArray = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+    return product
 
 
 def link_lengths(machine: Machine, telescopes_m: FloatArray) -> FloatArray:

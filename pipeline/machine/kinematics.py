@@ -13,6 +13,9 @@ from pipeline.machine.geometry import (
     FloatArray,
     IntArray,
     Machine,
+    cart_joints,
+    cross,
+    dot,
     link_lengths,
     link_vectors,
     platform_arms,
@@ -52,12 +55,16 @@ class InverseSolution:
 
 
 def inverse_kinematics(
-    machine: Machine, controlled: FloatArray, modes: IntArray, gates: IntArray | None = None
+    machine: Machine,
+    controlled: FloatArray,
+    modes: IntArray,
+    gates: IntArray | None = None,
+    ry_rad: FloatArray | None = None,
 ) -> InverseSolution:
     """Solve c_k = A_x - b_x -/+ sqrt(D_k) for controlled poses (n, 5) in working modes (n,).
 
-    ry follows from the triangle. `gates` (n,) names per row the arm (1, 2, 3; 0 for none) whose D is zero by
-    construction: rounding is kept from making it negative or leaving the two modes apart.
+    ry follows from the triangle, unless it is known: `ry_rad` (n,). `gates` (n,) names per row the arm (1, 2, 3; 0
+    for none) whose D is zero by construction: rounding is kept from making it negative or leaving the two modes apart.
     """
     controlled = np.asarray(controlled, dtype=float).reshape(-1, 5)
     modes = np.asarray(modes, dtype=np.int64).reshape(-1)
@@ -65,26 +72,43 @@ def inverse_kinematics(
     if gates is not None:
         at_gate = np.flatnonzero(gates)
         signs[at_gate, gates[at_gate] - 1] = 0.0
-    ry = dependent_angle(machine, controlled, signs[:, 2])
-    pose = np.column_stack([controlled[:, :4], ry, controlled[:, 4]])
-    joints = pose[:, None, :3] + platform_arms(machine, pose)
-    primary = joints[:, PRIMARY] - machine.cart_offsets_m[PRIMARY]
-    D = machine.lengths_m[PRIMARY] ** 2 - np.sum((primary[:, :, 1:] - machine.rails_m) ** 2, axis=2)
+    pose = full_pose(controlled, dependent_angle(machine, controlled, signs[:, 2]) if ry_rad is None else ry_rad)
+    joints = platform_arms(machine, pose)
+    joints += pose[:, None, :3]
+    D = _discriminants(machine, pose, joints)
     D[signs == 0.0] = 0.0
-    if on_axis(machine):
-        open_triangle = np.isnan(ry)
-        D[open_triangle, 2] = third_discriminant(machine, controlled[open_triangle], np.zeros(open_triangle.sum()))
     with np.errstate(invalid="ignore"):
-        carts = primary[:, :, 0] + signs * np.sqrt(D)
-    vectors = link_vectors(machine, pose, carts)[:, TELESCOPES]
-    q = np.column_stack([carts, np.linalg.norm(vectors, axis=2)])
+        carts = joints[:, PRIMARY, 0] - machine.cart_offsets_m[PRIMARY, 0] + signs * np.sqrt(D)
+    telescopes = joints[:, TELESCOPES] - cart_joints(machine, carts)[:, TELESCOPES]
+    q = np.column_stack([carts, np.sqrt(dot(telescopes, telescopes))])
     return InverseSolution(pose, q, D, np.isfinite(q).all(axis=1))
+
+
+def full_pose(controlled: FloatArray, ry_rad: FloatArray) -> FloatArray:
+    """Put ry (n,) where it belongs in controlled poses (n, 5). Shape (n, 6)."""
+    return np.column_stack([controlled[:, :4], ry_rad, controlled[:, 4]])
+
+
+def discriminants(machine: Machine, pose: FloatArray) -> FloatArray:
+    """D_k of the three arms, as of `InverseSolution`, for poses (n, 6) that hold ry. Shape (n, 3)."""
+    joints = platform_arms(machine, pose)
+    joints += pose[:, None, :3]
+    return _discriminants(machine, pose, joints)
+
+
+def _discriminants(machine: Machine, pose: FloatArray, joints: FloatArray) -> FloatArray:
+    across = joints[:, PRIMARY, 1:] - machine.cart_offsets_m[PRIMARY, 1:] - machine.rails_m
+    D: FloatArray = machine.lengths_m[PRIMARY] ** 2 - across[..., 0] ** 2 - across[..., 1] ** 2
+    if on_axis(machine):
+        rows = np.flatnonzero(np.isnan(pose[:, 4]))
+        D[rows, 2] = third_discriminant(machine, pose[rows][:, [0, 1, 2, 3, 5]], np.zeros(len(rows)))
+    return D
 
 
 def closure_residual(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
     """|A_l - C_l| - len_l for poses (..., 6) and actuators (..., 5): what each link misses. Shape (..., 6)."""
     vectors = link_vectors(machine, pose, q_m[..., :3])
-    residual: FloatArray = np.linalg.norm(vectors, axis=-1) - link_lengths(machine, q_m[..., 3:])
+    residual: FloatArray = np.sqrt(dot(vectors, vectors)) - link_lengths(machine, q_m[..., 3:])
     return residual
 
 
@@ -95,8 +119,8 @@ def closure_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> Flo
     Shape (..., 6, 6).
     """
     vectors = link_vectors(machine, pose, q_m[..., :3])
-    u = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-    moments = np.cross(platform_arms(machine, pose), u)
+    u = vectors / np.sqrt(dot(vectors, vectors))[..., None]
+    moments = cross(platform_arms(machine, pose), u)
     return np.concatenate([u, moments @ _rotation_axes(pose)], axis=-1)
 
 

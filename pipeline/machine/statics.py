@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray, Machine, link_vectors, platform_arms
+from pipeline.machine.geometry import FloatArray, Machine, cross, dot, link_vectors, platform_arms
 
 
 def statics_matrix(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
@@ -12,8 +12,8 @@ def statics_matrix(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> F
     kappa depends on the metre.
     """
     vectors = link_vectors(machine, pose, carts_m)
-    u = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-    columns = np.concatenate([u, np.cross(platform_arms(machine, pose), u)], axis=-1)
+    u = vectors / np.sqrt(dot(vectors, vectors))[..., None]
+    columns = np.concatenate([u, cross(platform_arms(machine, pose), u)], axis=-1)
     return np.swapaxes(columns, -1, -2)
 
 

@@ -23,7 +23,10 @@ from pipeline.machine.geometry import (
     FloatArray,
     IntArray,
     Machine,
+    cross,
+    dot,
     rotation,
+    turned,
 )
 
 _SAMPLES = 72
@@ -67,10 +70,10 @@ def _closed_form(machine: Machine, controlled: FloatArray, signs: FloatArray) ->
     Q = rotation(controlled[:, 3], np.zeros(len(controlled)), controlled[:, 4])
     g, reached = _arm3_vector(machine, controlled, Q, signs)
     w, d, constant = _triangle(machine)
-    h = np.einsum("nji,nj->ni", Q, g - d)
-    A = h[:, 0] * w[0] + h[:, 2] * w[2]
-    B = h[:, 0] * w[2] - h[:, 2] * w[0]
-    C = constant + g @ d - h[:, 1] * w[1]
+    h = [dot(Q[:, :, i], g - d) for i in range(3)]
+    A = h[0] * w[0] + h[2] * w[2]
+    B = h[0] * w[2] - h[2] * w[0]
+    C = constant + dot(g, d) - h[1] * w[1]
     with np.errstate(invalid="ignore", divide="ignore"):
         opening = np.arccos(C / np.hypot(A, B))
     return np.where(reached, _wrap(np.arctan2(B, A) - machine.triangle_sign * opening), np.nan)
@@ -119,15 +122,13 @@ def _mismatch(machine: Machine, ry: FloatArray, controlled: FloatArray, signs: F
     R = rotation(controlled[:, 3], ry, controlled[:, 4])
     g, _ = _arm3_vector(machine, controlled, R, signs)
     w, d, constant = _triangle(machine)
-    value: FloatArray = np.einsum("ni,ni->n", g - d, R @ w) - constant - g @ d
-    return value
+    return dot(g - d, turned(R, w)) - constant - dot(g, d)
 
 
 def _branch(machine: Machine, R: FloatArray, g: FloatArray) -> FloatArray:
     """y_platform . (R w x (g - d)): its sign tells the two assemblies of the triangle apart."""
     w, d, _ = _triangle(machine)
-    value: FloatArray = np.einsum("ni,ni->n", R[:, :, 1], np.cross(R @ w, g - d))
-    return value
+    return dot(R[:, :, 1], cross(turned(R, w), g - d))
 
 
 def _arm3_vector(
@@ -140,19 +141,19 @@ def _arm3_vector(
     """
     across = _across(machine, controlled, R)
     D = _discriminant(machine, across)
-    g = np.column_stack([-signs * np.sqrt(np.maximum(D, 0.0)), across])
+    g = np.stack([-signs * np.sqrt(np.maximum(D, 0.0)), across[:, 0], across[:, 1]]).T
     return g, (D >= 0.0) | (signs == 0.0)
 
 
 def _discriminant(machine: Machine, across: FloatArray) -> FloatArray:
-    D: FloatArray = machine.lengths_m[_ARM3] ** 2 - np.sum(across**2, axis=1)
+    D: FloatArray = machine.lengths_m[_ARM3] ** 2 - across[:, 0] ** 2 - across[:, 1] ** 2
     return D
 
 
 def _across(machine: Machine, controlled: FloatArray, R: FloatArray) -> FloatArray:
     """How far joint A_3a is from C_3a along Y and Z. Shape (n, 2)."""
-    arm = R @ machine.platform_points_m[_ARM3]
-    across: FloatArray = controlled[:, 1:3] + arm[:, 1:] - machine.rails_m[2] - machine.cart_offsets_m[_ARM3, 1:]
+    across = turned(R, machine.platform_points_m[_ARM3])[:, 1:]
+    across += controlled[:, 1:3] - machine.rails_m[2] - machine.cart_offsets_m[_ARM3, 1:]
     return across
 
 

@@ -9,10 +9,15 @@ from scipy.optimize import elementwise
 
 from pipeline.config import AxisConfig, Config
 from pipeline.machine.geometry import MODE_SIGNS, MODES, FloatArray, IntArray, Machine
-from pipeline.machine.kinematics import inverse_kinematics
+from pipeline.machine.kinematics import discriminants, full_pose
 from pipeline.machine.triangle import dependent_angle, on_axis, third_discriminant
+from pipeline.route.blocks import blocks
 
+_BLOCK = 8_192
+"""Points whose discriminants are computed at once."""
 _ROUNDING = 1e-9
+_CASES = ((0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, 0.0))
+"""Arms whose gates are searched, and the side of its joint that cart 3 is on: at its own gate, abreast."""
 _ARM_BIT = np.array([4, 2, 1])
 """Bit of each arm in the number of a working mode."""
 
@@ -47,39 +52,37 @@ def find_gates(config: Config, machine: Machine, lattice: FloatArray) -> tuple[F
     ry, and with it D_1 and D_2, depends on the working mode of arm 3, so gates of arms 1 and 2 are searched
     for each of its two modes. Returns controlled poses (n, 5), modes (n,) and the arm (n,) from 1 to 3.
     """
-    shape = tuple(len(axis) for axis in grid_axes(config))
-    steps = {1: config.route.grid.y_m.step, 2: config.route.grid.z_m.step}
-    found = []
-    for arm, third in ((0, "L"), (0, "R"), (1, "L"), (1, "R"), (2, "L")):
-        D = _discriminant(machine, lattice, arm, third).reshape(shape)
-        for axis, step in steps.items():
-            edges = _crossed_edges(D, axis - 1)
-            points = _points_on_edges(machine, lattice[edges], axis, step, arm, third)
-            found.append(_in_all_modes(points, arm, third))
+    shape = [len(axis) for axis in grid_axes(config)]
+    on_grid = {side: _on_grid(machine, lattice, side) for side in (-1.0, 1.0, 0.0)}
+    edges = []
+    for case, (arm, side) in enumerate(_CASES):
+        for axis, step in ((1, config.route.grid.y_m.step), (2, config.route.grid.z_m.step)):
+            start = lattice[_crossed_edges(on_grid[side][:, arm].reshape(shape), axis - 1)]
+            vector = np.zeros_like(start)
+            vector[:, axis] = step
+            edges.append((start, vector, np.full(len(start), case)))
+    points, cases = _points_on_edges(machine, *(np.concatenate(column) for column in zip(*edges, strict=True)))
+    found = [_in_all_modes(points[cases == case], arm, side) for case, (arm, side) in enumerate(_CASES)]
     controlled, modes, gates = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return controlled, modes, gates
 
 
-def _discriminant(machine: Machine, controlled: FloatArray, arm: int, third: str) -> FloatArray:
-    """D of one arm with arm 3 in mode `third`, continued beyond the reach of arm 3; NaN where ry does not exist.
+def _on_grid(machine: Machine, lattice: FloatArray, side: float) -> FloatArray:
+    """D of all arms at the grid points, with cart 3 on one side. Shape (n, 3)."""
+    parts = [lattice[block] for block in blocks(len(lattice), _BLOCK)]
+    return np.concatenate([_discriminants(machine, part, np.full(len(part), side)) for part in parts])
+
+
+def _discriminants(machine: Machine, controlled: FloatArray, side: FloatArray) -> FloatArray:
+    """D of all arms (n, 3) with cart 3 on a side (n,), continued beyond its reach; NaN where ry does not exist.
 
     Without the continuation an edge that leaves arm 3's reach after it has passed a gate would lose the gate.
+    With cart 3 abreast of its joint, D_3 is zero where both modes of arm 3 meet, and smooth around it.
     """
-    if arm == 2:
-        return _third_discriminant(machine, controlled)
-    modes = np.full(len(controlled), MODES.index("LL" + third))
-    beyond = np.where(_third_discriminant(machine, controlled) < 0.0, 3, 0) if on_axis(machine) else None
-    return inverse_kinematics(machine, controlled, modes, beyond).discriminants_m2[:, arm]
-
-
-def _third_discriminant(machine: Machine, controlled: FloatArray) -> FloatArray:
-    """D_3 with cart 3 abreast of its joint: zero where both modes of arm 3 meet, and smooth around it.
-
-    Off the platform's y axis it depends on ry, which is then that of cart 3 abreast, too.
-    """
-    abreast = np.zeros(len(controlled))
-    ry = abreast if on_axis(machine) else dependent_angle(machine, controlled, abreast)
-    return third_discriminant(machine, controlled, ry)
+    if on_axis(machine):
+        beyond = third_discriminant(machine, controlled, np.zeros(len(controlled))) < 0.0
+        side = np.where(beyond, 0.0, side)
+    return discriminants(machine, full_pose(controlled, dependent_angle(machine, controlled, side)))
 
 
 def _crossed_edges(D: FloatArray, axis: int) -> IntArray:
@@ -94,31 +97,30 @@ def _crossed_edges(D: FloatArray, axis: int) -> IntArray:
     return edges
 
 
-def _points_on_edges(machine: Machine, starts: FloatArray, axis: int, step: float, arm: int, third: str) -> FloatArray:
-    """The points with D = 0 on edges that start at the given controlled poses. Shape (n, 5)."""
-    if len(starts) == 0:
-        return starts
+def _points_on_edges(
+    machine: Machine, start: FloatArray, vector: FloatArray, case: IntArray
+) -> tuple[FloatArray, IntArray]:
+    """The points with D = 0 on edges start + [0, 1] vector, both (n, 5), of an arm and side each; and their cases."""
+    if len(start) == 0:
+        return start, case
+    arm, side = np.array([arm for arm, _ in _CASES])[case], np.array([side for _, side in _CASES])[case]
 
-    def at(offset: FloatArray, row: IntArray) -> FloatArray:
-        points = starts[row].copy()
-        points[:, axis] += offset
-        return points
+    def discriminant(fraction: FloatArray, row: IntArray) -> FloatArray:
+        D = _discriminants(machine, start[row] + fraction[:, None] * vector[row], side[row])
+        own: FloatArray = D[np.arange(len(row)), arm[row]]
+        return own
 
-    rows = np.arange(len(starts))
-    root = elementwise.find_root(
-        lambda offset, row: _discriminant(machine, at(offset, row), arm, third),
-        (np.zeros(len(starts)), np.full(len(starts), step)),
-        args=(rows,),
-    )
+    rows = np.arange(len(start))
+    root = elementwise.find_root(discriminant, (np.zeros(len(start)), np.ones(len(start))), args=(rows,))
     # Where D jumps instead of passing zero (the triangle folds there), the edge has no gate.
-    gates: FloatArray = at(root.x, rows)[root.success & (np.abs(root.f_x) < _ROUNDING)]
-    return gates
+    found = root.success & (np.abs(root.f_x) < _ROUNDING)
+    return (start + root.x[:, None] * vector)[found], case[found]
 
 
-def _in_all_modes(points: FloatArray, arm: int, third: str) -> tuple[FloatArray, IntArray, IntArray]:
+def _in_all_modes(points: FloatArray, arm: int, side: float) -> tuple[FloatArray, IntArray, IntArray]:
     """Repeat gate points of an arm for every working mode that passes through them."""
     every = np.arange(len(MODES))
-    modes = every if arm == 2 else every[MODE_SIGNS[:, 2] == (-1.0 if third == "L" else 1.0)]
+    modes = every if arm == 2 else every[MODE_SIGNS[:, 2] == side]
     return (
         np.repeat(points, len(modes), axis=0),
         np.tile(modes, len(points)),

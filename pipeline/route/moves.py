@@ -6,25 +6,38 @@ passing through each other. The last two are cheap filters; `follow` is what a r
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from pipeline.config import Config
+from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import common_perpendicular, link_pairs
 from pipeline.machine.geometry import FloatArray, IntArray, Machine, cart_joints, link_vectors
 from pipeline.progress import Progress, silent
+from pipeline.route.blocks import blocks, in_parallel
+from pipeline.route.boxes import crossings, grown_boxes
+from pipeline.route.cells import Cells
 from pipeline.route.grid import gate_bit
 from pipeline.route.metric import step_sizes
-from pipeline.route.regions import RegionTable
+from pipeline.route.table import RegionTable
 
 _SLACK = 0.05
 """How far beyond a link's ends the closest points still count as inside it, in lengths of the link."""
 _ROUNDING = 1e-9
 _LOW = 0xFFFF
 _SHIFT = 16
-_OFFSETS = np.stack(np.meshgrid(*[[-1, 0, 1]] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
-"""The cell itself and its neighbours in y, z, rx, rz; of a direction and its reverse one is above zero."""
+_BLOCK = 2_048
+"""Regions whose moves are looked for at once."""
+_CODES_BLOCK = 8_192
+"""Regions whose links are looked at at once."""
+_SAMPLE = 4_096
+"""Origins the number of moves is estimated from."""
+_MOVE_BYTES = 30
+"""A move is a pair of 4 bytes each; the graph adds its cost, 8, and the reversed graph 12."""
+_REGION_BYTES = 600
+"""A row of the table, twice while it is put together, its share of the search and of the shortest paths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,53 +59,70 @@ class Moves:
     def graph(self, cost: FloatArray) -> csr_array:
         """The moves as a sparse matrix whose entries are the cost (regions,) of their source."""
         n = len(cost)
-        pointer = np.concatenate([[0], np.cumsum(np.bincount(self.source, minlength=n))])
-        return csr_array((cost[self.source], self.target, pointer), shape=(n, n))
+        # Indices and pointers of different types would both be copied.
+        index_type = np.int32 if len(self) < 2**31 else np.int64
+        pointer = np.searchsorted(self.source, np.arange(n + 1)).astype(index_type)
+        target = np.ascontiguousarray(self.target, dtype=index_type)
+        return csr_array((cost[self.source], target, pointer), shape=(n, n))
 
 
 def find_moves(config: Config, machine: Machine, regions: RegionTable, progress: Progress = silent) -> Moves:
-    """Find all admitted moves, from the start and between regions up to the goal, which is never left."""
+    """Find all admitted moves, from the start and between regions up to the goal, which is never left.
+
+    Raises
+    ------
+    NoSolutionError
+        When moves and shortest paths would take up more than `route.memory_gb`.
+    """
     steps = step_sizes(config.route)
-    return _collect(_Search.of(regions, steps, passing_codes(machine, regions), steps[0]), regions, progress)
+    search = _Search.of(regions, steps, passing_codes(machine, regions), steps[0])
+    _require_memory(config, len(regions), search.expected_moves())
+    moves = search.collect(progress)
+    crossing = crossings(grown_boxes(config), regions, steps, moves.source, moves.target)
+    return Moves(moves.source[~crossing], moves.target[~crossing]) if crossing.any() else moves
+
+
+def memory_gb(regions: int, moves: int) -> float:
+    """Estimate the memory that a region table, its moves and the shortest paths over them take up at their peak."""
+    return (regions * _REGION_BYTES + moves * _MOVE_BYTES) / 1e9
+
+
+def _require_memory(config: Config, regions: int, moves: int) -> None:
+    needed, allowed = memory_gb(regions, moves), config.route.memory_gb
+    if needed > allowed:
+        raise NoSolutionError(
+            "route",
+            f"about {moves:,} moves between {regions:,} regions would take up {needed:,.2f} GB of memory; "
+            f"route.memory_gb allows {allowed:g}",
+            f"set route.memory_gb to {1.1 * needed:.2f} where there is as much, or coarsen route.grid: twice the tilt "
+            "steps make a quarter of the regions",
+            {"regions": regions, "expected_moves": moves, "expected_memory_gb": needed},
+        )
 
 
 def rule_moves(config: Config, regions: RegionTable) -> Moves:
     """Find all moves that (14)-(17) and (38) alone would admit, whatever x, det H and the links do."""
-    steps = step_sizes(config.route)
-    return _collect(_Search.of(regions, steps, np.zeros(len(regions), dtype=np.int64), np.inf), regions, silent)
-
-
-def _collect(search: "_Search", regions: RegionTable, progress: Progress) -> Moves:
-    """Look at all neighbouring cells.
-
-    Between regions of the same working mode a move can be made both ways, so that half of the directions is
-    looked at; moves that change a mode at a gate are looked at one by one.
-    """
-    kept, changing = np.arange(len(regions), dtype=np.int32), np.flatnonzero(regions.gate).astype(np.int32)
-    arrival = regions.mode[changing] ^ gate_bit(regions.gate[changing])
-    found: list[tuple[IntArray, IntArray]] = []
-    for count, offset in enumerate(_OFFSETS):
-        progress("moves", count / len(_OFFSETS))
-        if tuple(offset) >= (0, 0, 0, 0):
-            i, j = search.pairs(kept, regions.mode, offset)
-            if not offset.any():
-                i, j = i[i < j], j[i < j]
-            found += [(i, j), (j, i)]
-        found.append(search.pairs(changing, arrival, offset))
-    source, target = (np.concatenate(side) for side in zip(*found, strict=True))
-    allowed = (source != regions.goal) & (target != regions.start)
-    source, target = source[allowed], target[allowed]
-    order = np.argsort(source, kind="stable")
-    return Moves(source[order], target[order])
+    nothing = np.zeros(len(regions), dtype=np.int64)
+    return _Search.of(regions, step_sizes(config.route), nothing, np.inf).collect(silent)
 
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """What decides whether two regions of neighbouring cells can be joined."""
+    """What decides which regions can be joined; `codes` as of `passing_codes`.
 
-    buckets: "_Buckets"
-    cells: IntArray
-    coordinates: FloatArray
+    Attributes
+    ----------
+    origins, arrivals : (k,)
+        Regions that are left, and the working mode one arrives in: their own and, at a gate, the other one as well.
+    coordinates : list of (n,)
+        Coordinates counted in steps; those that are whole numbers everywhere are left out, their cells say it all.
+    """
+
+    regions: RegionTable
+    origins: IntArray
+    arrivals: IntArray
+    cells: Cells
+    coordinates: list[FloatArray]
     codes: IntArray
     opposite: IntArray
     low_m: FloatArray
@@ -101,24 +131,57 @@ class _Search:
 
     @classmethod
     def of(cls, regions: RegionTable, steps: FloatArray, codes: IntArray, x_step_m: float) -> "_Search":
-        """Sort the regions; `codes` (n,) as of `passing_codes`, `x_step_m` the largest move along X."""
-        coordinates = regions.controlled[:, 1:] / steps[1:]
-        opposite = (codes >> _SHIFT) | ((codes & _LOW) << _SHIFT)
-        buckets, cells = _Buckets.of(coordinates, regions.mode)
+        """Sort the regions; `x_step_m` is the largest move along X."""
+        left = np.repeat(np.arange(len(regions), dtype=np.int32), np.where(regions.gate > 0, 2, 1))
+        origins = left[left != regions.goal]
+        second = np.append(False, origins[1:] == origins[:-1])
+        arrivals = regions.mode[origins] ^ np.where(second, gate_bit(regions.gate[origins]), 0)
+        counted = regions.controlled[:, 1:] / steps[1:]
+        whole = np.abs(counted - np.round(counted - counted[0]) - counted[0]).max(axis=0) < _ROUNDING
         low, high = regions.x_window_m.T.copy()
-        return cls(buckets, cells, coordinates.T.copy(), codes, opposite, low, high, x_step_m + _ROUNDING)
+        return cls(
+            regions=regions,
+            origins=origins,
+            arrivals=arrivals,
+            cells=Cells.of(counted, regions.mode),
+            coordinates=[counted[:, axis].copy() for axis in np.flatnonzero(~whole)],
+            codes=codes,
+            opposite=(codes >> _SHIFT) | ((codes & _LOW) << _SHIFT),
+            low_m=low,
+            high_m=high,
+            x_step_m=x_step_m + _ROUNDING,
+        )
 
-    def pairs(self, origins: IntArray, modes: IntArray, offset: IntArray) -> tuple[IntArray, IntArray]:
-        """Regions (n,) with all they can be joined to in the cell `offset` away, arriving in working modes (n,)."""
-        i, j = self.buckets.pairs(origins, self.cells[origins] + offset, modes)
+    def collect(self, progress: Progress) -> Moves:
+        """Find the moves of all origins, block by block."""
+        tasks = [partial(self.moves_from, block) for block in blocks(len(self.origins), _BLOCK)]
+        sources, targets = [], []
+        for count, (source, target) in enumerate(in_parallel(tasks), start=1):
+            progress("moves", count / len(tasks))
+            sources.append(source)
+            targets.append(target)
+        whole = np.concatenate(sources)
+        sources.clear()
+        return Moves(whole, np.concatenate(targets))
+
+    def expected_moves(self) -> int:
+        """Estimate the number of moves from a sample of origins, all of them where they are few."""
+        count = len(self.origins)
+        sample = np.linspace(0, count - 1, min(count, _SAMPLE)).astype(np.int64)
+        return round(len(self.moves_from(sample)[0]) * count / max(len(sample), 1))
+
+    def moves_from(self, block: slice | IntArray) -> tuple[IntArray, IntArray]:
+        """Find the moves of a block of the origins: rows (m,) they leave and rows they arrive at."""
+        origins = self.origins[block]
+        number, j = self.cells.around(origins, self.arrivals[block])
+        i = np.repeat(origins, number)
         # Opposite signs of det H, or of a passing pair of links, share a bit.
-        clear = (self.codes[i] & self.opposite[j]) == 0
-        i, j = i[clear], j[clear]
-        # Within one cell no coordinate differs by a whole step.
-        for axis in np.flatnonzero(offset):
-            near = np.abs(self.coordinates[axis, i] - self.coordinates[axis, j]) <= 1.0 + _ROUNDING
-            if not near.all():
-                i, j = i[near], j[near]
+        keep = (self.codes[i] & self.opposite[j]) == 0
+        keep &= (i != j) & (j != self.regions.start)
+        i, j = i[keep], j[keep]
+        for coordinate in self.coordinates:
+            near = np.abs(coordinate[i] - coordinate[j]) <= 1.0 + _ROUNDING
+            i, j = i[near], j[near]
         apart = np.maximum(self.low_m[i] - self.high_m[j], self.low_m[j] - self.high_m[i])
         within = apart <= self.x_step_m
         return i[within], j[within]
@@ -131,6 +194,11 @@ def passing_codes(machine: Machine, regions: RegionTable) -> IntArray:
     perpendicular of each pair of links whose closest points lie inside both (neither bit otherwise), and last
     of det H.
     """
+    tasks = [partial(_codes, machine, regions.take(block)) for block in blocks(len(regions), _CODES_BLOCK)]
+    return np.concatenate([np.empty(0, dtype=np.int64), *in_parallel(tasks)])
+
+
+def _codes(machine: Machine, regions: RegionTable) -> IntArray:
     carts = regions.q_m[:, :3]
     pose = regions.pose
     start, vector = cart_joints(machine, carts), link_vectors(machine, pose, carts)
@@ -146,31 +214,3 @@ def passing_codes(machine: Machine, regions: RegionTable) -> IntArray:
         codes |= (sign > 0).astype(np.int64) << bit
         codes |= (sign < 0).astype(np.int64) << (bit + _SHIFT)
     return codes
-
-
-@dataclass(frozen=True, eq=False)
-class _Buckets:
-    """Regions sorted by working mode and grid cell, to look up all of a cell at once."""
-
-    order: IntArray
-    begin: IntArray
-    shape: tuple[int, ...]
-    low: IntArray
-
-    @classmethod
-    def of(cls, coordinates: FloatArray, modes: IntArray) -> tuple["_Buckets", IntArray]:
-        """Sort regions into cells of coordinates (n, 4) counted in steps; also give their cells (n, 4)."""
-        cells = np.floor(coordinates - coordinates.min(axis=0) + _ROUNDING).astype(np.int64)
-        # An empty rim on every side spares the neighbours' bounds checks.
-        low, shape = np.full(4, -1), (8, *(cells.max(axis=0) + 3))
-        key = np.ravel_multi_index((modes, *(cells - low).T), shape)
-        begin = np.concatenate([[0], np.cumsum(np.bincount(key, minlength=int(np.prod(shape))))])
-        return cls(np.argsort(key, kind="stable").astype(np.int32), begin, shape, low), cells
-
-    def pairs(self, origins: IntArray, cells: IntArray, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """Every origin (n,) with every region of its cell (n, 4) and mode (n,), as two arrays of rows."""
-        key = np.ravel_multi_index((modes, *(cells - self.low).T), self.shape)
-        begin, count = self.begin[key], self.begin[key + 1] - self.begin[key]
-        rows = np.repeat(np.arange(len(origins), dtype=np.int32), count)
-        shift = begin - (np.cumsum(count) - count)
-        return origins[rows], self.order[np.arange(len(rows)) + shift[rows]]

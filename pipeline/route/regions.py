@@ -2,130 +2,114 @@
 
 A region is a controlled pose without x, a working mode and what follows from them; x enters only through
 cart travel, so that each region has a window of admissible x. Cheap filters come first: reach, strokes,
-travel; then kappa; then clearance.
+travel; then clearance; kappa, the dearest, last.
 """
 
-from dataclasses import dataclass, fields
+from functools import partial
 
 import numpy as np
 
 from pipeline.config import Config
-from pipeline.machine.clearance import min_distances
+from pipeline.machine.clearance import link_distances, link_rail_distances
 from pipeline.machine.geometry import MODES, BoolArray, FloatArray, IntArray, Machine
-from pipeline.machine.kinematics import InverseSolution, inverse_kinematics
+from pipeline.machine.kinematics import InverseSolution, discriminants, full_pose, inverse_kinematics
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix
+from pipeline.machine.triangle import dependent_angle
 from pipeline.progress import Progress, silent
-from pipeline.route.ends import End, task_ends
+from pipeline.route.blocks import WORKERS, blocks, in_parallel
+from pipeline.route.ends import task_ends
 from pipeline.route.grid import find_gates, grid_points
-from pipeline.route.metric import CONTROLLED
+from pipeline.route.stops import with_ends
+from pipeline.route.table import RegionTable
 
-_BLOCK = 100_000
+__all__ = ["RegionTable", "build_regions", "grid_regions"]
 
-
-@dataclass(frozen=True, eq=False)
-class RegionTable:
-    """One row per region; the last two rows are the start and the goal.
-
-    Attributes
-    ----------
-    controlled : (n, 5)
-        x, y, z, rx, rz; x is zero but for the start and the goal.
-    ry_rad : (n,)
-        The dependent angle.
-    mode, gate : (n,)
-        Working mode 0 to 7; arm (1 to 3) at its serial singularity, 0 for none.
-    q_m : (n, 5)
-        Actuator positions at that x.
-    kappa, det_sign, link_distance_m : (n,)
-        Condition number, sign of det H, least distance between axes.
-    x_window_m : (n, 2)
-        Least and largest x with all carts on their rails; for start and goal their own x.
-    """
-
-    controlled: FloatArray
-    ry_rad: FloatArray
-    mode: IntArray
-    gate: IntArray
-    q_m: FloatArray
-    kappa: FloatArray
-    det_sign: FloatArray
-    link_distance_m: FloatArray
-    x_window_m: FloatArray
-
-    def __len__(self) -> int:
-        return len(self.mode)
-
-    @property
-    def start(self) -> int:
-        """Row of the start."""
-        return len(self) - 2
-
-    @property
-    def goal(self) -> int:
-        """Row of the goal."""
-        return len(self) - 1
-
-    @property
-    def gates(self) -> int:
-        """Number of gate regions."""
-        return int(np.count_nonzero(self.gate))
-
-    @property
-    def pose(self) -> FloatArray:
-        """Poses (x, y, z, rx, ry, rz), shape (n, 6)."""
-        return np.column_stack([self.controlled[:, :4], self.ry_rad, self.controlled[:, 4]])
-
-    def take(self, rows: IntArray | BoolArray) -> "RegionTable":
-        """The table with only these rows."""
-        return RegionTable(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+_BLOCK = 4_096
+"""Grid points, or gates, that are looked at at once."""
+_LEAST_BLOCK = 64
+_POINT_BYTES = 16_000
+"""What a grid point takes up while its eight working modes are looked at."""
 
 
-def build_regions(config: Config, machine: Machine, progress: Progress = silent) -> RegionTable:
-    """Compute the region table: grid, gates, then start and goal as regions of their own.
+def build_regions(
+    config: Config, machine: Machine, progress: Progress = silent, grid: RegionTable | None = None
+) -> RegionTable:
+    """Compute the region table: grid, gates, then what the task adds, start and goal last.
+
+    `grid` is the result of `grid_regions`, where it is known already.
 
     Raises
     ------
     ConfigError
-        When the machine cannot be at the start or at the goal.
+        When the machine cannot be at the start, the goal or a pose to visit.
+    NoSolutionError
+        When no region lies in a box to visit.
     """
-    ends = task_ends(config, machine)
+    task_ends(config, machine)
+    return with_ends(config, machine, grid_regions(config, machine, progress) if grid is None else grid)
+
+
+def grid_regions(config: Config, machine: Machine, progress: Progress = silent) -> RegionTable:
+    """Compute the regions of grid and gates, which know nothing of start, goal and visits.
+
+    What they depend on is `machine` (not its limits), `task.tilt_max_deg`, `task.locked_axes`, `route.grid` and
+    `route.kappa_max`.
+    """
     lattice = grid_points(config)
     progress("regions: gates", 0.0)
-    parts = [_every_mode(lattice), find_gates(config, machine, lattice)]
-    controlled, modes, gates = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    controlled, modes, arms = find_gates(config, machine, lattice)
+    size = _block_points(config)
+    tasks = [partial(_of_points, config, machine, lattice[block]) for block in blocks(len(lattice), size)]
+    tasks += [
+        partial(_admissible, config, machine, controlled[block], modes[block], arms[block])
+        for block in blocks(len(modes), size)
+    ]
     tables = []
-    for begin in range(0, len(modes), _BLOCK):
-        progress(f"regions: {begin:,} of {len(modes):,} candidates", begin / len(modes))
-        block = slice(begin, begin + _BLOCK)
-        tables.append(_admissible(config, machine, controlled[block], modes[block], gates[block]))
-    tables += [_end_region(end) for end in ends]
-    columns = {f.name: np.concatenate([getattr(table, f.name) for table in tables]) for f in fields(RegionTable)}
-    return RegionTable(**columns)
+    for table in in_parallel(tasks):
+        tables.append(table)
+        progress(f"regions: block {len(tables):,} of {len(tasks):,}", len(tables) / len(tasks))
+    return RegionTable.concatenate(tables)
 
 
-def _every_mode(lattice: FloatArray) -> tuple[FloatArray, IntArray, IntArray]:
-    controlled = np.repeat(lattice, len(MODES), axis=0)
-    modes = np.tile(np.arange(len(MODES)), len(lattice))
-    return controlled, modes, np.zeros_like(modes)
+def _block_points(config: Config) -> int:
+    """How many grid points to look at at once: few enough for fast memory, and for all workers' share of it."""
+    share = config.route.memory_gb * 1e9 / WORKERS
+    return int(np.clip(share / _POINT_BYTES, _LEAST_BLOCK, _BLOCK))
+
+
+def _of_points(config: Config, machine: Machine, points: FloatArray) -> RegionTable:
+    """Find the regions at grid points (n, 5) in all eight working modes.
+
+    ry and the reach of all arms depend on the mode of arm 3 alone: two cases instead of eight.
+    """
+    third = [dependent_angle(machine, points, np.full(len(points), side)) for side in (-1.0, 1.0)]
+    reached = [(discriminants(machine, full_pose(points, ry)) >= 0.0).all(axis=1) for ry in third]
+    # The mode of arm 3 is the lowest bit, so that the two cases alternate four times.
+    row, mode = np.nonzero(np.tile(np.stack(reached, axis=1), len(MODES) // 2))
+    ry_rad = np.stack(third, axis=1)[row, mode & 1]
+    return _admissible(config, machine, points[row], mode, np.zeros_like(mode), ry_rad)
 
 
 def _admissible(
-    config: Config, machine: Machine, controlled: FloatArray, modes: IntArray, gates: IntArray
+    config: Config,
+    machine: Machine,
+    controlled: FloatArray,
+    modes: IntArray,
+    gates: IntArray,
+    ry_rad: FloatArray | None = None,
 ) -> RegionTable:
-    """Keep of the candidates those in reach, within limits, away from singularities and clear of themselves."""
-    solution = inverse_kinematics(machine, controlled, modes, gates)
+    """Keep of the candidates those in reach, within limits, clear of themselves and away from singularities."""
+    solution = inverse_kinematics(machine, controlled, modes, gates, ry_rad)
     windows = _x_windows(machine, solution)
     telescopes = solution.q_m[:, 3:]
-    with np.errstate(invalid="ignore"):
-        strokes = (telescopes >= machine.strokes_m[:, 0]) & (telescopes <= machine.strokes_m[:, 1])
-        rows = np.flatnonzero(solution.reachable & strokes.all(axis=1) & (windows[:, 0] <= windows[:, 1]))
+    strokes = (telescopes >= machine.strokes_m[:, 0]) & (telescopes <= machine.strokes_m[:, 1])
+    rows = np.flatnonzero(solution.reachable & strokes.all(axis=1) & (windows[:, 0] <= windows[:, 1]))
+    link_distance = link_distances(machine, solution.pose[rows], solution.q_m[rows, :3]).min(axis=1)
+    clear = link_distance >= machine.link_link_m
+    rows, link_distance = rows[clear], link_distance[clear]
     pose, q = solution.pose[rows], solution.q_m[rows]
     H = statics_matrix(machine, pose, q[:, :3])
-    kappa, sign = condition_number(H), det_sign(H)
-    link_distance, rail_distance = min_distances(machine, pose, q[:, :3])
-    # Written so that an unchecked rail distance (NaN) refuses nothing.
-    keep = (kappa < config.route.kappa_max) & ~(link_distance < machine.link_link_m)
-    keep &= ~(rail_distance < machine.link_rail_m)
+    kappa = condition_number(H)
     return RegionTable(
         controlled=controlled[rows],
         ry_rad=pose[:, 4],
@@ -133,10 +117,18 @@ def _admissible(
         gate=gates[rows],
         q_m=q,
         kappa=kappa,
-        det_sign=sign,
+        det_sign=det_sign(H),
         link_distance_m=link_distance,
         x_window_m=windows[rows],
-    ).take(keep)
+        visit=np.zeros(len(rows), dtype=np.int64),
+    ).take((kappa < config.route.kappa_max) & _clear_of_rails(machine, pose, q))
+
+
+def _clear_of_rails(machine: Machine, pose: FloatArray, q_m: FloatArray) -> BoolArray:
+    if np.isnan(machine.link_rail_m):
+        return np.ones(len(q_m), dtype=bool)
+    clear: BoolArray = link_rail_distances(machine, pose, q_m[:, :3]).min(axis=1) >= machine.link_rail_m
+    return clear
 
 
 def _x_windows(machine: Machine, solution: InverseSolution) -> FloatArray:
@@ -145,18 +137,3 @@ def _x_windows(machine: Machine, solution: InverseSolution) -> FloatArray:
     least = (machine.travel_m[:, 0] - carts).max(axis=1)
     largest = (machine.travel_m[:, 1] - carts).min(axis=1)
     return np.column_stack([least, largest])
-
-
-def _end_region(end: End) -> RegionTable:
-    x = end.pose[0]
-    return RegionTable(
-        controlled=end.pose[None, CONTROLLED],
-        ry_rad=end.pose[None, 4],
-        mode=np.array([end.mode]),
-        gate=np.array([0]),
-        q_m=end.q_m[None],
-        kappa=np.array([end.kappa]),
-        det_sign=np.array([end.det_sign]),
-        link_distance_m=np.array([end.link_distance_m]),
-        x_window_m=np.array([[x, x]]),
-    )

@@ -13,12 +13,15 @@ from pipeline.machine.geometry import (
     Machine,
     build_machine,
     cart_joints,
+    cross,
+    dot,
     link_lengths,
     link_vectors,
     platform_arms,
     rotation,
     rotation_x,
     rotation_z,
+    turned,
 )
 
 angles = st.floats(-4.0, 4.0)
@@ -103,6 +106,16 @@ def test_joints_of_many_poses_are_those_of_each(machine: Machine):
     assert many.shape == (2, 4, 6, 3)
     np.testing.assert_allclose(many[1, 2], link_vectors(machine, pose[1, 2], carts[1, 2]), atol=1e-15)
     np.testing.assert_array_equal(machine.cart_offsets_m[0], 0.0)
+
+
+def test_products_of_vectors_are_numpys():
+    """Whatever the leading axes are, and however the arrays are stored."""
+    a, b = np.random.default_rng(0).normal(size=(2, 4, 5, 3))
+    R = rotation(*a[0].T)
+    for left, right in ((a, b), (np.moveaxis(np.moveaxis(a, -1, 0).copy(), 0, -1), b), (a[0, 0], b[0, 0])):
+        np.testing.assert_allclose(cross(left, right), np.cross(left, right), atol=1e-15)
+        np.testing.assert_allclose(dot(left, right), np.sum(left * right, axis=-1), atol=1e-14)
+    np.testing.assert_allclose(turned(R, b[0, 0]), R @ b[0, 0], atol=1e-15)
 
 
 def test_telescope_lengths_take_their_places(machine: Machine):

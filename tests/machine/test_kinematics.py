@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine import InverseSolution, Machine, forward_kinematics, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import MODE_SIGNS, MODES, PRIMARY, FloatArray, link_vectors, rotation
-from pipeline.machine.kinematics import closure_jacobian, closure_residual, newton
+from pipeline.machine.kinematics import closure_jacobian, closure_residual, discriminants, full_pose, newton
 
 seeds = st.integers(0, 2**32 - 1)
 kinds = st.sampled_from(["on axis", "off axis", "general"])
@@ -23,6 +23,15 @@ GATES = [
     pytest.param(3, "RLR", [1.0, 0.10, 1.21, 0.20, 0.09], id="arm 3"),
 ]
 """An arm, a working mode and a controlled pose near that arm's serial singularity."""
+
+
+def test_a_known_angle_and_discriminants_of_a_pose_are_those_of_the_whole_solution(machine: Machine, reference):
+    """What a search takes apart to be fast is what inverse kinematics does at once."""
+    whole = inverse_kinematics(machine, reference.controlled, reference.modes)
+    known = inverse_kinematics(machine, reference.controlled, reference.modes, ry_rad=whole.pose[:, 4])
+    np.testing.assert_array_equal(known.q_m, whole.q_m)
+    np.testing.assert_array_equal(full_pose(reference.controlled, whole.pose[:, 4]), whole.pose)
+    np.testing.assert_array_equal(discriminants(machine, whole.pose), whole.discriminants_m2)
 
 
 def at_gate(machine: Machine, arm: int, mode: str, near: list[float]) -> FloatArray:

@@ -1,0 +1,25 @@
+"""Work in blocks: small enough for fast memory, on all processors, the results in order.
+
+NumPy lets go of the interpreter's lock in its loops, so that threads are enough.
+"""
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+_T = TypeVar("_T")
+
+WORKERS = min(os.cpu_count() or 1, 4)
+"""Threads that work at once; beyond a few they wait for memory and for each other."""
+
+
+def blocks(count: int, size: int) -> list[slice]:
+    """Cut `count` rows into slices of at most `size`."""
+    return [slice(begin, begin + size) for begin in range(0, count, size)]
+
+
+def in_parallel(tasks: Iterable[Callable[[], _T]]) -> Iterator[_T]:
+    """Run tasks on all processors; give their results in the order of the tasks."""
+    with ThreadPoolExecutor(WORKERS) as pool:
+        yield from pool.map(lambda task: task(), tasks)
