@@ -64,9 +64,10 @@ def test_benchmark_writes_a_table_and_the_same_figures_as_json(tmp_path: Path, m
     config = ladder()[0].config
     once = config.model_copy(update={"route": config.route.model_copy(update={"max_rounds": 1})})
     monkeypatch.setattr(cli, "scale_problems", lambda: [Problem("tiny", once)])
+    monkeypatch.setattr(cli, "finer_problems", lambda: [Problem("tiny", once)])
     monkeypatch.setattr(side_by_side, "METHODS", METHODS[:3])
     monkeypatch.setattr(report, "METHODS", METHODS[:3])
-    cli.benchmark(out=tmp_path, case_limit_s=60.0, peer_limit_s=1.0, cases=1, rungs=1)
+    cli.benchmark(out=tmp_path, case_limit_s=60.0, peer_limit_s=1.0, cases=1, rungs=1, grids=2)
     results = json.loads((tmp_path / "route.json").read_text())
     case, instance = results["cases"][0], results["instances"][0]
     assert case["ended"] == FINISHED
@@ -74,12 +75,16 @@ def test_benchmark_writes_a_table_and_the_same_figures_as_json(tmp_path: Path, m
     assert case["total_s"] == pytest.approx(sum(case[p] for p in ("regions_s", "moves_s", "relaxation_s", "solve_s")))
     assert case["objective"] <= case["threshold"] * (1 + 1e-9)
     assert 10.0 < case["peak_mb"] < 2_000.0
-    assert "after 1 rounds" in case["not_followed"]
+    assert "forbidden" in case["not_followed"]
     assert list(instance["methods"]) == ["core", "Dijkstra", "compact, HiGHS"]
     assert instance["methods"]["core"]["status"] == "optimal"
     assert instance["optimum"] == pytest.approx(case["objective"], rel=1e-9)
     assert instance["methods"]["Dijkstra"]["objective"] == pytest.approx(instance["optimum"], rel=1e-9)
     assert instance["agree"]
+    study = results["resolution"]
+    assert study["reference"][0]["relaxation"] == pytest.approx(case["relaxation"], rel=1e-9)
+    assert study["reference_exponent"] is None
+    assert study["level"][1]["bottleneck"] > 1.3 * study["level"][0]["bottleneck"]
     assert results["host"]["cores"] >= 1
     page = (tmp_path / "route.md").read_text()
     tables = re.findall(r"(?:^\|.*\|\n)+", page, flags=re.MULTILINE)

@@ -91,3 +91,22 @@ def _grid(
 ) -> dict[str, Any]:
     axes = {name: {"min": low, "max": high, "step": step_m} for name, (low, high) in (("y_m", y_m), ("z_m", z_m))}
     return {"grid": {**axes, "rx_step_deg": step_deg, "rz_step_deg": step_deg}}
+
+
+def finer_problems() -> list[Problem]:
+    """The reference task on finer and finer grids of the same proportions, 100 degrees to the metre."""
+    agder = load_config(CONFIGS / "agder.yaml")
+    steps = (0.15, 0.1, 0.075, 0.06, 0.05)
+    return [Problem(f"{step:g} m, {100 * step:g}°", _changed(agder, _grid(step, 100 * step))) for step in steps]
+
+
+def level_problems() -> list[Problem]:
+    """The 3-DOF machine, both tilts locked, on finer and finer grids; kappa, clearance and strokes stop nothing."""
+    data = load_config(CONFIGS / "agder.yaml").model_dump()
+    data["task"]["locked_axes"] = ["rx", "rz"]
+    data["machine"]["clearance"] = {"link_link_m": 0.0, "link_rail_m": None}
+    for link in ("l2b", "l3b"):
+        data["machine"]["links"][link]["stroke_m"] = ANY_LENGTH_M
+    level = parse_config(data)
+    steps = (0.1, 0.05, 0.025, 0.0125, 0.00625)
+    return [Problem(f"{step:g} m", _changed(level, {**_grid(step, 5.0), "kappa_max": 1e9})) for step in steps]

@@ -23,6 +23,8 @@ def markdown(results: dict[str, Any]) -> str:
         sections += ["## Growth", *_growth(results["growth"])]
     if results["instances"]:
         sections += ["## Side by side", *_side_by_side(results)]
+    if results["resolution"]["reference"]:
+        sections += ["## Resolution", *_resolution(results["resolution"])]
     return "\n\n".join(sections) + "\n"
 
 
@@ -141,6 +143,31 @@ def _headline(headline: dict[str, Any] | None) -> str:
         f"{headline['core_s']:.3f} s: **{headline['ratio']:.0f} times** faster. (Dijkstra is no peer: it leaves out x "
         "and the step budget, and the core begins with it.)"
     )
+
+
+def _resolution(study: dict[str, Any]) -> list[str]:
+    counts = ("regions", "moves")
+    reference = [
+        (c["name"], *(_count(c, k) for k in counts), *(_kappa(c, k) for k in ("relaxation", "scaled", "bottleneck")))
+        for c in study["reference"]
+    ]
+    level = [(c["name"], *(_count(c, k) for k in counts), _kappa(c, "bottleneck")) for c in study["level"]]
+    exponents = ["-" if study[key] is None else f"{study[key]:.2f}" for key in ("reference_exponent", "level_exponent")]
+    return [
+        "The reference task, x and the step budget left out. *Sum times step* is in steps of 0.1 m, so that it "
+        "compares between grids; *least largest kappa* is that of the best route for it.",
+        _table(("grid", "regions", "moves", "least sum of kappa", "sum times step", "least largest kappa"), reference),
+        "The 3-DOF machine, both tilts locked, on moves that (14)-(17) and (38) alone admit: no limit on kappa, no "
+        "clearance, any sign of det H. Its ways lead over singularities, which a grid jumps over.",
+        _table(("grid", "regions", "moves", "least largest kappa"), level),
+        f"Least largest kappa ~ step^-e: e = {exponents[0]} with tilt, e = {exponents[1]} without. Near zero there is "
+        "a way that does not depend on the grid; near one, kappa grows without bound as the grid gets finer: evidence, "
+        "not proof, that there is no way at any resolution.",
+    ]
+
+
+def _kappa(figures: dict[str, Any], key: str) -> str:
+    return f"{figures[key]:.2f}" if key in figures else "-"
 
 
 def _result(result: dict[str, Any]) -> str:

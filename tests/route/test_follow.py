@@ -14,8 +14,11 @@ from pipeline.machine import (
     min_distances,
     statics_matrix,
 )
+from pipeline.machine.clearance import link_pairs
 from pipeline.machine.kinematics import follow, newton
-from pipeline.route.follow import Flaw, check_moves
+from pipeline.route import follow as following
+from pipeline.route.follow import Flaw, check_moves, check_pairs
+from pipeline.route.moves import passing_codes, rule_moves
 from pipeline.route.planner import plan_route
 from pipeline.route.relaxation import shortest_paths, shortest_route
 
@@ -75,17 +78,16 @@ def test_x_makes_no_difference_to_a_move(cross, sample):
     np.testing.assert_allclose(shifted.kappa_max, checks.kappa_max[:40], rtol=1e-6)
 
 
-def test_kappa_max_is_that_of_poses_found_one_by_one(cross, sample, statics):
-    """The largest kappa along a good move, against forward kinematics from the pose's neighbour."""
+def test_kappa_max_is_nearly_that_of_poses_found_one_by_one(cross, sample, statics):
+    """The largest kappa along a good move, against forward kinematics from the pose's neighbour: never more."""
     pose, q, checks = sample
-    samples = cross.config.route.follow.samples
     for row in np.flatnonzero(checks.good)[:3]:
         here, kappas = pose[row, :1], []
-        for part in np.linspace(0.0, 1.0, samples + 1):
+        for part in np.linspace(0.0, 1.0, 65):
             along = (1.0 - part) * q[row, :1] + part * q[row, 1:]
             here = forward_kinematics(cross.machine, along, here)
             kappas.append(np.linalg.cond(statics(cross.machine, here, along)[0], 2))
-        assert checks.kappa_max[row] == pytest.approx(max(kappas), rel=1e-6)
+        assert 0.98 * max(kappas) <= checks.kappa_max[row] <= (1.0 + 1e-6) * max(kappas)
 
 
 def test_a_move_that_leads_nowhere_is_good(cross):
@@ -96,6 +98,77 @@ def test_a_move_that_leads_nowhere_is_good(cross):
     checks = check_moves(cross.config, cross.machine, pose, q)
     assert checks.good.all()
     np.testing.assert_allclose(checks.kappa_max, regions.kappa[rows])
+
+
+def test_pairs_of_rows_are_followed_at_one_x(quick):
+    """Start and goal have their own x, other rows none: pairs are checked as if all had the same."""
+    regions, moves = quick.regions, quick.moves
+    at_ends = (moves.source == regions.start) | (moves.target == regions.goal)
+    picked = np.concatenate([np.flatnonzero(at_ends)[::3], np.arange(0, len(moves), len(moves) // 100)])
+    source, target = moves.source[picked], moves.target[picked]
+    rows = np.column_stack([source, target])
+    pose, q = regions.pose[rows], regions.q_m[rows]
+    q[..., :3] += 0.4 - pose[..., :1]
+    pose[..., 0] = 0.4
+    expected = check_moves(quick.config, quick.machine, pose, q)
+    checks = check_pairs(quick.config, quick.machine, regions, source, target)
+    assert checks.flaw == expected.flaw
+    np.testing.assert_allclose(checks.kappa_max, expected.kappa_max, rtol=1e-9)
+
+
+def test_pairs_may_come_in_any_order_more_than_once_and_both_ways(quick, monkeypatch):
+    """Each move gets its own verdict back, however the work is cut into blocks."""
+    regions, moves = quick.regions, quick.moves
+    picked = np.random.default_rng(2).choice(len(moves), 60)
+    source, target = moves.source[picked], moves.target[picked]
+    once = check_pairs(quick.config, quick.machine, regions, source, target)
+    order = np.random.default_rng(3).permutation(120) % 60
+    swapped = np.arange(120) % 3 == 0
+    first, second = np.where(swapped, target[order], source[order]), np.where(swapped, source[order], target[order])
+    monkeypatch.setattr(following, "_BLOCK", 7)
+    again = check_pairs(quick.config, quick.machine, regions, first, second)
+    assert again.flaw == [once.flaw[k] for k in order]
+    np.testing.assert_allclose(again.kappa_max, once.kappa_max[order], rtol=1e-9)
+
+
+def test_no_moves_have_no_flaws(quick):
+    """An empty question has an empty answer."""
+    none = np.empty(0, dtype=np.int64)
+    checks = check_pairs(quick.config, quick.machine, quick.regions, none, none)
+    assert checks.flaw == []
+    assert checks.kappa_max.shape == checks.good.shape == (0,)
+
+
+def test_moves_out_of_gates_hold_in_either_mode(cross):
+    """A move that begins at a serial singularity, where closure is regular, is good as often as any other."""
+    regions, moves = cross.regions, cross.moves
+    changing = (regions.gate[moves.source] > 0) & (regions.mode[moves.source] != regions.mode[moves.target])
+    rows = np.flatnonzero(changing)[::400]
+    checks = check_pairs(cross.config, cross.machine, regions, moves.source[rows], moves.target[rows])
+    assert set(regions.gate[moves.source[rows]].tolist()) == {1, 2, 3}
+    assert checks.good.mean() > 0.95
+
+
+def test_links_passing_through_each_other_within_one_step_are_seen_when_followed(cross, vary):
+    """The third kind of tunnelling, without its filter: the signed distance of two links changes its sign."""
+    regions = cross.regions
+    moves = rule_moves(cross.config, regions)
+    codes = passing_codes(cross.machine, regions)
+    links = (1 << len(link_pairs(cross.machine))) - 1
+    positive, negative = codes & links, (codes >> 16) & links
+    same_sign = regions.det_sign[moves.source] == regions.det_sign[moves.target]
+    passing = (positive[moves.source] & negative[moves.target]) != 0
+    rows = np.flatnonzero(passing & same_sign)
+    rows = rows[:: len(rows) // 60]
+    assert len(rows) > 20
+    config = vary(cross.config, {"task.tilt_max_deg": 85, "route.kappa_max": 1e6})
+    checks = check_pairs(config, cross.machine, regions, moves.source[rows], moves.target[rows])
+    assert Flaw.LINKS in checks.flaw
+    # The rest passes beyond an end of one of the two: the filter's slack.
+    rest = np.column_stack([moves.source, moves.target])[rows[checks.good]]
+    poses, line = _along(cross.machine, regions.pose[rest], regions.q_m[rest], 300)
+    distances, _ = min_distances(cross.machine, poses.reshape(-1, 6), line.reshape(-1, 5)[:, :3])
+    assert distances.min() >= 0.03 - 1e-9
 
 
 def test_losing_the_solution_is_a_flaw(machine, agder_config, vary):
@@ -144,12 +217,15 @@ def _along(machine, pose, q, samples=64):
 def test_kappa_beyond_its_cap_between_the_ends_is_a_flaw(cross, sample, vary):
     """A cap between the largest kappa of both ends and that on the way is only found by following."""
     pose, q, checks = sample
-    at_ends = np.maximum(*[condition_number(statics_matrix(cross.machine, pose[:, k], q[:, k, :3])) for k in (0, 1)])
-    bulge = np.where(checks.good, checks.kappa_max / at_ends, 0.0)
+    pose, q, good = pose[:80], q[:80], checks.good[:80]
+    poses, line = _along(cross.machine, pose, q, 300)
+    kappa = condition_number(statics_matrix(cross.machine, poses, line[..., :3]))
+    largest = kappa.max(axis=1)
+    bulge = np.where(good, largest / kappa[:, [0, -1]].max(axis=1), 0.0)
     row = int(np.argmax(bulge))
     assert bulge[row] > 1.005
     move = slice(row, row + 1)
-    for cap, flaw in ((0.999 * checks.kappa_max[row], Flaw.KAPPA), (1.001 * checks.kappa_max[row], None)):
+    for cap, flaw in ((0.9999 * largest[row], Flaw.KAPPA), (1.0001 * largest[row], None)):
         config = vary(cross.config, {"route.kappa_max": cap})
         assert check_moves(config, cross.machine, pose[move], q[move]).flaw == [flaw]
 
@@ -158,8 +234,8 @@ def test_kappa_beyond_its_cap_between_the_ends_is_a_flaw(cross, sample, vary):
 def test_links_too_close_between_the_ends_are_a_flaw(cross, sample, limit, flaw, column):
     """The same for the distance of links from each other and from rails."""
     pose, q, checks = sample
-    good = np.flatnonzero(checks.good)[:100]
-    poses, line = _along(cross.machine, pose[good], q[good])
+    good = np.flatnonzero(checks.good)[:50]
+    poses, line = _along(cross.machine, pose[good], q[good], 300)
     distances = min_distances(cross.machine, poses.reshape(-1, 6), line.reshape(-1, 5)[:, :3])[column]
     distances = distances.reshape(len(good), -1)
     dip = distances[:, [0, -1]].min(axis=1) - distances.min(axis=1)
@@ -185,7 +261,7 @@ def test_tilt_beyond_the_limit_is_a_flaw_but_for_the_accepted_overshoot(cross, v
         config = vary(cross.config, {"route.follow.tilt_overshoot_deg": overshoot})
         flaws = check_moves(config, cross.machine, pose, q).flaw
         assert all(tilt[k] > 30.0 + overshoot for k, flaw in enumerate(flaws) if flaw is Flaw.TILT)
-        assert all(tilt[k] <= 30.0 + overshoot for k, flaw in enumerate(flaws) if flaw is None)
+        assert all(tilt[k] <= 30.0 + overshoot + 1e-9 for k, flaw in enumerate(flaws) if flaw is None)
         counts.append(flaws.count(Flaw.TILT))
     assert counts == sorted(counts, reverse=True)
     assert counts[0] > counts[2]
@@ -225,7 +301,7 @@ def without_tilt(cross_config, vary, pose_problem):
 def test_two_singularities_within_one_step_are_seen_when_followed(without_tilt, statics):
     """The second kind of tunnelling: det H has the same sign at both ends of a move and changes it twice between."""
     regions, machine = without_tilt.regions, without_tilt.machine
-    rows = shortest_route(regions, without_tilt.moves)
+    rows = shortest_route(regions, without_tilt.moves, shortest_paths(regions, without_tilt.moves))
     ends = np.column_stack([rows[:-1], rows[1:]])
     checks = check_moves(without_tilt.config, machine, regions.pose[ends], regions.q_m[ends])
     assert not checks.good.all()

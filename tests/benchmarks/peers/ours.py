@@ -42,7 +42,8 @@ def shortest_path(folder: Path, limit_s: float) -> Iterator[dict[str, Any]]:
     config, regions = load_problem(folder), load_regions(folder)
     machine = build_machine(config.machine)
     begin = time.perf_counter()
-    rows = shortest_route(regions, find_moves(config, machine, regions))
+    moves = find_moves(config, machine, regions)
+    rows = shortest_route(regions, moves, shortest_paths(regions, moves))
     x = place_along_x(regions.x_window_m[rows], config.route.x_step_m)
     told = {"seconds": time.perf_counter() - begin, "solver": "SciPy", "peak_mb": peak_mb()}
     if x is None or len(rows) > config.route.step_budget:
