@@ -28,6 +28,7 @@ SEARCH = Search(
     core_columns=0,
     moves=0,
     rounds=1,
+    followed_moves=0,
     forbidden_moves=0,
 )
 
@@ -50,6 +51,7 @@ def make_route(machine: Machine, controlled: FloatArray, mode: str = "LLL") -> R
         region=np.arange(n),
         modes=np.full(n, MODES.index(mode)),
         gates=np.zeros(n, dtype=np.int64),
+        visits=np.zeros(n, dtype=np.int64),
         pose=solution.pose,
         q_m=solution.q_m,
         kappa=kappa,

@@ -1,0 +1,104 @@
+"""The limits that can stand in a route's way."""
+
+import numpy as np
+import pytest
+
+from pipeline.config import Config
+from pipeline.config_file import load_config
+from pipeline.machine import build_machine
+from pipeline.route import build_regions
+from pipeline.route.findings import TRAVEL
+from pipeline.route.obstacles import Obstacle, find_obstacles
+
+from ..conftest import CONFIGS
+
+
+@pytest.fixture(scope="module")
+def config(vary) -> Config:
+    """Take tiny.yaml with rails that bind, rails that are checked and a finer tilt grid."""
+    changes = {
+        "route.grid.rx_step_deg": 10,
+        "route.grid.rz_step_deg": 15,
+        "task.tilt_max_deg": 12,
+        "task.start.x_m": 1.3,
+        "task.goal.x_m": 0.75,
+        "machine.clearance.link_rail_m": 0.01,
+    }
+    rails = {f"machine.rails.{k}.travel_m": [0.25, 1.8] for k in range(3)}
+    return vary(load_config(CONFIGS / "tiny.yaml"), changes | rails)
+
+
+def obstacles(config: Config) -> dict[str, Obstacle]:
+    """Give the obstacles by key, the last of several."""
+    return {obstacle.key: obstacle for obstacle in find_obstacles(config, build_machine(config.machine))}
+
+
+@pytest.mark.parametrize(
+    ("key", "widest", "value"),
+    [
+        ("task.tilt_max_deg", 20.0, 15.0),
+        ("task.tilt_max_deg", 20.0, 12.0),
+        ("route.kappa_max", 1000.0, 130.0),
+        ("machine.clearance.link_link_m", 0.0, 0.06),
+        ("machine.clearance.link_rail_m", 0.0, 0.45),
+        (TRAVEL, 1.0, 0.05),
+        (TRAVEL, 1.0, 0.0),
+    ],
+)
+def test_a_cut_table_is_the_table_built_with_the_value(config: Config, key: str, widest: float, value: float) -> None:
+    """Every row and every column: the generous table cut down is what build_regions computes."""
+    obstacle = obstacles(config)[key]
+    generous = obstacle.change(widest)
+    wide = build_regions(generous, build_machine(generous.machine))
+    regions, inside = obstacle.prepare(wide)(value)
+    cut = regions.take(inside)
+    changed = obstacle.change(value)
+    built = build_regions(changed, build_machine(changed.machine))
+    assert len(wide) > len(built) > 0
+    assert len(cut) == len(built)
+    for column in ("controlled", "ry_rad", "mode", "gate", "q_m", "kappa", "x_window_m"):
+        order = [np.lexsort((*t.controlled[:-2].T.round(9), t.mode[:-2], t.gate[:-2])) for t in (cut, built)]
+        ours, theirs = (getattr(t, column)[rows] for t, rows in zip((cut, built), order, strict=True))
+        np.testing.assert_allclose(ours, theirs, atol=1e-9)
+        np.testing.assert_allclose(getattr(cut, column)[-2:], getattr(built, column)[-2:])
+
+
+def test_values_become_milder(config: Config) -> None:
+    """The first is the configured one, the others go one way up to the bound."""
+    for obstacle in obstacles(config).values():
+        assert obstacle.levels[0] == obstacle.configured
+        steps = np.diff(obstacle.levels)
+        assert (steps < 0.0).all() if "clearance" in obstacle.key else (steps > 0.0).all()
+        assert obstacle.segments[-1] == len(obstacle.levels)
+        assert list(obstacle.segments) == sorted(set(obstacle.segments))
+
+
+def test_tilts_are_those_of_the_grid(config: Config) -> None:
+    """Multiples of either tilt step above the limit, up to the bound."""
+    assert obstacles(config)["task.tilt_max_deg"].levels.tolist() == [12.0, 15.0, 20.0, 30.0, 40.0, 45.0]
+
+
+def test_a_locked_axis_is_unlocked(config: Config, vary) -> None:
+    """Each locked axis alone, then both; tilts begin with what the ends need."""
+    both = find_obstacles(vary(config, {"task.locked_axes": ["rx", "rz"]}), build_machine(config.machine))
+    tilts = [obstacle for obstacle in both if obstacle.key == "task.tilt_max_deg"]
+    assert [obstacle.locked_axes for obstacle in tilts] == [("rz",), ("rx",), ()]
+    assert tilts[0].levels.tolist() == [0.0, 10.0, 20.0, 30.0, 40.0]
+    assert tilts[0].change(10.0).task.locked_axes == ("rz",)
+    one = find_obstacles(
+        vary(config, {"task.locked_axes": ["rx"], "task.start.rz_deg": 5.0}), build_machine(config.machine)
+    )
+    tilts = [obstacle for obstacle in one if obstacle.key == "task.tilt_max_deg"]
+    assert [obstacle.locked_axes for obstacle in tilts] == [None, ()]
+    assert tilts[0].levels.tolist() == [12.0, 15.0, 30.0, 45.0]
+    assert tilts[1].levels[:3].tolist() == [5.0, 10.0, 15.0]
+
+
+def test_what_refuses_nothing_is_left_out(config: Config, vary) -> None:
+    """No clearance asked for, rails unchecked, the largest tilt there is: these cannot be the reason."""
+    changes = {
+        "machine.clearance.link_link_m": 0.0,
+        "machine.clearance.link_rail_m": None,
+        "task.tilt_max_deg": 85.0,
+    }
+    assert set(obstacles(vary(config, changes))) == {"route.kappa_max", TRAVEL}

@@ -1,0 +1,115 @@
+"""What a run says of a route that does not exist."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from pipeline.cli import app
+from pipeline.config import Config
+from pipeline.config_file import dump_config, load_config
+from pipeline.errors import ConfigError, NoSolutionError
+from pipeline.progress import Progress
+from pipeline.route import build_regions
+from pipeline.run import Results, run_pipeline
+from pipeline.run.diagnosis import Diagnosis, can_diagnose, diagnose
+from pipeline.stage import Stage
+
+from ..conftest import CONFIGS
+
+KEY = "route.step_budget"
+
+
+@pytest.fixture(scope="module")
+def narrow(change) -> Config:
+    """Take a small task with too few steps, on a grid whose ends are close to singular: few values to look at."""
+    config = load_config(CONFIGS / "tiny.yaml")
+    tilts = {"route__grid__rx_step_deg": 10, "route__grid__rz_step_deg": 10, "task__tilt_max_deg": 10}
+    return change(config, **tilts, route__step_budget=4)
+
+
+def test_a_proof_is_diagnosed_and_nothing_else() -> None:
+    """Limits of time, other stages and bad configurations have nothing to explain."""
+    proof = NoSolutionError("route", "none", "more", {"status": "infeasible"})
+    assert can_diagnose(Stage.ROUTE, proof)
+    assert not can_diagnose(Stage.REFINE, proof)
+    assert not can_diagnose(Stage.ROUTE, NoSolutionError("route", "late", "more", {"status": "time limit"}))
+    assert not can_diagnose(Stage.ROUTE, NoSolutionError("route", "none", "more"))
+    assert not can_diagnose(Stage.ROUTE, ConfigError([]))
+    too_few = NoSolutionError("route", "only 2 routes", "more", {"status": "infeasible", "routes": 2})
+    assert not can_diagnose(Stage.ROUTE, too_few)
+
+
+def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
+    """The message names what opens a route; the same is kept as numbers, with a picture."""
+    with pytest.raises(NoSolutionError) as caught:
+        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
+    note, shown, kept = caught.value.__notes__
+    assert note.startswith("Why not:\n    Reach: of ")
+    assert f"\n    - {KEY} 8 instead of 4: a route exists, sum of kappa " in note
+    assert note.index(KEY) < note.index("task.tilt_max_deg")
+    assert str(tmp_path / "out" / "failed" / "route.png") in shown
+    assert str(tmp_path / "out" / "failed" / "route.json") in kept
+    told = json.loads((tmp_path / "out" / "failed" / "route.json").read_text())["why_not"]
+    assert set(told) == {"reach", "remarks", "findings", "seconds"}
+    (opening,) = (finding for finding in told["findings"] if finding["verdict"] == "a route exists")
+    assert (opening["key"], opening["configured"], opening["value"], opening["refused"]) == (KEY, 4, 8, 7)
+    assert opening["sentence"] in note
+    assert (tmp_path / "out" / "failed" / "route.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_picture_goes_with_the_failure(tmp_path: Path, narrow: Config, change) -> None:
+    """Once a route is found the picture moves aside like the rest of the failure."""
+    with pytest.raises(NoSolutionError):
+        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
+    run_pipeline(change(narrow, route__step_budget=8), tmp_path / "out", last=Stage.ROUTE)
+    assert not (tmp_path / "out" / "failed").exists()
+    assert (tmp_path / "out" / "superseded" / "0001" / "failed" / "route.png").exists()
+
+
+def test_without_diagnosis(tmp_path: Path, narrow: Config) -> None:
+    """It can be left out: the failure is kept as ever."""
+    with pytest.raises(NoSolutionError) as caught:
+        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE, why_not=False)
+    assert len(caught.value.__notes__) == 1
+    assert "why_not" not in json.loads((tmp_path / "out" / "failed" / "route.json").read_text())
+    assert not (tmp_path / "out" / "failed" / "route.png").exists()
+
+
+def test_interrupted_diagnosis(tmp_path: Path, narrow: Config, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C ends the diagnosis, not the message: the failure is told and kept."""
+
+    def interrupted(results: Results, progress: Progress) -> Diagnosis:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pipeline.run.execute.diagnose", interrupted)
+    with pytest.raises(NoSolutionError) as caught:
+        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
+    assert caught.value.__notes__[0].startswith("Why not: interrupted")
+    assert (tmp_path / "out" / "failed" / "route.json").exists()
+    assert not (tmp_path / "out" / "failed" / "route.png").exists()
+
+
+@pytest.mark.parametrize("command", ["run", "route"])
+def test_option(tmp_path: Path, narrow: Config, command: str) -> None:
+    """--no-why-not of `run` and `route` skips the diagnosis; without it the command line shows the findings."""
+    path = tmp_path / "narrow.yaml"
+    path.write_text(dump_config(narrow))
+    short = CliRunner().invoke(app, [command, str(path), "--out", str(tmp_path / "a"), "--no-why-not"])
+    assert (short.exit_code, "Why not" in short.stderr) == (1, False)
+    assert "What to change" in short.stderr
+    full = CliRunner().invoke(app, [command, str(path), "--out", str(tmp_path / "b")])
+    assert full.exit_code == 1
+    assert f"\n    - {KEY} 8 instead of 4: a route exists" in full.stderr
+
+
+def test_progress_says_what_is_looked_at(tmp_path: Path, narrow: Config, machine) -> None:
+    """Every message names the limit."""
+    said: list[str] = []
+    results = Results(narrow, machine, tmp_path)
+    results.regions = build_regions(narrow, machine)
+    diagnose(results, lambda message, fraction=None: said.append(message))
+    assert all(message.startswith("why not: ") for message in said)
+    for key in ("task.tilt_max_deg", "route.kappa_max", "machine.clearance.link_link_m", KEY):
+        assert any(key in message for message in said)
