@@ -159,11 +159,67 @@ class PoseConfig(Section):
     mode: Annotated[str, Field(pattern=MODE_PATTERN, description="working mode, L or R per arm, e.g. LLL")]
 
 
+class BoxConfig(Section):
+    """A box of controlled poses, [least, largest] each; a coordinate that is left out may have any value."""
+
+    x_m: Interval | None = None
+    y_m: Interval | None = None
+    z_m: Interval | None = None
+    rx_deg: tuple[Tilt, Tilt] | None = None
+    rz_deg: tuple[Tilt, Tilt] | None = None
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> Self:
+        given = {key: interval for key in _BOX_KEYS if (interval := getattr(self, key)) is not None}
+        if not given:
+            raise PydanticCustomError("rule", "has no coordinate: give at least one of {keys}", {"keys": _BOX_NAMES})
+        for key, interval in given.items():
+            _require_ordered(self, key, interval)
+        return self
+
+
+_BOX_KEYS = ("x_m", "y_m", "z_m", "rx_deg", "rz_deg")
+_BOX_NAMES = ", ".join(_BOX_KEYS)
+
+
+class VisitConfig(Section):
+    """Something to visit on the way: one pose, or any pose of a box; exactly one of the two."""
+
+    pose: PoseConfig | None = Field(None, description="a pose, in its working mode")
+    box: BoxConfig | None = Field(None, description="anywhere in a box")
+    modes: tuple[Annotated[str, Field(pattern=MODE_PATTERN)], ...] = Field(
+        (), description="working modes the box may be visited in; none: in any"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        if (self.pose is None) == (self.box is None):
+            raise PydanticCustomError("rule", "needs either pose or box")
+        if self.pose is not None and self.modes:
+            raise _wrong("modes", "goes with box; a pose has its own mode")
+        return self
+
+
+class BudgetConfig(Section):
+    """What the route may use up in all; what is left out is not limited."""
+
+    mode_changes: int | None = Field(None, ge=0, le=1_000, description="changes of working mode, counted per arm")
+    tilt_deg: float | None = Field(
+        None, gt=0.0, le=100_000.0, description="sum of all changes of rx and rz from step to step"
+    )
+    travel_m: float | None = Field(
+        None, gt=0.0, le=1_000.0, description="sum of all changes of x, y and z from step to step"
+    )
+
+
 class TaskConfig(Section):
-    """What is to be done: from where to where, and how far the platform may tilt on the way."""
+    """What is to be done: from where to where, what to visit and avoid, and what may be used up on the way."""
 
     start: PoseConfig
     goal: PoseConfig
+    visit: tuple[VisitConfig, ...] = Field((), description="what to visit on the way, in this order")
+    avoid: tuple[BoxConfig, ...] = Field((), description="boxes the TCP must not enter (with tilts: that tilted)")
+    budget: BudgetConfig = Field(default_factory=lambda: BudgetConfig())
     tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")
     locked_axes: tuple[Literal["rx", "rz"], ...] = Field(
         (), description="tilt axes held at zero (the 4-DOF machines: one; the 3-DOF machine: both)"
@@ -206,7 +262,9 @@ class GridConfig(Section):
 class FollowConfig(Section):
     """How the moves of a route are followed continuously, and what they may do beyond the regions' limits."""
 
-    samples: int = Field(64, ge=8, le=10_000, description="poses checked per move")
+    max_samples: int = Field(
+        1024, ge=8, le=16_384, description="parts a move is cut into at most; most are settled by four"
+    )
     tilt_overshoot_deg: float = Field(
         1.0, ge=0.0, le=10.0, description="tilt beyond tilt_max_deg accepted between two regions at the limit"
     )
@@ -218,6 +276,20 @@ class RouteConfig(Section):
     grid: GridConfig
     x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
     step_budget: int = Field(25, ge=2, le=500, description="N, the number of positions of the paper")
+    objective: Literal["sum", "bottleneck"] = Field(
+        "sum", description="least sum of kappa (5), or least largest kappa and then least sum"
+    )
+    alternative: int = Field(1, ge=1, le=10, description="which of the best routes: 1 is the best")
+    alternative_distance: float = Field(
+        3.0,
+        ge=0.0,
+        le=100.0,
+        description="grid steps by which an alternative strays somewhere from every better route; where its working "
+        "mode is another it is farther than any distance",
+    )
+    avoid_margin: float = Field(
+        0.25, ge=0.0, le=2.0, description="grid steps that regions keep from the boxes of task.avoid"
+    )
     kappa_max: float = Field(100.0, gt=1.0, description="regions and moves with a larger kappa are not admitted")
     threshold_margin: float = Field(
         0.002, gt=0.0, le=3.0, description="first guess of how far the optimum lies above its bound, relative"
@@ -227,6 +299,7 @@ class RouteConfig(Section):
         "core", description="the program that is solved; compact and paper are over all regions, for small grids"
     )
     time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
+    memory_gb: float = Field(4.0, gt=0.0, le=10_000.0, description="memory that regions and moves may take up")
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())
 
 

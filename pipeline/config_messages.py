@@ -29,6 +29,8 @@ def explain(error: ErrorDetails) -> ConfigIssue:
     """Turn one error of pydantic's into a key's path, the value found there and what is allowed."""
     location, kind, value = error["loc"], error["type"], error["input"]
     path = key_path(location)
+    if kind == "rule" and "key" not in error.get("ctx", {}):
+        return ConfigIssue(path, error["msg"], value)
     if kind == "rule":
         return ConfigIssue(key_path((*location, error["ctx"]["key"])), error["ctx"]["message"], value)
     if kind in ("extra_forbidden", "invalid_key"):
@@ -50,20 +52,27 @@ def key_path(location: tuple[int | str, ...]) -> str:
 
 def _schema_at(location: tuple[int | str, ...]) -> _Schema:
     """Find the JSON schema of a key by its location."""
-    root = Config.model_json_schema()
-    schema: _Schema = root
+    schema: _Schema = Config.model_json_schema()
     for part in location:
+        # Of a key that may be null the other choice is what has parts.
+        schema = next((choice for choice in schema.get("anyOf", []) if choice.get("type") != "null"), schema)
+        schema = _resolved(schema)
         if isinstance(part, str):
             schema = schema["properties"][part]
         else:
             schema = schema["prefixItems"][part] if "prefixItems" in schema else schema["items"]
-        if "$ref" in schema:
-            schema = root["$defs"][schema["$ref"].rsplit("/", 1)[-1]]
-    return schema
+    return _resolved(schema)
+
+
+def _resolved(schema: _Schema) -> _Schema:
+    """Look up what a reference refers to."""
+    definitions: _Schema = Config.model_json_schema()["$defs"]
+    return definitions[schema["$ref"].rsplit("/", 1)[-1]] if "$ref" in schema else schema
 
 
 def _allowed(schema: _Schema) -> str:
     """Say what a schema allows."""
+    schema = _resolved(schema)
     if "anyOf" in schema:
         return " or ".join(_allowed(choice) for choice in schema["anyOf"])
     if "enum" in schema:

@@ -84,6 +84,7 @@ def route_section(route: "Route") -> Section:
         "core_columns": search.core_columns,
         "moves": search.moves,
         "rounds": search.rounds,
+        "followed_moves": search.followed_moves,
         "forbidden_moves": search.forbidden_moves,
     }
 

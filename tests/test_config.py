@@ -92,7 +92,7 @@ def messages(data: dict[str, Any]) -> list[str]:
         ("route.kappa_max", 1.0, "is 1.0; allowed is a number above 1"),
         ("route.x_step_m", 0, f"is 0; allowed is {POSITIVE}"),
         ("route.time_limit_s", 0, "is 0; allowed is a number above 0"),
-        ("route.follow.samples", 4, "is 4; allowed is a whole number from 8 to 10000"),
+        ("route.follow.max_samples", 4, "is 4; allowed is a whole number from 8 to 16384"),
         ("refine.coefficients", 5, "is 5; allowed is a whole number from 8 to 400"),
         ("retime.grid_points", 10, "is 10; allowed is a whole number from 50 to 20000"),
         # not a number, not a list, not a section

@@ -2,7 +2,7 @@
 
 from pipeline.artifacts.files import json_bytes, plain, sha256, write_whole
 from pipeline.artifacts.folder import RunFolder, open_run_folder, read_run_folder
-from pipeline.artifacts.layout import existing_files, failure_names, sights
+from pipeline.artifacts.layout import existing_files, failure_names, failure_picture, sights
 from pipeline.artifacts.state import Record, State, read_state
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "State",
     "existing_files",
     "failure_names",
+    "failure_picture",
     "json_bytes",
     "open_run_folder",
     "plain",

@@ -56,9 +56,14 @@ def failure_names(stage: Stage) -> tuple[str, str]:
     return f"{_FAILED}/{stage}.json", f"{_FAILED}/{stage}.npz"
 
 
+def failure_picture(stage: Stage) -> str:
+    """Where the picture of a failed stage goes."""
+    return f"{_FAILED}/{stage}.png"
+
+
 def existing_files(folder: Path, stage: Stage) -> list[str]:
     """List the files of a stage in a folder, those of its failure included; names relative to the folder."""
-    names = [*_FIXED[stage], *failure_names(stage)]
+    names = [*_FIXED[stage], *failure_names(stage), failure_picture(stage)]
     if stage is Stage.FIGURES:
         names += sorted(f"{_FIGURES}/{path.name}" for path in (folder / _FIGURES).glob("*.png"))
     return [name for name in names if (folder / name).is_file()]

@@ -73,12 +73,13 @@ def pack_regions(table: RegionTable) -> dict[str, npt.NDArray[Any]]:
         "link_distance_m": table.link_distance_m,
         "x_min_m": table.x_window_m[:, 0],
         "x_max_m": table.x_window_m[:, 1],
+        "visit": table.visit,
     }
 
 
 def unpack_regions(arrays: Arrays) -> RegionTable:
     """Rebuild the region table from its columns."""
-    plain = ("ry_rad", "mode", "gate", "kappa", "det_sign", "link_distance_m")
+    plain = ("ry_rad", "mode", "gate", "kappa", "det_sign", "link_distance_m", "visit")
     return RegionTable(
         controlled=_stack(arrays, CONTROLLED),
         q_m=_stack(arrays, Q_COLUMNS),
@@ -93,6 +94,7 @@ def pack_route(route: Route) -> dict[str, object]:
         "region": route.region,
         "mode": route.modes,
         "gate": route.gates,
+        "visit": route.visits,
         "pose": route.pose,
         "q_m": route.q_m,
         "kappa": route.kappa,
@@ -108,6 +110,7 @@ def unpack_route(arrays: Arrays) -> Route:
         region=arrays["region"],
         modes=arrays["mode"],
         gates=arrays["gate"],
+        visits=arrays["visit"],
         pose=arrays["pose"],
         q_m=arrays["q_m"],
         kappa=arrays["kappa"],

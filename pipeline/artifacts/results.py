@@ -19,6 +19,7 @@ from pipeline.artifacts.layout import (
     TRAJECTORY_JSON,
     TRAJECTORY_NPZ,
     failure_names,
+    failure_picture,
     figure_name,
 )
 from pipeline.artifacts.pack import (
@@ -71,6 +72,7 @@ def route_files(route: Route) -> Files:
         **_columns(POSE, route.pose),
         "kappa": route.kappa,
         **_columns(Q_COLUMNS, route.q_m),
+        "gate": route.gates,
     }
     return {ROUTE_NPZ: npz_bytes(pack_route(route)), ROUTE_CSV: _csv(columns)}
 
@@ -115,27 +117,32 @@ def load_trajectory(folder: pathlib.Path, path: Path) -> Trajectory:
 
 def figure_files(figures: Mapping[str, "Figure"]) -> Files:
     """Write every figure as a picture of its own name."""
-    files = {}
-    for name, figure in figures.items():
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="png")
-        files[figure_name(name)] = buffer.getvalue()
-    return files
+    return {figure_name(name): _png(figure) for name, figure in figures.items()}
 
 
-def failure_files(stage: Stage, facts: Mapping[str, Any], diagnosis: Mapping[str, object]) -> Files:
-    """Write why a stage failed; arrays of the diagnosis go to a file of their own."""
+def failure_files(
+    stage: Stage, facts: Mapping[str, Any], diagnosis: Mapping[str, object], picture: "Figure | None" = None
+) -> Files:
+    """Write why a stage failed; arrays of the diagnosis go to a file of their own, and so does a picture."""
     text_name, arrays_name = failure_names(stage)
     arrays = {key: value for key, value in diagnosis.items() if isinstance(value, np.ndarray) and value.dtype != object}
     rest = {key: value for key, value in diagnosis.items() if key not in arrays}
     files = {text_name: json_bytes({**facts, "diagnosis": rest, "arrays": sorted(arrays)})}
     if arrays:
         files[arrays_name] = npz_bytes(arrays)
+    if picture is not None:
+        files[failure_picture(stage)] = _png(picture)
     return files
 
 
 def _columns(names: tuple[str, ...], table: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:
     return dict(zip(names, table.T, strict=True))
+
+
+def _png(figure: "Figure") -> bytes:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png")
+    return buffer.getvalue()
 
 
 def _csv(columns: Mapping[str, npt.NDArray[Any]]) -> bytes:

@@ -23,6 +23,7 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         raise UsageError("--write-mps goes with --formulation paper or --formulation compact")
     if target.suffix not in (".mps", ".lp"):
         raise UsageError(f"--write-mps {target}: the file's name has to end in .mps (or .lp)")
+    from pipeline.route.budgets import budgets
     from pipeline.route.compact_milp import build_compact_model
     from pipeline.route.exclusions import excluded_pairs
     from pipeline.route.highs import write_model
@@ -36,14 +37,14 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         regions = build_regions(config, machine)
         exclusions = excluded_pairs(config, regions, find_moves(config, machine, regions))
     N = config.route.step_budget
-    size = paper_size(len(regions), N, len(exclusions), len(np.unique(exclusions.source)))
+    size = paper_size(len(regions), N, len(exclusions), len(np.unique(exclusions.source)), budgets(config))
     console.print(
         f"{len(regions):,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} "
         f"of them boolean), {size.rows:,} rows, {size.entries:,} entries"
     )
     build = build_paper_model if config.route.formulation == "paper" else build_compact_model
     with console.status(f"writing {target}"):
-        model = build(regions, exclusions, step_sizes(config.route), N)
+        model = build(regions, exclusions, step_sizes(config.route), N, budgets(config))
         # Written beside the target and renamed, so that a file that is there is whole.
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             beside = Path(folder) / f"program{target.suffix}"

@@ -32,6 +32,10 @@ OutOption = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder of the results. Default: results/<name in CONFIG>."),
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Run what is up to date again, too.")]
+NoWhyNotOption = Annotated[
+    bool,
+    typer.Option("--no-why-not", help="Where no route exists, do not look for what stands in the way (minutes)."),
+]
 VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the logs of the solvers.")]
 
 
@@ -45,6 +49,7 @@ def run(
     last: Annotated[Stage | None, typer.Option("--to", help="Stop after this stage.")] = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,
+    no_why_not: NoWhyNotOption = False,
 ) -> None:
     """Run everything: regions, route, path, trajectory, figures.
 
@@ -53,7 +58,7 @@ def run(
     DIR/superseded, which may be deleted at any time; what is known of a
     failed stage is in DIR/failed.
     """
-    _run(config, out, first, last, force, verbose)
+    _run(config, out, first, last, force, verbose, why_not=not no_why_not)
 
 
 def route(
@@ -61,10 +66,17 @@ def route(
     out: OutOption = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,
+    no_why_not: NoWhyNotOption = False,
     formulation: Annotated[
         Formulation | None,
         typer.Option(help="The program to solve. Default: route.formulation of CONFIG; core is the fast one."),
     ] = None,
+    alternatives: Annotated[
+        int,
+        typer.Option(
+            metavar="K", min=1, max=10, help="The K best routes, each in a folder of its own: DIR, DIR-2, ..."
+        ),
+    ] = 1,
     write_mps: Annotated[
         Path | None,
         typer.Option("--write-mps", metavar="FILE", help="Write the paper or compact program and do not solve it."),
@@ -73,11 +85,18 @@ def route(
     """Stage one: find the regions, and the best route through them (a mixed-integer program).
 
     The route is proven optimal over all admitted moves between regions, or
-    proven not to exist.
+    proven not to exist. Alternatives stray from each better route by
+    route.alternative_distance grid steps, or change working modes otherwise.
     """
     changes = {} if formulation is None else {"formulation": formulation.value}
+    if alternatives > 1 and write_mps is None:
+        from pipeline.cli.alternatives import plan_alternatives
+
+        chosen = _with_route(load(config), changes)
+        plan_alternatives(chosen, out or _RESULTS / chosen.name, alternatives, force, verbose, not no_why_not)
+        return
     if write_mps is None:
-        _run(config, out, None, Stage.ROUTE, force, verbose, changes)
+        _run(config, out, None, Stage.ROUTE, force, verbose, changes, not no_why_not)
         return
     from pipeline.cli.program_file import write_program
 
@@ -113,6 +132,7 @@ def _run(
     force: bool,
     verbose: bool,
     route_changes: dict[str, str] | None = None,
+    why_not: bool = True,
 ) -> None:
     from pipeline.artifacts import sights
     from pipeline.cli.stage_table import stage_table
@@ -121,7 +141,7 @@ def _run(
     config = _with_route(load(path), route_changes or {})
     folder = out or _RESULTS / config.name
     with make_reporter(messages_console(), verbose) as reporter:
-        report = run_pipeline(config, folder, first, last, force, reporter, verbose)
+        report = run_pipeline(config, folder, first, last, force, reporter, verbose, why_not)
     console = results_console()
     console.print(stage_table(report))
     stages = [outcome.stage for outcome in report.outcomes]
@@ -180,6 +200,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         route,
         (
             "gantry-tau route configs/quick.yaml -v",
+            "gantry-tau route configs/quick.yaml --alternatives 3",
             "gantry-tau route configs/tiny.yaml --formulation paper    (the paper's own program, for small grids)",
             "gantry-tau route configs/tiny.yaml --formulation paper --write-mps paper.mps",
         ),

@@ -9,6 +9,8 @@ from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import FloatArray
 from pipeline.refine.measure import PathSamples, sample_path
 from pipeline.refine.result import Path
+from pipeline.route.boxes import boxes_to_avoid
+from pipeline.route.metric import CONTROLLED
 
 _ROUNDING = 1e-9
 _LEAST_SPEED = 0.07
@@ -63,6 +65,10 @@ def _excesses(config: Config, path: Path, samples: PathSamples) -> list[tuple[st
             "tilt too large, degrees",
             _tilt_excess(config, samples),
             "Raise refine.tilt_margin_deg, refine.nodes or, for a locked axis, refine.lock_tolerance_deg.",
+        ),
+        *(
+            (f"task.avoid[{k}] is entered, metres", box.depth_m(samples.pose[:, CONTROLLED]), more_clearance)
+            for k, box in enumerate(boxes_to_avoid(config))
         ),
         (
             "actuators beyond stroke or travel, metres",

@@ -1,7 +1,8 @@
 """The corridor: which poses the refined path may have at each s.
 
 At s between two neighbouring steps of the route it is the box that holds both, widened by a number of cells,
-within the tilt limit; a locked axis keeps to its tolerance. Start and goal are exact.
+within the tilt limit; a locked axis keeps to its tolerance. Start, goal and poses to visit are exact. A box to avoid
+cuts the corridor at the one of its sides that the coarse path is farthest beyond.
 """
 
 from dataclasses import dataclass
@@ -10,8 +11,9 @@ import numpy as np
 
 from pipeline.config import Config
 from pipeline.machine.geometry import FloatArray
-from pipeline.refine.coarse import move_of
+from pipeline.refine.coarse import corner_parameters, move_of
 from pipeline.refine.result import Path
+from pipeline.route.boxes import Box, boxes_to_avoid
 from pipeline.route.metric import CONTROLLED, step_sizes
 from pipeline.route.result import Route
 
@@ -41,8 +43,44 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray, tilt_mar
         limit = _tilt_limit(config, axis, tilt_margin_rad)
         low[:, column] = np.clip(low[:, column], -limit, limit)
         high[:, column] = np.clip(high[:, column], -limit, limit)
+    _avoid(config, coarse.pose(s), low, high)
     low[[0, -1]] = high[[0, -1]] = route.pose[[0, -1]]
+    _visit(config, route, s, visit_parameters(coarse, route), low, high)
     return Corridor(low, high)
+
+
+def visit_parameters(coarse: Path, route: Route) -> FloatArray:
+    """Parameter s of every visit, in their order, shape (visits,)."""
+    steps = [int(np.argmax(route.visits == number)) for number in range(1, int(route.visits.max()) + 1)]
+    visited: FloatArray = corner_parameters(coarse)[steps]
+    return visited
+
+
+def _avoid(config: Config, pose: FloatArray, low: FloatArray, high: FloatArray) -> None:
+    """Cut the corridor (k, 6) along boxes to avoid; `pose` (k, 6) is that of the coarse path."""
+    steps, margin = step_sizes(config.route), np.full(5, config.refine.clearance_margin_m)
+    margin[3:] = np.deg2rad(config.refine.tilt_margin_deg)
+    controlled, nodes = pose[:, CONTROLLED], np.arange(len(pose))
+    for box in boxes_to_avoid(config):
+        beyond = np.concatenate([box.low - controlled, controlled - box.high], axis=1) / np.tile(steps, 2)
+        side = beyond.argmax(axis=1)
+        axis, below = CONTROLLED[side % 5], side < 5
+        upper = np.where(below, (box.low - margin)[side % 5], np.inf)
+        lower = np.where(below, -np.inf, (box.high + margin)[side % 5])
+        high[nodes, axis] = np.minimum(high[nodes, axis], upper)
+        low[nodes, axis] = np.maximum(low[nodes, axis], lower)
+
+
+def _visit(config: Config, route: Route, s: FloatArray, visited: FloatArray, low: FloatArray, high: FloatArray) -> None:
+    """Narrow the corridor (k, 6) to what is to be visited, at the nodes nearest to the route's visits."""
+    for number, (visit, at) in enumerate(zip(config.task.visit, visited, strict=True), start=1):
+        node = int(np.abs(s - at).argmin())
+        if visit.box is None:
+            low[node] = high[node] = route.pose[route.visits == number][0]
+        else:
+            box = Box.of(visit.box)
+            low[node, CONTROLLED] = np.maximum(low[node, CONTROLLED], box.low)
+            high[node, CONTROLLED] = np.minimum(high[node, CONTROLLED], box.high)
 
 
 def _tilt_limit(config: Config, axis: str, margin_rad: float) -> float:

@@ -13,7 +13,7 @@ from pipeline.machine.symbolic import Smooth
 from pipeline.progress import Progress, silent
 from pipeline.refine.between import Breach, breaches
 from pipeline.refine.coarse import coarse_path
-from pipeline.refine.corridor import corridor
+from pipeline.refine.corridor import corridor, visit_parameters
 from pipeline.refine.ipopt import Solution, solve_program
 from pipeline.refine.nlp import Setting, Start, build_program
 from pipeline.refine.result import Path, Refinement
@@ -78,7 +78,7 @@ def refine_path(
     options, steps = config.refine, step_sizes(config.route)
     coarse = coarse_path(machine, route, steps)
     task = _Task(config, machine, route, coarse, clamped_knots(options.coefficients), steps, progress, verbose)
-    s = np.linspace(0.0, 1.0, options.nodes)
+    s = np.union1d(np.linspace(0.0, 1.0, options.nodes), visit_parameters(coarse, route))
     start, iterations = _warm_start(task, s, _first_start(task, s))
     for round_ in range(1, options.max_rounds + 1):
         solve = _solve(task, s, start, options.objective)

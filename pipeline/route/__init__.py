@@ -2,7 +2,7 @@
 
 from pipeline.route.ends import End, task_ends
 from pipeline.route.planner import plan_route
-from pipeline.route.regions import RegionTable, build_regions
+from pipeline.route.regions import RegionTable, build_regions, grid_regions
 from pipeline.route.result import Route, Search
 
-__all__ = ["End", "RegionTable", "Route", "Search", "build_regions", "plan_route", "task_ends"]
+__all__ = ["End", "RegionTable", "Route", "Search", "build_regions", "grid_regions", "plan_route", "task_ends"]

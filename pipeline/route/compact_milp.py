@@ -5,23 +5,32 @@ sums for (25) and (36)-(37). Only (13) needs P_x itself. There is one boolean pe
 rows a step, but the relaxation stays weak: a bit of many regions adds up to any position.
 """
 
+from collections.abc import Callable
+
 import highspy
 import numpy as np
 
 from pipeline.machine.geometry import MODE_SIGNS, FloatArray, IntArray
+from pipeline.route.budget_rows import add_budgets, change_columns
+from pipeline.route.budgets import Budget
 from pipeline.route.exclusions import add_exclusions
 from pipeline.route.highs import make_model
 from pipeline.route.moves import Moves
 from pipeline.route.regions import RegionTable
-from pipeline.route.rows import Rows
+from pipeline.route.rows import Rows, Term
 
 
 def build_compact_model(
-    regions: RegionTable, exclusions: Moves, steps: FloatArray, step_budget: int
+    regions: RegionTable,
+    exclusions: Moves,
+    steps: FloatArray,
+    step_budget: int,
+    budgets: tuple[Budget, ...] = (),
 ) -> highspy.HighsModel:
-    """Write the compact program: per step P_x, then a boolean per region."""
+    """Write the compact program: per step P_x, then a boolean per region; columns for budgets last."""
     Nd, width = len(regions), 1 + len(regions)
-    rows = Rows(columns=width * step_budget)
+    extra = change_columns(budgets, step_budget)
+    rows = Rows(columns=width * step_budget + extra)
     for i in range(step_budget):
         step = width * i
         delta = step + 1 + np.arange(Nd)
@@ -31,6 +40,7 @@ def build_compact_model(
         rows.add("(18) window of x, largest", [P, (delta, -regions.x_window_m[:, 1])], -np.inf, 0.0)
         if i > 0:
             _between(rows, regions, exclusions, steps, step - width, step)
+    add_budgets(rows, budgets, _coordinate(regions, width), step_budget, width * step_budget)
     kappa = regions.kappa.copy()
     kappa[regions.goal] = 0.0
     lower = np.tile(np.concatenate([[regions.x_window_m[:, 0].min()], np.zeros(Nd)]), (step_budget, 1))
@@ -38,10 +48,24 @@ def build_compact_model(
     for row, region in ((0, regions.start), (-1, regions.goal)):  # (8)-(11)
         upper[row, 1:] = 0.0
         lower[row, 1 + region] = upper[row, 1 + region] = 1.0
-    cost = np.tile(np.concatenate([[0.0], kappa]), step_budget)
-    integer = np.tile(np.concatenate([[False], np.ones(Nd, bool)]), step_budget)
+    cost = np.append(np.tile(np.concatenate([[0.0], kappa]), step_budget), np.zeros(extra))
+    integer = np.append(np.tile(np.concatenate([[False], np.ones(Nd, bool)]), step_budget), np.zeros(extra, bool))
+    bounds = np.append(lower, np.zeros(extra)), np.append(upper, np.full(extra, np.inf))
     matrix, low, high = rows.matrix()
-    return make_model(matrix, cost, (lower.ravel(), upper.ravel()), (low, high), integer)
+    return make_model(matrix, cost, bounds, (low, high), integer)
+
+
+def _coordinate(regions: RegionTable, width: int) -> Callable[[int, int], Term]:
+    """P_x is a column; y, z, rx, rz and working modes are sums over the regions."""
+    right = (MODE_SIGNS[regions.mode] > 0.0).astype(float)
+    values = np.column_stack([regions.controlled, right])
+
+    def value(step: int, coordinate: int) -> Term:
+        if coordinate == 0:
+            return np.array([width * step]), np.ones(1)
+        return width * step + 1 + np.arange(len(regions)), values[:, coordinate]
+
+    return value
 
 
 def _between(rows: Rows, regions: RegionTable, exclusions: Moves, steps: FloatArray, before: int, step: int) -> None:
@@ -61,5 +85,6 @@ def _between(rows: Rows, regions: RegionTable, exclusions: Moves, steps: FloatAr
 
 def read_compact(values: FloatArray, regions: RegionTable, step_budget: int) -> tuple[IntArray, FloatArray]:
     """Read the region and the x of every step from a solution."""
-    table = values.reshape(step_budget, 1 + len(regions))
+    width = 1 + len(regions)
+    table = values[: step_budget * width].reshape(step_budget, width)
     return np.argmax(table[:, 1:], axis=1), table[:, 0]

@@ -10,6 +10,8 @@ from pipeline.machine.clearance import min_distances
 from pipeline.machine.geometry import ACTUATORS, MODES, FloatArray, Machine
 from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix
+from pipeline.route.boxes import boxes_to_avoid
+from pipeline.route.metric import CONTROLLED
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,15 +38,17 @@ def task_ends(config: Config, machine: Machine) -> tuple[End, End]:
     Raises
     ------
     ConfigError
-        When the machine cannot be at the start or at the goal, or when det H has opposite signs there, so that
-        every way from one to the other meets a Type-II singularity.
+        When the machine cannot be at the start, the goal or a pose to visit, or when det H has opposite signs
+        there, so that every way from one to the other meets a Type-II singularity.
     """
     issues: list[ConfigIssue] = []
     ends = []
-    for key, pose in (("task.start", config.task.start), ("task.goal", config.task.goal)):
-        end, found = _place(config, machine, key, pose)
-        issues += found
-        ends.append(end)
+    visits = ((f"task.visit[{k}].pose", visit.pose) for k, visit in enumerate(config.task.visit))
+    for key, pose in (("task.start", config.task.start), ("task.goal", config.task.goal), *visits):
+        if pose is not None:
+            end, found = _place(config, machine, key, pose)
+            issues += found
+            ends.append(end)
     if not issues and ends[0].mode == ends[1].mode and np.array_equal(ends[0].pose, ends[1].pose):
         issues.append(
             ConfigIssue("task.goal", "is the start itself, in the same working mode: there is nothing to plan")
@@ -58,9 +62,32 @@ def task_ends(config: Config, machine: Machine) -> tuple[End, End]:
                 f"{_modes_with_sign(machine, config.task.goal, ends[0].det_sign)}",
             )
         )
+    for k, end in enumerate(ends[2:]):
+        if not issues and end.det_sign != ends[0].det_sign:
+            issues.append(
+                ConfigIssue(
+                    "task.visit",
+                    f"has a pose ({k + 1} of {len(ends) - 2}) where det H has the opposite sign of the start's: every "
+                    "way there meets a Type-II singularity",
+                )
+            )
     if issues:
         raise ConfigError(issues)
     return ends[0], ends[1]
+
+
+def visited_pose(config: Config, machine: Machine, index: int, pose: PoseConfig) -> End:
+    """Place the machine at a pose to visit, entry `index` of `task.visit`.
+
+    Raises
+    ------
+    ConfigError
+        When the machine cannot be there.
+    """
+    end, issues = _place(config, machine, f"task.visit[{index}].pose", pose)
+    if issues:
+        raise ConfigError(issues)
+    return end
 
 
 def _place(config: Config, machine: Machine, key: str, pose: PoseConfig) -> tuple[End, list[ConfigIssue]]:
@@ -87,7 +114,11 @@ def _why_unreachable(discriminants: FloatArray) -> str:
 
 
 def _limit_issues(config: Config, machine: Machine, key: str, end: End) -> list[ConfigIssue]:
-    issues = []
+    issues = [
+        ConfigIssue(key, f"is inside task.avoid[{k}]")
+        for k, box in enumerate(boxes_to_avoid(config))
+        if box.inside(end.pose[CONTROLLED])
+    ]
     for name, value, (least, largest) in zip(ACTUATORS, end.q_m, machine.actuator_limits_m, strict=True):
         if not least <= value <= largest:
             issues.append(ConfigIssue(key, f"needs {name} at {value:.4f} m; allowed are {least:g} to {largest:g} m"))

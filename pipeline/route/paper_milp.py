@@ -8,21 +8,25 @@ file; the program that is solved at full size is in `milp`. Three places differ 
 - x is no grid axis: instead of (18), P_x lies in the region's window where delta = 1.
 - (25) multiplies two unknowns. With kappa of the goal taken as zero, kappa_i = kappa(j) says the same.
 
+Budgets of the task, which the paper does not have, are further columns and rows at the end: see `budget_rows`.
 Moves the paper does not speak of (opposite signs of det H, links passing through each other, moves forbidden
 after following them) are excluded by one more row per step and region: see `exclusions`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import highspy
 import numpy as np
 
 from pipeline.machine.geometry import MODE_SIGNS, BoolArray, FloatArray, IntArray
+from pipeline.route.budget_rows import add_budgets, change_columns
+from pipeline.route.budgets import Budget
 from pipeline.route.exclusions import add_exclusions
 from pipeline.route.highs import make_model
 from pipeline.route.moves import Moves
 from pipeline.route.regions import RegionTable
-from pipeline.route.rows import Rows
+from pipeline.route.rows import Rows, Term
 
 HEAD = 13
 """Variables of a step before its region booleans: kappa, gamma, P_x, P_y, P_z, R_x, R_z, a_1..3, c_1..3."""
@@ -39,7 +43,9 @@ class PaperSize:
     entries: int
 
 
-def paper_size(regions: int, step_budget: int, exclusions: int = 0, excluding: int = 0) -> PaperSize:
+def paper_size(
+    regions: int, step_budget: int, exclusions: int = 0, excluding: int = 0, budgets: tuple[Budget, ...] = ()
+) -> PaperSize:
     """Count columns, rows, booleans and matrix entries for N_d regions and N steps.
 
     `exclusions` are excluded ordered pairs, `excluding` the regions that have any.
@@ -50,22 +56,28 @@ def paper_size(regions: int, step_budget: int, exclusions: int = 0, excluding: i
     between = 2 * 5 + 2 * 3 + excluding
     entries_step = Nd + 2 * per_region * Nd + 8
     entries_between = 2 * 2 * 5 + 2 * 3 * 3 + excluding + exclusions
+    changes = change_columns(budgets, N)
     return PaperSize(
-        columns=(HEAD + Nd) * N,
-        rows=per_step * N + between * (N - 1),
+        columns=(HEAD + Nd) * N + changes,
+        rows=per_step * N + between * (N - 1) + 2 * changes + len(budgets),
         booleans=(1 + 6 + Nd) * N,
-        entries=entries_step * N + entries_between * (N - 1),
+        entries=entries_step * N + entries_between * (N - 1) + 7 * changes,
     )
 
 
 def build_paper_model(
-    regions: RegionTable, exclusions: Moves, steps: FloatArray, step_budget: int
+    regions: RegionTable,
+    exclusions: Moves,
+    steps: FloatArray,
+    step_budget: int,
+    budgets: tuple[Budget, ...] = (),
 ) -> highspy.HighsModel:
     """Write (3)-(38) for a region table; `steps` (5,) are Delta X, Delta Y, Delta Z, Delta R_x, Delta R_z."""
     Nd, width = len(regions), HEAD + len(regions)
+    extra = change_columns(budgets, step_budget)
     kappa = regions.kappa.copy()
     kappa[regions.goal] = 0.0
-    rows = Rows(columns=width * step_budget)
+    rows = Rows(columns=width * step_budget + extra)
     for i in range(step_budget):
         step = width * i
         delta = step + HEAD + np.arange(Nd)
@@ -76,11 +88,22 @@ def build_paper_model(
         _modes(rows, regions, step, delta)
         if i > 0:
             _between(rows, regions, exclusions, steps, step - width, step)
-    cost = np.zeros(width * step_budget)
+    add_budgets(rows, budgets, _coordinate(width), step_budget, width * step_budget)
+    cost = np.zeros(width * step_budget + extra)
     cost[width * np.arange(step_budget) + KAPPA] = 1.0  # (5)-(7)
     lower, upper, integer = _columns(regions, kappa, step_budget)
+    lower, upper = np.append(lower, np.zeros(extra)), np.append(upper, np.full(extra, np.inf))
     matrix, low, high = rows.matrix()
-    return make_model(matrix, cost, (lower, upper), (low, high), integer)
+    return make_model(matrix, cost, (lower, upper), (low, high), np.append(integer, np.zeros(extra, bool)))
+
+
+def _coordinate(width: int) -> Callable[[int, int], Term]:
+    """P_x to R_z and a_1 to a_3 are columns of their own."""
+
+    def value(step: int, coordinate: int) -> Term:
+        return np.array([width * step + POSITION + coordinate]), np.ones(1)
+
+    return value
 
 
 def _positions(rows: Rows, regions: RegionTable, step: int, delta: IntArray) -> None:
@@ -156,5 +179,6 @@ def _columns(regions: RegionTable, kappa: FloatArray, step_budget: int) -> tuple
 
 def read_paper(values: FloatArray, regions: RegionTable, step_budget: int) -> tuple[IntArray, FloatArray]:
     """Read the region and the x of every step from a solution."""
-    table = values.reshape(step_budget, HEAD + len(regions))
+    width = HEAD + len(regions)
+    table = values[: step_budget * width].reshape(step_budget, width)
     return np.argmax(table[:, HEAD:], axis=1), table[:, POSITION]

@@ -4,6 +4,7 @@ The core holds every route of cost at most a threshold, so that its optimum is t
 the threshold. The threshold starts just above the best bound and is raised until that is so: exact always.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Progress
+from pipeline.route.budgets import budgets
 from pipeline.route.compact_milp import build_compact_model, read_compact
 from pipeline.route.core import build_core
 from pipeline.route.exclusions import excluded_pairs
@@ -25,6 +27,16 @@ from pipeline.status import Status
 
 _GROWTH = 3.0
 _ROUNDING = 1e-9
+_SIFTED_AT_ONCE = 20_000
+"""Cores of no more arcs are sifted before their threshold is lowered, larger ones only when they are solved."""
+
+
+Sift = Callable[[Moves, Moves], Moves]
+"""Follows the moves of a core, its first argument, and leaves the bad ones out of all moves, its second."""
+
+
+def _as_they_are(core: Moves, moves: Moves) -> Moves:
+    return moves
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +66,16 @@ def find_optimum(
     progress: Progress,
     verbose: bool,
     at_least: float = 0.0,
+    sift: Sift = _as_they_are,
 ) -> Optimum | None:
     """Find the route of least sum of kappa with the configured formulation; None: there is no route (proven).
 
-    `at_least` is known to be no more than the optimum: that of an earlier round with more moves.
+    Parameters
+    ----------
+    at_least : float
+        Known to be no more than the optimum: that of an earlier round with more moves.
+    sift : callable
+        Leaves bad moves out, asked for every core before it is solved; other formulations do not ask.
 
     Raises
     ------
@@ -65,7 +83,7 @@ def find_optimum(
         When the solver's time limit ends a solve.
     """
     if config.route.formulation == "core":
-        return prove_on_core(config, regions, moves, bounds, progress, verbose, at_least)
+        return prove_on_core(config, regions, moves, bounds, progress, verbose, at_least, sift)
     return solve_whole(config, regions, moves, progress, verbose)
 
 
@@ -85,7 +103,7 @@ def solve_whole(
     ]
     steps = step_sizes(options)
     progress(f"route: writing the {options.formulation} program")
-    model = build(regions, excluded_pairs(config, regions, moves), steps, options.step_budget)
+    model = build(regions, excluded_pairs(config, regions, moves), steps, options.step_budget, budgets(config))
     outcome = solve_model(model, options.time_limit_s, progress, verbose)
     if outcome.status is Status.INFEASIBLE:
         return None
@@ -105,8 +123,11 @@ def prove_on_core(
     progress: Progress,
     verbose: bool,
     at_least: float = 0.0,
+    sift: Sift = _as_they_are,
 ) -> Optimum | None:
     """Raise the threshold until the optimum over the core is at most it, hence optimal; None: there is no route.
+
+    Before a core is solved its moves are sifted; bad ones leave the problem, and the core is laid out again.
 
     Raises
     ------
@@ -116,18 +137,25 @@ def prove_on_core(
     options = config.route
     # No route within the step budget can cost more than this.
     ceiling = options.step_budget * float(regions.kappa.max())
-    margin, excluded, known = options.threshold_margin, max(bounds.optimum, at_least), np.inf
+    margin, known = options.threshold_margin, np.inf
+    excluded = max(bounds.optimum, at_least, float(regions.kappa[regions.start]))
     threshold = min(excluded * (1.0 + margin), ceiling)
     while True:
         core = build_core(regions, moves, bounds, threshold, options.step_budget, options.x_step_m)
         progress(f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}")
         # The core's own bound minds x and the step budget: a lower threshold may do, and a smaller core.
         lower = core.bound * (1.0 + options.threshold_margin)
-        if not core.empty and core.bound > excluded and lower < min(threshold, known):
+        lowered = not core.empty and core.bound > excluded and lower < min(threshold, known)
+        if not lowered or len(core.tail) <= _SIFTED_AT_ONCE:
+            left = sift(core.moves, moves)
+            if len(left) < len(moves):
+                moves = left
+                continue
+        if lowered:
             threshold, margin = lower, options.threshold_margin
             continue
         if not core.empty:
-            sequence = solve_core(core, options.step_budget, options.x_step_m, options.time_limit_s, progress, verbose)
+            sequence = solve_core(core, options.time_limit_s, progress, verbose)
             outcome = sequence.outcome
             if outcome.status not in (Status.OPTIMAL, Status.INFEASIBLE):
                 raise _unproven(sequence, threshold)

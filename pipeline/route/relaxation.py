@@ -8,11 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import breadth_first_order, dijkstra
 
 from pipeline.machine.geometry import FloatArray, IntArray
+from pipeline.route.blocks import blocks
+from pipeline.route.budgets import FREE, Budget, Prices
 from pipeline.route.moves import Moves
-from pipeline.route.regions import RegionTable
+from pipeline.route.table import RegionTable
+
+_BLOCK = 1_000_000
+"""Moves whose use of the budgets is computed at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,44 +28,63 @@ class Bounds:
     ----------
     forward, backward : (n,)
         F and B of every region: kappa of all regions left, so F leaves out j itself and B counts it.
+    start : int
+        Row of the start.
+    prices, refund : Prices, float
+        What the budgets cost in F and B, and what of it a route within them gets back.
     """
 
     forward: FloatArray
     backward: FloatArray
     start: int
+    prices: Prices = FREE
+    refund: float = 0.0
 
     @property
     def optimum(self) -> float:
-        """Cost of the shortest path, infinite when the goal cannot be reached."""
-        return float(self.backward[self.start])
+        """No route within the budgets costs less; infinite when the goal cannot be reached."""
+        return float(self.backward[self.start]) - self.refund
 
 
-def shortest_paths(regions: RegionTable, moves: Moves) -> Bounds:
-    """Compute F and B over all moves; the cost of a move is kappa of the region it leaves, (5) and (25)-(26)."""
+def shortest_paths(regions: RegionTable, moves: Moves, prices: Prices = FREE) -> Bounds:
+    """Compute F and B over all moves; the cost of a move is kappa of the region it leaves, (5) and (25)-(26).
+
+    With `prices`, what the move uses of the budgets costs, too.
+    """
     graph = moves.graph(regions.kappa)
+    if prices.charged:
+        for block in blocks(len(moves), _BLOCK):
+            graph.data[block] += prices.surcharge(regions, moves.source[block], moves.target[block])
     forward = dijkstra(graph, indices=regions.start)
     backward = dijkstra(csr_array(graph.T), indices=regions.goal)
-    return Bounds(forward, backward, regions.start)
+    return Bounds(forward, backward, regions.start, prices, prices.refund(regions))
 
 
 def fewest_moves(regions: RegionTable, moves: Moves) -> int | None:
     """Count the moves of the route with fewest, whatever it costs; None when there is no route."""
-    hops = dijkstra(moves.graph(regions.kappa), indices=regions.start, unweighted=True)[regions.goal]
-    return int(hops) if np.isfinite(hops) else None
+    reached, previous = breadth_first_order(moves.graph(regions.kappa), regions.start)
+    if regions.goal not in reached:
+        return None
+    row, count = regions.goal, 0
+    while row != regions.start:
+        row, count = int(previous[row]), count + 1
+    return count
 
 
-def shortest_route(regions: RegionTable, moves: Moves) -> IntArray:
-    """Give the rows of a shortest path from start to goal.
+def least_use(regions: RegionTable, moves: Moves, budget: Budget) -> float:
+    """How much of a budget every route uses, whatever it costs; infinite when there is no route."""
+    graph = moves.graph(regions.kappa)
+    for block in blocks(len(moves), _BLOCK):
+        graph.data[block] = budget.used(regions, moves.source[block], moves.target[block])
+    return float(dijkstra(graph, indices=regions.start)[regions.goal])
 
-    Raises
-    ------
-    ValueError
-        When the goal cannot be reached.
-    """
-    distance, previous = dijkstra(moves.graph(regions.kappa), indices=regions.start, return_predecessors=True)
-    if not np.isfinite(distance[regions.goal]):
-        raise ValueError("the goal cannot be reached from the start")
-    rows = [regions.goal]
-    while rows[-1] != regions.start:
-        rows.append(int(previous[rows[-1]]))
-    return np.array(rows[::-1])
+
+def shortest_route(regions: RegionTable, moves: Moves, bounds: Bounds) -> IntArray:
+    """Give the rows of a shortest path from start to goal, which must exist: B falls along it."""
+    rows = [regions.start]
+    while rows[-1] != regions.goal:
+        begin, end = np.searchsorted(moves.source, [rows[-1], rows[-1] + 1])
+        ahead = moves.target[begin:end]
+        cost = bounds.backward[ahead] + bounds.prices.surcharge(regions, moves.source[begin:end], ahead)
+        rows.append(int(ahead[np.argmin(cost)]))
+    return np.array(rows)

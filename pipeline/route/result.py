@@ -28,6 +28,8 @@ class Search:
         Admitted moves between regions.
     rounds : int
         How often the problem was solved.
+    followed_moves : int
+        Moves followed continuously: all of the cores, before they were solved.
     forbidden_moves : int
         Moves found inadmissible when followed continuously.
     """
@@ -41,6 +43,7 @@ class Search:
     core_columns: int
     moves: int
     rounds: int
+    followed_moves: int
     forbidden_moves: int
 
 
@@ -54,6 +57,8 @@ class Route:
         Row of the region table.
     modes, gates : (n,)
         Working mode (0 to 7); arm (1 to 3) whose gate the region is, 0 for none.
+    visits : (n,)
+        Which entry of `task.visit` is visited there, counted from 1; 0 for none.
     pose : (n, 6)
         x, y, z, rx, ry, rz.
     q_m : (n, 5)
@@ -71,6 +76,7 @@ class Route:
     region: IntArray
     modes: IntArray
     gates: IntArray
+    visits: IntArray
     pose: FloatArray
     q_m: FloatArray
     kappa: FloatArray

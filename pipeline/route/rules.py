@@ -1,21 +1,30 @@
 """The rules of a route, and nothing else: an independent look at what a solver returned.
 
-It knows (8)-(17), (38), the windows of x and the cost (5); not the graph, the core or the program.
+It knows (8)-(17), (38), the windows of x, the cost (5), visits, budgets and boxes to avoid; not the graph, the core
+or the program.
 """
+
+import itertools
 
 import numpy as np
 
+from pipeline.config import Config
 from pipeline.machine.geometry import BoolArray, FloatArray, IntArray
-from pipeline.route.regions import RegionTable
+from pipeline.route.boxes import grown_boxes
+from pipeline.route.table import RegionTable
 
 _ARMS = ((4, 1), (2, 2), (1, 3))
 """Bit in the number of a working mode, and number, of each arm."""
 
 
+_PARTS = np.linspace(0.0, 1.0, 41)[:, None, None]
+"""Where along a move it is looked at whether it enters a box."""
+
+
 def rule_violations(
     regions: RegionTable, rows: IntArray, x_m: FloatArray, steps: FloatArray, step_budget: int, tolerance: float = 1e-7
 ) -> list[str]:
-    """Name every rule that a sequence of regions (n,) with positions x (n,) breaks; an empty list is a valid route.
+    """Name every rule of the paper that regions (n,) with positions x (n,) break; an empty list is a valid route.
 
     `steps` (5,) are the largest moves of x, y, z, rx, rz.
     """
@@ -39,6 +48,32 @@ def rule_violations(
         found += [f"(38): arm {arm} changes after step {i}" for i in _where(changed & (gates[:-1] != arm))]
     opposite = regions.det_sign[rows[1:]] != regions.det_sign[rows[:-1]]
     return found + [f"det H changes sign after step {i}" for i in _where(opposite)]
+
+
+def task_violations(config: Config, regions: RegionTable, rows: IntArray, x_m: FloatArray) -> list[str]:
+    """Name everything else the task asks for that regions (n,) with positions x (n,) do not keep."""
+    found, task = [], config.task
+    stops = regions.visit[rows]
+    made = 0
+    for stop in stops[stops > 0].tolist():
+        made += stop == made + 1
+    found += [f"task.visit[{k}] is not visited in its turn" for k in range(made, len(task.visit))]
+    positions = np.column_stack([x_m, regions.controlled[rows, 1:]])
+    moved = np.abs(np.diff(positions, axis=0))
+    modes = regions.mode[rows]
+    for key, used in (
+        ("mode_changes", sum(bin(a ^ b).count("1") for a, b in itertools.pairwise(modes.tolist()))),
+        ("tilt_deg", float(np.rad2deg(moved[:, 3:].sum()))),
+        ("travel_m", float(moved[:, :3].sum())),
+    ):
+        limit = getattr(task.budget, key)
+        if limit is not None and used > limit + 1e-5:
+            found.append(f"task.budget.{key}: {used:g} used, {limit:g} allowed")
+    line = positions[:-1] + _PARTS * np.diff(positions, axis=0)
+    for k, box in enumerate(grown_boxes(config)):
+        inside = np.asarray((box.depth_m(line) > 1e-6).any(axis=0))
+        found += [f"task.avoid[{k}] is entered after step {i}" for i in _where(inside)]
+    return found
 
 
 def route_cost(regions: RegionTable, rows: IntArray) -> float:

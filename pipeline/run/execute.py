@@ -13,6 +13,7 @@ from pipeline.artifacts import (
     State,
     existing_files,
     failure_names,
+    failure_picture,
     open_run_folder,
     plain,
     read_state,
@@ -21,7 +22,9 @@ from pipeline.config import Config
 from pipeline.config_file import config_sha256, dump_config
 from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageError
 from pipeline.machine.geometry import build_machine
+from pipeline.progress import Progress
 from pipeline.route.ends import task_ends
+from pipeline.run.diagnosis import Diagnosis, can_diagnose, diagnose
 from pipeline.run.fingerprint import UPSTREAM, fingerprint
 from pipeline.run.reporter import Quiet, Reporter
 from pipeline.run.stages import MAKE, Product, Results
@@ -65,6 +68,7 @@ def run_pipeline(
     force: bool = False,
     reporter: Reporter | None = None,
     verbose: bool = False,
+    why_not: bool = True,
 ) -> RunReport:
     """Run the stages whose inputs have changed, and write their results into the folder `out`.
 
@@ -78,6 +82,8 @@ def run_pipeline(
         All stages run again.
     verbose : bool
         Solvers write their logs to the terminal.
+    why_not : bool
+        Find out what stands in the way where no route exists; it is added to the error.
 
     Raises
     ------
@@ -93,10 +99,11 @@ def run_pipeline(
     task_ends(config, machine)
     _check_range(out, first, last)
     with open_run_folder(out) as folder:
-        run = _Run(config, folder, Results(config, machine, out), reporter or Quiet(), verbose)
+        forced = (first, *first.later) if first is not None else STAGES if force else ()
+        results = Results(config, machine, out, anew=Stage.REGIONS in forced)
+        run = _Run(config, folder, results, reporter or Quiet(), verbose, why_not)
         if first is not None:
             run.require_earlier(first)
-        forced = (first, *first.later) if first is not None else STAGES if force else ()
         outcomes = [run.run(stage, again=stage in forced) for stage in (*last.earlier, last)]
         return RunReport(out, tuple(outcomes), run.settle())
 
@@ -114,13 +121,22 @@ def _check_range(out: Path, first: Stage | None, last: Stage) -> None:
 class _Run:
     """One run at work in its folder."""
 
-    def __init__(self, config: Config, folder: RunFolder, results: Results, reporter: Reporter, verbose: bool) -> None:
+    def __init__(
+        self,
+        config: Config,
+        folder: RunFolder,
+        results: Results,
+        reporter: Reporter,
+        verbose: bool,
+        why_not: bool,
+    ) -> None:
         self._config = config
         self._config_yaml = dump_config(config)
         self._folder = folder
         self._results = results
         self._reporter = reporter
         self._verbose = verbose
+        self._why_not = why_not
 
     def require_earlier(self, first: Stage) -> None:
         """Insist on results before `first` that belong to this configuration."""
@@ -178,8 +194,9 @@ class _Run:
             raise
         except PipelineError as error:
             seconds = time.perf_counter() - began
-            self._keep_failure(stage, error, expected, seconds)
-            self._reporter.end(stage, "failed", seconds)
+            found = self._diagnose(stage, error, progress)
+            self._keep_failure(stage, error, expected, seconds, found)
+            self._reporter.end(stage, "failed", time.perf_counter() - began)
             raise
         seconds = time.perf_counter() - began
         record = self._record(expected, "done", seconds, product)
@@ -187,22 +204,40 @@ class _Run:
         self._reporter.end(stage, "done", seconds)
         return record
 
-    def _keep_failure(self, stage: Stage, error: PipelineError, expected: str, seconds: float) -> None:
+    def _diagnose(self, stage: Stage, error: PipelineError, progress: Progress) -> Diagnosis | None:
+        """Find out what stands in the way of a route; who does not want to wait for it interrupts that alone."""
+        if not self._why_not or not can_diagnose(stage, error):
+            return None
+        progress("why not: looking for what stands in the way")
+        try:
+            found = diagnose(self._results, progress)
+        except KeyboardInterrupt:
+            error.add_note("Why not: interrupted; run again to look for what stands in the way.")
+            return None
+        error.add_note(found.note)
+        error.add_note(f"What can be reached is shown in {self._folder.path / failure_picture(stage)}")
+        return found
+
+    def _keep_failure(
+        self, stage: Stage, error: PipelineError, expected: str, seconds: float, found: Diagnosis | None
+    ) -> None:
         """Keep what is known of a failure for diagnosis, under names that no result has."""
         from pipeline.artifacts.results import failure_files
 
         reason, advice, diagnosis = str(error), "", {}
         if isinstance(error, NoSolutionError):
             reason, advice, diagnosis = error.reason, error.advice, error.diagnosis
-        facts = {
+        facts: dict[str, Any] = {
             "stage": stage,
             "reason": reason,
             "advice": advice,
             "seconds": seconds,
             "config_sha256": config_sha256(self._config),
         }
+        if found is not None:
+            facts["why_not"] = found.facts
         section = failure_section(reason, advice, str(diagnosis.get("status", "failed")))
-        product = Product(failure_files(stage, facts, diagnosis), section)
+        product = Product(failure_files(stage, facts, diagnosis, found.picture if found else None), section)
         self._replace(stage, self._record(expected, "failed", seconds, product), product.files)
         error.add_note(f"What is known about it was kept in {self._folder.path / failure_names(stage)[0]}")
 

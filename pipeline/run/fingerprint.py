@@ -40,13 +40,29 @@ def config_part(config: Config, stage: Stage) -> dict[str, Any]:
     machine = {key: value for key, value in whole["machine"].items() if key != "limits"}
     space = {"machine": machine, "task": whole["task"]}
     if stage is Stage.REGIONS:
-        route = {key: whole["route"][key] for key in ("grid", "kappa_max")}
+        # The margin around boxes to avoid is counted in steps.
+        margin = ("avoid_margin", "x_step_m") if config.task.avoid else ()
+        route = {key: whole["route"][key] for key in ("grid", "kappa_max", *margin)}
         return {**space, "route": route}
     if stage is Stage.ROUTE:
         return {**space, "route": whole["route"]}
     if stage is Stage.REFINE:
         return {**space, "route": whole["route"], "refine": whole["refine"]}
     return whole
+
+
+def grid_fingerprint(config: Config) -> str:
+    """Hash all that the regions of grid and gates depend on: start, goal, name and limits are none of it."""
+    space = config_part(config, Stage.REGIONS)
+    return config_sha256(
+        {
+            "machine": space["machine"],
+            "task": {key: space["task"][key] for key in ("tilt_max_deg", "locked_axes")},
+            "route": {key: space["route"][key] for key in ("grid", "kappa_max")},
+            "version": package_version(),
+            "code": [_code_sha256(package) for package in _CODE[Stage.REGIONS]],
+        }
+    )
 
 
 def fingerprint(config: Config, stage: Stage, upstream: Mapping[Stage, str]) -> str:

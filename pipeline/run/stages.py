@@ -15,6 +15,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress
+from pipeline.run.fingerprint import grid_fingerprint
 from pipeline.stage import Stage
 from pipeline.summary import Section
 
@@ -28,11 +29,15 @@ if TYPE_CHECKING:
 
 @dataclass
 class Results:
-    """The results of a run: those it made, and those of earlier runs, loaded when first asked for."""
+    """The results of a run: those it made, and those of earlier runs, loaded when first asked for.
+
+    `anew` says that what other runs computed is not to be used either.
+    """
 
     config: Config
     machine: Machine
     folder: Path
+    anew: bool = False
 
     @cached_property
     def regions(self) -> "RegionTable":
@@ -80,13 +85,28 @@ class Product:
 
 
 def make_regions(results: Results, progress: Progress, verbose: bool) -> Product:
-    """Find every admissible region of the grid."""
+    """Find every admissible region of the grid, and add what the task asks for."""
     from pipeline.artifacts.results import regions_files
     from pipeline.route import build_regions
     from pipeline.summary import regions_section
 
-    results.regions = build_regions(results.config, results.machine, progress)
+    results.regions = build_regions(results.config, results.machine, progress, _grid(results, progress))
     return Product(regions_files(results.regions), regions_section(results.config, results.regions))
+
+
+def _grid(results: Results, progress: Progress) -> "RegionTable":
+    """Take the regions of grid and gates from an earlier run in the same place, or compute and keep them."""
+    from pipeline.artifacts.region_cache import keep_grid, load_grid
+    from pipeline.route import grid_regions
+
+    runs, key = results.folder.parent, grid_fingerprint(results.config)
+    kept = None if results.anew else load_grid(runs, key)
+    if kept is not None:
+        progress("regions: grid and gates known from an earlier run", 1.0)
+        return kept
+    grid = grid_regions(results.config, results.machine, progress)
+    keep_grid(runs, key, grid)
+    return grid
 
 
 def make_route(results: Results, progress: Progress, verbose: bool) -> Product:

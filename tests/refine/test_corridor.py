@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.refine import Path
-from pipeline.refine.corridor import corridor
-from pipeline.route import Route
+from pipeline.config_file import parse_config
+from pipeline.machine import Machine
+from pipeline.refine import Path, coarse_path, refine_path
+from pipeline.refine.corridor import corridor, visit_parameters
+from pipeline.refine.measure import sample_path
+from pipeline.route import Route, build_regions, plan_route
+from pipeline.route.boxes import Box
+from pipeline.route.metric import CONTROLLED
 
 S = np.linspace(0.0, 1.0, 101)
 
@@ -67,3 +72,44 @@ def test_a_margin_wider_than_the_corridor_leaves_a_tilt_without_freedom(
     bounds = corridor(quick_config.model_copy(update={"refine": refine}), route, coarse, S, np.deg2rad(15.0))
     assert (bounds.low <= bounds.high).all()
     assert np.rad2deg(np.abs(bounds.low[1:-1, [3, 5]]).max()) <= 15.0 + 1e-9
+
+
+@pytest.fixture(scope="module")
+def errand(quick_config: Config) -> Config:
+    """Ask for a visit and for a box to keep out of."""
+    visit = {"pose": {"x_m": 1.0, "y_m": 0.6, "z_m": 0.7, "mode": "RLL"}}
+    task = {
+        **quick_config.task.model_dump(),
+        "visit": [visit, {"box": {"x_m": [0.9, 1.1], "y_m": [0.6, 0.9]}}],
+        "avoid": [{"y_m": [0.4, 0.5], "z_m": [0.9, 1.0]}],
+    }
+    return parse_config({**quick_config.model_dump(), "task": task})
+
+
+def test_visits_and_boxes_narrow_it(errand: Config, machine: Machine, steps: np.ndarray) -> None:
+    """A pose to visit is exact at a node of its own, a box to visit bounds its node, and none is inside one to avoid."""
+    route = plan_route(errand, machine, build_regions(errand, machine))
+    coarse = coarse_path(machine, route, steps)
+    at = visit_parameters(coarse, route)
+    s = np.union1d(S, at)
+    bounds = corridor(errand, route, coarse, s, 0.0)
+    first, second = np.searchsorted(s, at)
+    np.testing.assert_array_equal(bounds.low[first], bounds.high[first])
+    np.testing.assert_allclose(bounds.low[first, [0, 1, 2, 3, 5]], [1.0, 0.6, 0.7, 0.0, 0.0])
+    assert bounds.low[second, 1] >= 0.6
+    assert bounds.high[second, 0] <= 1.1
+    box = Box.of(errand.task.avoid[0])
+    # Every node is kept beyond one side of the box.
+    beyond = (bounds.high[:, CONTROLLED] <= box.low) | (bounds.low[:, CONTROLLED] >= box.high)
+    assert beyond.any(axis=1).all()
+
+
+@pytest.mark.slow
+def test_a_path_makes_its_visit_and_keeps_out_of_the_box(errand: Config, machine: Machine) -> None:
+    """Looked at densely, from start to goal."""
+    route = plan_route(errand, machine, build_regions(errand, machine))
+    path = refine_path(errand, machine, route).path
+    samples = sample_path(path, np.linspace(0.0, 1.0, 20_001))
+    assert not Box.of(errand.task.avoid[0]).inside(samples.pose[:, CONTROLLED]).any()
+    at = path.pose(path.node_s)
+    assert np.abs(at[:, :3] - [1.0, 0.6, 0.7]).max(axis=1).min() < 1e-7

@@ -113,6 +113,7 @@ def hand_table() -> Callable[..., RegionTable]:
             det_sign=np.ones(n),
             link_distance_m=np.ones(n),
             x_window_m=windows,
+            visit=np.zeros(n, dtype=np.int64),
         )
 
     return table

@@ -14,7 +14,7 @@ from pipeline.status import Status
 
 def _solve(regions, moves, threshold, positions, x_step_m=1.0):
     core = build_core(regions, moves, shortest_paths(regions, moves), threshold, positions, x_step_m)
-    return core, (None if core.empty else solve_core(core, positions, x_step_m, 60.0, silent, False))
+    return core, (None if core.empty else solve_core(core, 60.0, silent, False))
 
 
 def _assert_follows_rules(sequence, regions, moves, positions, x_step_m):
@@ -97,11 +97,11 @@ def test_the_program_has_a_boolean_per_arc_and_a_position_per_step(cross):
     """Rows: a balance per node, two windows per step, and a difference between steps (13)."""
     bounds = shortest_paths(cross.regions, cross.moves)
     core = build_core(cross.regions, cross.moves, bounds, bounds.optimum * 1.01, 25, 0.1)
-    lp = build_model(core, 25, 0.1).lp_
+    lp = build_model(core).lp_
     assert lp.num_col_ == len(core.tail) + 25
     assert lp.num_row_ == len(core.step) + 25 + 25 + 24
     assert sum("kInteger" in str(kind) for kind in lp.integrality_) == len(core.tail)
-    assert solve_core(core, 25, 0.1, 60.0, silent, False).columns == lp.num_col_
+    assert solve_core(core, 60.0, silent, False).columns == lp.num_col_
 
 
 def test_the_reference_task_is_solved_to_the_known_optimum(cross):

@@ -1,13 +1,18 @@
 """Moves between regions, and the cheap filters against tunnelling."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
+from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import link_pairs
 from pipeline.route import moves as moves_module
 from pipeline.route.follow import Flaw, check_moves
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import find_moves, passing_codes
+from pipeline.route.moves import find_moves, memory_gb, passing_codes, rule_moves
+from pipeline.route.regions import build_regions
+from pipeline.route.relaxation import shortest_paths
 
 
 @pytest.fixture(scope="module")
@@ -192,3 +197,50 @@ def test_progress_ends_near_one(small):
     find_moves(small.config, small.machine, small.regions, lambda message, fraction=None: seen.append(fraction))
     assert seen == sorted(seen)
     assert 0.9 < seen[-1] <= 1.0
+
+
+def test_the_number_of_moves_is_known_beforehand(small, quick, monkeypatch):
+    """Exact where all origins are looked at, within some percent from a sample."""
+    monkeypatch.setattr(moves_module, "_SAMPLE", 2_000)
+    for problem, tolerance in ((small, 0.0), (quick, 0.03)):
+        steps, codes = step_sizes(problem.config.route), passing_codes(problem.machine, problem.regions)
+        search = moves_module._Search.of(problem.regions, steps, codes, steps[0])
+        assert search.expected_moves() == pytest.approx(len(problem.moves), rel=tolerance)
+
+
+def test_moves_that_would_not_fit_are_refused_before_they_are_made(quick, vary):
+    """The message names the estimate, the key and the grid; nothing as large as the moves was allocated."""
+    config = vary(quick.config, {"route.memory_gb": 0.01})
+    passing_codes(quick.machine, quick.regions)
+    tracemalloc.start()
+    with pytest.raises(NoSolutionError, match=r"GB of memory; route\.memory_gb allows 0\.01") as caught:
+        find_moves(config, quick.machine, quick.regions)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert caught.value.stage == "route"
+    assert "coarsen route.grid" in caught.value.advice
+    assert caught.value.diagnosis["expected_moves"] == pytest.approx(len(quick.moves), rel=0.05)
+    assert peak < 40e6
+
+
+def test_the_estimate_of_memory_is_an_upper_bound_not_far_off(quick):
+    """Beside what the interpreter saw allocated for the table, the moves and the shortest paths."""
+    tracemalloc.start()
+    regions = build_regions(quick.config, quick.machine)
+    moves = find_moves(quick.config, quick.machine, regions)
+    shortest_paths(regions, moves)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    estimate = memory_gb(len(regions), len(moves)) * 1e9
+    assert peak <= estimate <= 2.0 * peak
+
+
+def test_the_rules_alone_admit_more(small):
+    """All admitted moves are among them, and many more: whatever x, det H and the links do."""
+    by_rule = _as_set(rule_moves(small.config, small.regions))
+    assert _as_set(small.moves) < by_rule
+    steps, regions = step_sizes(small.config.route), small.regions
+    source, target = np.array(sorted(by_rule)).T
+    apart = np.abs(regions.controlled[source, 1:] - regions.controlled[target, 1:])
+    assert (apart <= steps[1:] * (1.0 + 1e-9)).all()
+    assert (regions.det_sign[source] != regions.det_sign[target]).any()

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.errors import ConfigError
-from pipeline.machine import build_machine, inverse_kinematics, min_distances
-from pipeline.route import build_regions
-from pipeline.route.grid import gate_bit
+from pipeline.machine import build_machine, condition_number, inverse_kinematics, min_distances, statics_matrix
+from pipeline.route import build_regions, grid_regions
+from pipeline.route.grid import gate_bit, grid_points
 
 
 def test_counts_agree_with_an_independent_implementation(cross):
@@ -119,6 +119,42 @@ def test_x_windows_are_where_all_carts_are_on_their_rails(quick):
         np.testing.assert_allclose(slack, 0.0, atol=1e-12)
         carts += outwards
         assert (np.minimum(carts - travel[:, 0], travel[:, 1] - carts).min(axis=1) < 0.0).all()
+
+
+@pytest.mark.parametrize("platform_x_m", [0.0, 0.01])
+def test_the_grid_holds_what_trying_every_point_in_every_mode_finds(small_config, vary, platform_x_m):
+    """On the platform's y axis and off it: nothing is lost where ry and reach are found for two modes of eight."""
+    values = {"machine.links.l3a.platform_point_m": [platform_x_m, 0.1, 0.0], "route.grid.z_m.max": 0.6}
+    config = vary(small_config, values)
+    machine = build_machine(config.machine)
+    table = grid_regions(config, machine)
+    on_grid = table.take(table.gate == 0)
+    points, modes = np.repeat(grid_points(config), 8, axis=0), np.tile(np.arange(8), len(grid_points(config)))
+    solution = inverse_kinematics(machine, points, modes)
+    pose, q = solution.pose[solution.reachable], solution.q_m[solution.reachable]
+    kappa = condition_number(statics_matrix(machine, pose, q[:, :3]))
+    keep = (kappa < config.route.kappa_max) & (min_distances(machine, pose, q[:, :3])[0] >= machine.link_link_m)
+    assert 0 < len(on_grid) == keep.sum()
+    np.testing.assert_array_equal(on_grid.mode, modes[solution.reachable][keep])
+    np.testing.assert_allclose(on_grid.pose, pose[keep], atol=1e-12)
+    np.testing.assert_allclose(on_grid.q_m, q[keep], atol=1e-12)
+    np.testing.assert_allclose(on_grid.kappa, kappa[keep], rtol=1e-9)
+
+
+def test_the_grid_knows_nothing_of_the_task(small, small_config, vary):
+    """Another start leaves it as it is; the table is the grid and what the task adds."""
+    grid = grid_regions(small_config, small.machine)
+    other = vary(small_config, {"task.start.z_m": 0.8, "route.step_budget": 40})
+    for table in (grid_regions(other, small.machine), small.regions.take(slice(0, -2))):
+        for field in fields(table):
+            np.testing.assert_array_equal(getattr(table, field.name), getattr(grid, field.name))
+
+
+def test_little_memory_makes_small_blocks_and_the_same_table(small, small_config, vary):
+    """Bit for bit, whatever the blocks are."""
+    table = build_regions(vary(small_config, {"route.memory_gb": 1e-6}), small.machine)
+    for field in fields(table):
+        np.testing.assert_array_equal(getattr(table, field.name), getattr(small.regions, field.name))
 
 
 def test_short_rails_leave_out_what_does_not_fit_on_them(quick, quick_config, vary):

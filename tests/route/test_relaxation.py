@@ -5,8 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.route import relaxation
+from pipeline.route.budgets import Budget, Prices
 from pipeline.route.moves import find_moves
-from pipeline.route.relaxation import fewest_moves, shortest_paths, shortest_route
+from pipeline.route.relaxation import fewest_moves, least_use, shortest_paths, shortest_route
 
 
 def _bellman(regions, moves, source, target, root, weight):
@@ -25,7 +27,7 @@ def test_optimum_and_fewest_moves_agree_with_an_independent_implementation(cross
     bounds = shortest_paths(cross.regions, cross.moves)
     assert bounds.optimum == pytest.approx(274.198822, abs=1e-6)
     assert fewest_moves(cross.regions, cross.moves) == 11
-    route = shortest_route(cross.regions, cross.moves)
+    route = shortest_route(cross.regions, cross.moves, bounds)
     assert cross.regions.kappa[route].max() == pytest.approx(33.999, abs=1e-3)
 
 
@@ -82,11 +84,9 @@ def test_no_region_is_on_a_route_cheaper_than_the_optimum(random_problem, seed):
     assert bounds.forward[regions.goal] == bounds.optimum
     if not np.isfinite(bounds.optimum):
         assert fewest_moves(regions, moves) is None
-        with pytest.raises(ValueError, match="cannot be reached"):
-            shortest_route(regions, moves)
         return
     assert through.min() >= bounds.optimum - 1e-9
-    route = shortest_route(regions, moves)
+    route = shortest_route(regions, moves, bounds)
     assert (route[0], route[-1]) == (regions.start, regions.goal)
     pairs = set(zip(moves.source.tolist(), moves.target.tolist(), strict=True))
     assert all(pair in pairs for pair in zip(route.tolist(), route[1:].tolist(), strict=False))
@@ -100,5 +100,23 @@ def test_fewest_moves_does_not_look_at_costs(hand_table, hand_moves):
     regions = hand_table([(0.0, 0.0)] * 5, [1.0, 1.0, 100.0, 1.0, 1.0])
     moves = hand_moves([(3, 0), (0, 1), (1, 4), (3, 2), (2, 4)])
     assert fewest_moves(regions, moves) == 2
-    assert shortest_paths(regions, moves).optimum == 3.0
-    assert shortest_route(regions, moves).tolist() == [3, 0, 1, 4]
+    bounds = shortest_paths(regions, moves)
+    assert bounds.optimum == 3.0
+    assert shortest_route(regions, moves, bounds).tolist() == [3, 0, 1, 4]
+
+
+def test_prices_and_use_of_budgets_are_added_move_by_move(small, monkeypatch):
+    """Beside Bellman's recursion, with blocks so small that there are many."""
+    monkeypatch.setattr(relaxation, "_BLOCK", 1_000)
+    regions, moves = small.regions, small.moves
+    budget = Budget("travel_m", 3.0, (1, 2), travels=True)
+    used = budget.used(regions, moves.source, moves.target)
+    assert used.max() > 0.1
+    bounds = shortest_paths(regions, moves, Prices((budget,), (7.0,)))
+    weight = regions.kappa[moves.source] + 7.0 * used
+    forward = _bellman(regions, moves, moves.source, moves.target, regions.start, weight)
+    backward = _bellman(regions, moves, moves.target, moves.source, regions.goal, weight)
+    np.testing.assert_allclose(bounds.forward, forward)
+    np.testing.assert_allclose(bounds.backward, backward)
+    least = _bellman(regions, moves, moves.source, moves.target, regions.start, used)[regions.goal]
+    assert least_use(regions, moves, budget) == pytest.approx(least)

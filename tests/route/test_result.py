@@ -16,12 +16,13 @@ def route() -> Route:
         region=np.arange(n),
         modes=np.array([MODES.index(name) for name in ("LLL", "LLL", "LRL", "LRR", "RLL")]),
         gates=np.zeros(n, dtype=np.int64),
+        visits=np.zeros(n, dtype=np.int64),
         pose=np.zeros((n, 6)),
         q_m=np.zeros((n, 5)),
         kappa=np.array([3.0, 5.0, 9.0, 4.0, 2.0]),
         objective=21.0,
         status=Status.OPTIMAL,
-        search=Search("solver", 21.0, 0.0, 20.0, 22.0, 5, 7, 8, 1, 0),
+        search=Search("solver", 21.0, 0.0, 20.0, 22.0, 5, 7, 8, 1, 4, 0),
     )
 
 

@@ -1,5 +1,6 @@
 """Stages that take no time: the real result types, filled with a short path of the reference machine."""
 
+import pathlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -66,6 +67,7 @@ def make_regions(machine: Machine, count: int = 5) -> RegionTable:
         det_sign=np.ones(count),
         link_distance_m=np.linspace(0.03, 0.1, count),
         x_window_m=np.stack([np.linspace(0.1, 0.2, count), np.linspace(1.0, 1.1, count)], axis=1),
+        visit=np.arange(count) % 2,
     )
 
 
@@ -76,12 +78,13 @@ def make_route(machine: Machine, objective: float = 100.0) -> Route:
         region=np.array([3, 0, 1, 4]),
         modes=np.array([0, 0, 0, 1]),
         gates=np.array([0, 0, 3, 0]),
+        visits=np.array([0, 1, 0, 0]),
         pose=pose,
         q_m=q,
         kappa=np.array([25.0, 1.0 / 0.03, 30.0, 24.0]),
         objective=objective,
         status=Status.OPTIMAL,
-        search=Search("HiGHS 1", objective, 0.0, 99.0, 105.0, 5, 40, 12, 2, 3),
+        search=Search("HiGHS 1", objective, 0.0, 99.0, 105.0, 5, 40, 12, 2, 7, 3),
     )
 
 
@@ -112,6 +115,7 @@ class Stages:
     failures: dict[str, BaseException] = field(default_factory=dict)
     messages: dict[str, list[tuple[str, float | None]]] = field(default_factory=dict)
     objective: float = 100.0
+    grids: int = 0
 
     def enter(self, name: str, progress: Progress) -> None:
         """Count a call, talk, and fail where that is asked for."""
@@ -128,11 +132,21 @@ class Stages:
 
 
 @pytest.fixture
-def stages(monkeypatch: pytest.MonkeyPatch) -> Stages:
+def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
     """Put fake stages in the place of the real ones."""
     fake = Stages()
+    # The folder beside run folders may be shared by all tests: what fakes make must not get out.
+    monkeypatch.setattr("pipeline.artifacts.region_cache.FOLDER", f"{tmp_path.name}.regions")
 
-    def build_regions(config: Config, machine: Machine, progress: Progress = silent) -> RegionTable:
+    def grid_regions(config: Config, machine: Machine, progress: Progress = silent) -> RegionTable:
+        fake.grids += 1
+        return make_regions(machine, 3)
+
+    def build_regions(
+        config: Config, machine: Machine, progress: Progress = silent, grid: RegionTable | None = None
+    ) -> RegionTable:
+        assert grid is not None
+        assert len(grid) == 3
         fake.enter("regions", progress)
         return make_regions(machine)
 
@@ -160,6 +174,7 @@ def stages(monkeypatch: pytest.MonkeyPatch) -> Stages:
         fake.enter("figures", silent)
         return {"route": Figure((1, 1)), "kappa": Figure((1, 1))}
 
+    monkeypatch.setattr("pipeline.route.grid_regions", grid_regions, raising=False)
     monkeypatch.setattr("pipeline.route.build_regions", build_regions, raising=False)
     monkeypatch.setattr("pipeline.route.plan_route", plan_route, raising=False)
     monkeypatch.setattr("pipeline.refine.refine_path", refine_path, raising=False)

@@ -219,6 +219,7 @@ class TestResults:
         assert list(columns) == (
             ["step", "region", "mode", "x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad", "kappa"]
             + [f"q{k}_m" for k in range(1, 6)]
+            + ["gate"]
         )
         assert columns["mode"].tolist() == ["LLL", "LLL", "LLL", "LLR"]
         assert columns["region"].tolist() == route.region.tolist()

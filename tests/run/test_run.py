@@ -182,7 +182,7 @@ class TestCaching:
             ("route__kappa_max", 90.0, ["regions", "route", "refine"]),
             ("route__x_step_m", 0.2, ["route", "refine"]),
             ("route__step_budget", 24, ["route", "refine"]),
-            ("route__follow__samples", 32, ["route", "refine"]),
+            ("route__follow__max_samples", 32, ["route", "refine"]),
             ("refine__nodes", 90, ["refine"]),
             ("refine__check_points", 1_001, ["refine"]),
             ("retime__period_s", 0.02, []),

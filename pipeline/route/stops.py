@@ -1,0 +1,68 @@
+"""What the task adds to the regions: boxes to avoid cut windows, visits, start and goal are rows of their own."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.config import Config, VisitConfig
+from pipeline.errors import NoSolutionError
+from pipeline.machine.geometry import MODES, Machine
+from pipeline.route.boxes import Box, cut_windows, grown_boxes
+from pipeline.route.ends import End, task_ends, visited_pose
+from pipeline.route.metric import CONTROLLED, step_sizes
+from pipeline.route.table import RegionTable
+
+
+def with_ends(config: Config, machine: Machine, grid: RegionTable) -> RegionTable:
+    """Add the task to a table of grid and gates: its last two rows are then the start and the goal.
+
+    Raises
+    ------
+    ConfigError
+        When the machine cannot be at the start, the goal or a pose to visit.
+    NoSolutionError
+        When no region lies in a box to visit.
+    """
+    start, goal = task_ends(config, machine)
+    grid = cut_windows(grown_boxes(config), grid, step_sizes(config.route))
+    visits = [
+        _visit_rows(config, machine, grid, number, visit) for number, visit in enumerate(config.task.visit, start=1)
+    ]
+    return RegionTable.concatenate([grid, *visits, _row(start), _row(goal)])
+
+
+def _visit_rows(config: Config, machine: Machine, grid: RegionTable, number: int, visit: VisitConfig) -> RegionTable:
+    if visit.pose is not None:
+        return _row(visited_pose(config, machine, number - 1, visit.pose), number)
+    assert visit.box is not None
+    box = Box.of(visit.box)
+    inside = box.across().depth_m(grid.controlled) >= 0.0
+    if visit.modes:
+        inside &= np.isin(grid.mode, [MODES.index(mode) for mode in visit.modes])
+    rows = grid.take(inside)
+    windows = np.clip(rows.x_window_m, box.low[0], box.high[0])
+    reached = (rows.x_window_m[:, 0] <= box.high[0]) & (rows.x_window_m[:, 1] >= box.low[0])
+    rows = replace(rows, x_window_m=windows, visit=np.full(len(rows), number)).take(reached)
+    if len(rows) == 0:
+        raise NoSolutionError(
+            "regions",
+            f"no region of the grid lies in task.visit[{number - 1}]",
+            "make the box larger than a grid step, allow other working modes there, or more tilt",
+        )
+    return rows
+
+
+def _row(end: End, visit: int = 0) -> RegionTable:
+    x = end.pose[0]
+    return RegionTable(
+        controlled=end.pose[None, CONTROLLED],
+        ry_rad=end.pose[None, 4],
+        mode=np.array([end.mode]),
+        gate=np.array([0]),
+        q_m=end.q_m[None],
+        kappa=np.array([end.kappa]),
+        det_sign=np.array([end.det_sign]),
+        link_distance_m=np.array([end.link_distance_m]),
+        x_window_m=np.array([[x, x]]),
+        visit=np.array([visit]),
+    )
