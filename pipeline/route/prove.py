@@ -22,17 +22,22 @@ from pipeline.route.milp import StepSequence, solve_core
 from pipeline.route.moves import Moves
 from pipeline.route.paper_milp import build_paper_model, read_paper
 from pipeline.route.regions import RegionTable
-from pipeline.route.relaxation import Bounds
+from pipeline.route.relaxation import Bounds, cheap_moves
 from pipeline.status import Status
 
 _GROWTH = 3.0
 _ROUNDING = 1e-9
+_AHEAD = 1.1
+"""Moves are picked for thresholds up to this many times the present one: most of them are too dear for any."""
 _SIFTED_AT_ONCE = 20_000
 """Cores of no more arcs are sifted before their threshold is lowered, larger ones only when they are solved."""
 
 
 Sift = Callable[[Moves, Moves], Moves]
-"""Follows the moves of a core, its first argument, and leaves the bad ones out of all moves, its second."""
+"""Follows the moves of a core, its first argument, and leaves all known to be bad out of its second."""
+
+
+_NO_MOVES = Moves(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
 
 
 def _as_they_are(core: Moves, moves: Moves) -> Moves:
@@ -139,17 +144,20 @@ def prove_on_core(
     ceiling = options.step_budget * float(regions.kappa.max())
     margin, known = options.threshold_margin, np.inf
     excluded = max(bounds.optimum, at_least, float(regions.kappa[regions.start]))
-    threshold = min(excluded * (1.0 + margin), ceiling)
+    threshold, reach, part = min(excluded * (1.0 + margin), ceiling), -np.inf, moves
     while True:
-        core = build_core(regions, moves, bounds, threshold, options.step_budget, options.x_step_m)
+        if threshold > reach:
+            reach = _AHEAD * threshold
+            part = sift(_NO_MOVES, cheap_moves(moves, bounds, reach))
+        core = build_core(regions, part, bounds, threshold, options.step_budget, options.x_step_m)
         progress(f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}")
         # The core's own bound minds x and the step budget: a lower threshold may do, and a smaller core.
         lower = core.bound * (1.0 + options.threshold_margin)
         lowered = not core.empty and core.bound > excluded and lower < min(threshold, known)
         if not lowered or len(core.tail) <= _SIFTED_AT_ONCE:
-            left = sift(core.moves, moves)
-            if len(left) < len(moves):
-                moves = left
+            left = sift(core.moves, part)
+            if len(left) < len(part):
+                part = left
                 continue
         if lowered:
             threshold, margin = lower, options.threshold_margin

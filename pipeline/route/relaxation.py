@@ -4,6 +4,7 @@ F(j) is the least cost from the start up to region j, B(j) the least cost from j
 through j costs at least F(j) + B(j), so that all routes cheaper than T lie in the core F + B <= T.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,9 +56,19 @@ def shortest_paths(regions: RegionTable, moves: Moves, prices: Prices = FREE) ->
     if prices.charged:
         for block in blocks(len(moves), _BLOCK):
             graph.data[block] += prices.surcharge(regions, moves.source[block], moves.target[block])
-    forward = dijkstra(graph, indices=regions.start)
-    backward = dijkstra(csr_array(graph.T), indices=regions.goal)
+    # Turning the graph round takes as long as a search in it.
+    with ThreadPoolExecutor(1) as beside:
+        turned = beside.submit(csr_array, graph.T)
+        forward = dijkstra(graph, indices=regions.start)
+        backward = dijkstra(turned.result(), indices=regions.goal)
     return Bounds(forward, backward, regions.start, prices, prices.refund(regions))
+
+
+def cheap_moves(moves: Moves, bounds: Bounds, cost: float) -> Moves:
+    """Keep the moves between regions that routes of at most this cost, within the budgets, can pass."""
+    inside = bounds.forward + bounds.backward <= cost + bounds.refund
+    keep = np.flatnonzero(inside[moves.source] & inside[moves.target])
+    return Moves(moves.source[keep], moves.target[keep])
 
 
 def fewest_moves(regions: RegionTable, moves: Moves) -> int | None:
@@ -83,7 +94,9 @@ def shortest_route(regions: RegionTable, moves: Moves, bounds: Bounds) -> IntArr
     """Give the rows of a shortest path from start to goal, which must exist: B falls along it."""
     rows = [regions.start]
     while rows[-1] != regions.goal:
-        begin, end = np.searchsorted(moves.source, [rows[-1], rows[-1] + 1])
+        # A key of another type would have all moves converted first.
+        keys = np.array([rows[-1], rows[-1] + 1], dtype=moves.source.dtype)
+        begin, end = np.searchsorted(moves.source, keys)
         ahead = moves.target[begin:end]
         cost = bounds.backward[ahead] + bounds.prices.surcharge(regions, moves.source[begin:end], ahead)
         rows.append(int(ahead[np.argmin(cost)]))

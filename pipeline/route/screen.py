@@ -37,7 +37,7 @@ class Screen:
         return "; ".join(f"{count}: {flaw}" for flaw, count in sorted(self.flaws.items()))
 
     def sift(self, core: Moves, moves: Moves, base: IntArray) -> Moves:
-        """Follow the moves of a core as far as they are not known, and leave the bad ones out of `moves`.
+        """Follow the moves of a core as far as they are not known, and leave all bad ones out of `moves`.
 
         `base` (n,) gives the row of the region table for the rows that both speak of.
         """
@@ -46,7 +46,7 @@ class Screen:
         if len(unknown):
             found = self._follow(unknown // self._regions, unknown % self._regions)
             self._known.update(zip(unknown.tolist(), found, strict=True))
-        return self.without_bad(moves, base) if np.isin(keys, self._bad).any() else moves
+        return self.without_bad(moves, base)
 
     def forbid(self, source: int, target: int, flaw: Flaw) -> None:
         """Remember a flaw found otherwise."""

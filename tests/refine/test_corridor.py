@@ -87,7 +87,7 @@ def errand(quick_config: Config) -> Config:
 
 
 def test_visits_and_boxes_narrow_it(errand: Config, machine: Machine, steps: np.ndarray) -> None:
-    """A pose to visit is exact at a node of its own, a box to visit bounds its node, and none is inside one to avoid."""
+    """A pose to visit is exact at a node of its own, a box to visit bounds its node, none is in one to avoid."""
     route = plan_route(errand, machine, build_regions(errand, machine))
     coarse = coarse_path(machine, route, steps)
     at = visit_parameters(coarse, route)
