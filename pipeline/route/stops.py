@@ -24,7 +24,8 @@ def with_ends(config: Config, machine: Machine, grid: RegionTable) -> RegionTabl
         When no region lies in a box to visit.
     """
     start, goal = task_ends(config, machine)
-    grid = cut_windows(grown_boxes(config), grid, step_sizes(config.route))
+    if config.task.avoid:
+        grid = cut_windows(grown_boxes(config), grid, step_sizes(config.route))
     visits = [
         _visit_rows(config, machine, grid, number, visit) for number, visit in enumerate(config.task.visit, start=1)
     ]
