@@ -183,7 +183,10 @@ _BOX_NAMES = ", ".join(_BOX_KEYS)
 
 
 class VisitConfig(Section):
-    """Something to visit on the way: one pose, or any pose of a box; exactly one of the two."""
+    """Something to visit on the way: one pose, or any pose of a box; exactly one of the two.
+
+    Each visit is a step of the route of its own: the start and the goal make none, and one region makes one at most.
+    """
 
     pose: PoseConfig | None = Field(None, description="a pose, in its working mode")
     box: BoxConfig | None = Field(None, description="anywhere in a box")
@@ -194,7 +197,7 @@ class VisitConfig(Section):
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
         if (self.pose is None) == (self.box is None):
-            raise PydanticCustomError("rule", "needs either pose or box")
+            raise PydanticCustomError("rule", "needs exactly one of pose and box")
         if self.pose is not None and self.modes:
             raise _wrong("modes", "goes with box; a pose has its own mode")
         return self
@@ -217,7 +220,9 @@ class TaskConfig(Section):
 
     start: PoseConfig
     goal: PoseConfig
-    visit: tuple[VisitConfig, ...] = Field((), description="what to visit on the way, in this order")
+    visit: tuple[VisitConfig, ...] = Field(
+        (), description="what to visit on the way, in this order, each by a step of its own between start and goal"
+    )
     avoid: tuple[BoxConfig, ...] = Field((), description="boxes the TCP must not enter (with tilts: that tilted)")
     budget: BudgetConfig = Field(default_factory=lambda: BudgetConfig())
     tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")
@@ -226,13 +231,16 @@ class TaskConfig(Section):
     )
 
     @model_validator(mode="after")
-    def _ends_within_limits(self) -> Self:
-        for end, pose in (("start", self.start), ("goal", self.goal)):
+    def _poses_within_limits(self) -> Self:
+        if len(set(self.locked_axes)) < len(self.locked_axes):
+            raise _wrong("locked_axes", f"is [{', '.join(self.locked_axes)}]; allowed is each axis once")
+        visited = ((f"visit[{k}].pose", visit.pose) for k, visit in enumerate(self.visit) if visit.pose is not None)
+        for key, pose in (("start", self.start), ("goal", self.goal), *visited):
             for axis, value in (("rx", pose.rx_deg), ("rz", pose.rz_deg)):
                 limit = 0.0 if axis in self.locked_axes else self.tilt_max_deg
                 if abs(value) > limit:
                     why = "task.locked_axes" if axis in self.locked_axes else "task.tilt_max_deg"
-                    raise _wrong(f"{end}.{axis}_deg", f"is {value:g}; allowed is at most {limit:g} either way ({why})")
+                    raise _wrong(f"{key}.{axis}_deg", f"is {value:g}; allowed is at most {limit:g} either way ({why})")
         return self
 
 
@@ -308,8 +316,12 @@ class RefineConfig(Section):
 
     nodes: int = Field(100, ge=20, le=2_000, description="collocation nodes")
     coefficients: int = Field(30, ge=8, le=400, description="spline coefficients per actuator")
-    objective: Literal["schatten", "frobenius"] = Field(
-        "schatten", description="the smooth kappa whose integral is minimised; the true kappa is reported"
+    objective: Literal["integral", "maximum", "mixed"] = Field(
+        "integral", description="what is minimised: the integral of kappa, the largest kappa, or both"
+    )
+    kappa_max: float | None = Field(None, gt=1.0, description="cap on kappa along the path; null: route.kappa_max")
+    surrogate: Literal["schatten", "frobenius"] = Field(
+        "schatten", description="the smooth kappa the solver sees; the true kappa is reported"
     )
     corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells the corridor is widened by")
     clearance_margin_m: float = Field(0.001, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")

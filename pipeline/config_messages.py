@@ -54,14 +54,17 @@ def _schema_at(location: tuple[int | str, ...]) -> _Schema:
     """Find the JSON schema of a key by its location."""
     schema: _Schema = Config.model_json_schema()
     for part in location:
-        # Of a key that may be null the other choice is what has parts.
-        schema = next((choice for choice in schema.get("anyOf", []) if choice.get("type") != "null"), schema)
-        schema = _resolved(schema)
+        schema = _given(schema)
         if isinstance(part, str):
             schema = schema["properties"][part]
         else:
             schema = schema["prefixItems"][part] if "prefixItems" in schema else schema["items"]
     return _resolved(schema)
+
+
+def _given(schema: _Schema) -> _Schema:
+    """Find what has parts: of a key that may be null the other choice."""
+    return _resolved(next((choice for choice in schema.get("anyOf", []) if choice.get("type") != "null"), schema))
 
 
 def _resolved(schema: _Schema) -> _Schema:
@@ -104,7 +107,7 @@ def _range(schema: _Schema) -> str:
 
 def _known_keys(location: tuple[int | str, ...]) -> str:
     """List the keys allowed beside an unknown one, the likeliest first."""
-    keys = list(_schema_at(location[:-1])["properties"])
+    keys = list(_given(_schema_at(location[:-1]))["properties"])
     close = difflib.get_close_matches(str(location[-1]), keys, n=1)
     meant = f" (did you mean {close[0]}?)" if close else ""
     return f"{meant}; allowed here are {', '.join(keys)}"

@@ -15,6 +15,7 @@ AGDER = yaml.safe_load((Path(__file__).parents[1] / "configs" / "agder.yaml").re
 
 METRES = "a number from -20 to 20"
 POSITIVE = "a number above 0, at most 20"
+TILTED = {"x_m": 1.0, "y_m": 0.6, "z_m": 0.7, "rx_deg": 5, "mode": "LLL"}
 
 
 def with_value(path: str, value: object, *more: object) -> dict[str, Any]:
@@ -119,7 +120,7 @@ def messages(data: dict[str, Any]) -> list[str]:
         ("machine.triangle_branch", "up", 'is "up"; allowed is negative or positive'),
         ("task.locked_axes", ["ry"], '[0]: is "ry"; allowed is rx or rz'),
         ("task.locked_axes", "rx", 'is "rx"; allowed is a list of rx or rz'),
-        ("refine.objective", "two", 'is "two"; allowed is schatten or frobenius'),
+        ("refine.surrogate", "two", 'is "two"; allowed is schatten or frobenius'),
         ("task.start.mode", "LLX", 'is "LLX"; allowed is three letters L or R, one per arm, such as LLL'),
         ("task.start.mode", "LLLL", 'is "LLLL"; allowed is three letters L or R'),
         ("task.start.mode", "lll", 'is "lll"; allowed is three letters L or R'),
@@ -156,6 +157,22 @@ def test_a_bad_value_is_told_with_its_path_and_what_is_allowed(path: str, value:
         (
             with_value("task.locked_axes", ["rz"], "task.goal.rz_deg", 5),
             "task.goal.rz_deg: is 5; allowed is at most 0 either way (task.locked_axes)",
+        ),
+        (
+            with_value("task.locked_axes", ["rx"], "task.visit", [{"box": {"x_m": [0, 1]}}, {"pose": TILTED}]),
+            "task.visit[1].pose.rx_deg: is 5; allowed is at most 0 either way (task.locked_axes)",
+        ),
+        (
+            with_value("task.tilt_max_deg", 4, "task.visit", [{"pose": TILTED}]),
+            "task.visit[0].pose.rx_deg: is 5; allowed is at most 4 either way (task.tilt_max_deg)",
+        ),
+        (
+            with_value("task.locked_axes", ["rx", "rx"]),
+            "task.locked_axes: is [rx, rx]; allowed is each axis once",
+        ),
+        (
+            with_value("task.visit", [{"pose": TILTED, "box": {"x_m": [0, 1]}}]),
+            "task.visit[0]: needs exactly one of pose and box",
         ),
         (
             with_value("route.grid.z_m.min", 2.0),
@@ -220,6 +237,19 @@ def test_an_unknown_key_is_refused_with_a_suggestion(path: str, message: str):
     """Unknown keys are errors; the likeliest known one comes first."""
     (found,) = messages(with_value(path, 1))
     assert found.startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("visit", "message"),
+    [
+        ({"box": {"x": [0, 1]}}, "task.visit[0].box.x: is not a known key; allowed here are x_m, y_m, z_m"),
+        ({"pose": {"z": 1}}, "task.visit[0].pose.z: is not a known key; allowed here are x_m, y_m, z_m"),
+        ({"box": 5}, "task.visit[0].box: is 5; allowed is a section with the keys x_m, y_m, z_m, rx_deg, rz_deg or nu"),
+    ],
+)
+def test_sections_that_may_be_left_out_are_told_like_others(visit: dict[str, Any], message: str):
+    """An unknown key inside one is told with the known ones; a value in its place may be null, too."""
+    assert any(found.startswith(message) for found in messages(with_value("task.visit", [visit])))
 
 
 def test_a_key_that_is_no_text_is_refused():

@@ -1,6 +1,7 @@
 """The best routes side by side: a run folder for each, and a table to choose from."""
 
 import itertools
+import shlex
 from pathlib import Path
 
 from rich.table import Table
@@ -8,7 +9,7 @@ from rich.table import Table
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.reporter import make_reporter
 from pipeline.config import Config
-from pipeline.errors import NoSolutionError
+from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
 
 
@@ -19,14 +20,17 @@ def plan_alternatives(config: Config, folder: Path, count: int, force: bool, ver
     ------
     NoSolutionError
         When there are fewer; those that exist were shown and kept.
+    UsageError
+        When one of the folders beside `folder` holds another run; nothing was touched.
     """
     from pipeline.artifacts.results import load_route
     from pipeline.run import run_pipeline
 
+    runs = [_of_rank(config, folder, rank) for rank in range(1, count + 1)]
+    _require_room(runs[1:])
     where, table = folder, Table("route", "sum of kappa", "largest kappa", "steps", "working modes", "folder", box=None)
     missing: NoSolutionError | None = None
-    for rank in range(1, count + 1):
-        chosen, beside = _of_rank(config, folder, rank)
+    for rank, (chosen, beside) in enumerate(runs, start=1):
         try:
             with make_reporter(messages_console(), verbose) as reporter:
                 run_pipeline(chosen, beside, None, Stage.ROUTE, force, reporter, verbose, why_not and rank == 1)
@@ -40,9 +44,8 @@ def plan_alternatives(config: Config, folder: Path, count: int, force: bool, ver
     console = results_console()
     if table.row_count:
         console.print(table)
-        console.print(
-            f"Next: gantry-tau run {where / 'config.yaml'} --out {where}, or of another folder", soft_wrap=True
-        )
+        path, out = shlex.quote(str(where / "config.yaml")), shlex.quote(str(where))
+        console.print(f"Next: gantry-tau run {path} --out {out}, or of another folder", soft_wrap=True)
     if missing is not None:
         raise missing
 
@@ -52,5 +55,21 @@ def _of_rank(config: Config, folder: Path, rank: int) -> tuple[Config, Path]:
     if rank == 1:
         return config.model_copy(update={"route": config.route.model_copy(update={"alternative": 1})}), folder
     route = config.route.model_copy(update={"alternative": rank})
-    where = folder.with_name(f"{folder.name}-{rank}")
-    return config.model_copy(update={"route": route, "name": where.name}), where
+    # Folders such as . and .. have no name of their own to put a number behind.
+    named = folder if folder.name.strip(".") else folder.resolve()
+    beside = named.parent / f"{named.name}-{rank}"
+    return config.model_copy(update={"route": route, "name": f"{config.name}-{rank}"}), beside
+
+
+def _require_room(runs: list[tuple[Config, Path]]) -> None:
+    """Make sure that folders nobody has named hold no run but an alternative of the same rank."""
+    from pipeline.artifacts.layout import CONFIG
+    from pipeline.config_file import load_config
+
+    for config, folder in runs:
+        there = folder / CONFIG
+        if there.exists() and load_config(there).route.alternative != config.route.alternative:
+            raise UsageError(
+                f"{folder} already holds another run, no alternative number {config.route.alternative}: nothing was "
+                "touched.\n  What to change: give another folder with --out, or move that one away."
+            )

@@ -1,6 +1,7 @@
 """Commands that look at things: check a configuration, compare the paths of a run, export its trajectory."""
 
 import json
+import shlex
 from collections.abc import Callable
 from dataclasses import asdict
 from enum import StrEnum
@@ -47,7 +48,7 @@ def check(
     console = results_console()
     for part in machine_report(loaded, machine, task_ends(loaded, machine)):
         console.print(part)
-    console.print(f"{config} is valid. Next: gantry-tau run {config}", soft_wrap=True)
+    console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
 
 
 def compare(

@@ -12,21 +12,19 @@ from pipeline.machine.geometry import build_machine
 
 
 def write_program(config: Config, target: Path, console: Console) -> None:
-    """Write the program over all regions and admitted moves; says its exact size before it is built.
+    """Write the program over all regions, visits made and admitted moves; says its exact size before it is built.
 
     Raises
     ------
     UsageError
-        When the formulation is the core, which is no program of its own, or the file has no known ending.
+        When the task takes more than one program, or the file has no known ending.
     """
-    if config.route.formulation == "core":
-        raise UsageError("--write-mps goes with --formulation paper or --formulation compact")
-    if target.suffix not in (".mps", ".lp"):
-        raise UsageError(f"--write-mps {target}: the file's name has to end in .mps (or .lp)")
+    _check(config, target)
     from pipeline.route.budgets import budgets
     from pipeline.route.compact_milp import build_compact_model
     from pipeline.route.exclusions import excluded_pairs
     from pipeline.route.highs import write_model
+    from pipeline.route.itinerary import lay_out
     from pipeline.route.metric import step_sizes
     from pipeline.route.moves import find_moves
     from pipeline.route.paper_milp import build_paper_model, paper_size
@@ -35,19 +33,34 @@ def write_program(config: Config, target: Path, console: Console) -> None:
     machine = build_machine(config.machine)
     with console.status("regions and moves"):
         regions = build_regions(config, machine)
-        exclusions = excluded_pairs(config, regions, find_moves(config, machine, regions))
+        layout = lay_out(regions, find_moves(config, machine, regions), np.zeros((0, len(regions)), dtype=bool))
+        exclusions = excluded_pairs(config, layout.regions, layout.moves)
     N = config.route.step_budget
-    size = paper_size(len(regions), N, len(exclusions), len(np.unique(exclusions.source)), budgets(config))
+    count = len(layout.regions)
+    size = paper_size(count, N, len(exclusions), len(np.unique(exclusions.source)), budgets(config))
     console.print(
-        f"{len(regions):,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} "
+        f"{count:,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} "
         f"of them boolean), {size.rows:,} rows, {size.entries:,} entries"
     )
     build = build_paper_model if config.route.formulation == "paper" else build_compact_model
     with console.status(f"writing {target}"):
-        model = build(regions, exclusions, step_sizes(config.route), N, budgets(config))
+        model = build(layout.regions, exclusions, step_sizes(config.route), N, budgets(config))
         # Written beside the target and renamed, so that a file that is there is whole.
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             beside = Path(folder) / f"program{target.suffix}"
             write_model(model, beside)
             beside.replace(target)
     console.print(f"{target}: the {config.route.formulation} program")
+
+
+def _check(config: Config, target: Path) -> None:
+    """Refuse what is not one program, and endings that no solver reads."""
+    if config.route.formulation == "core":
+        raise UsageError("--write-mps goes with --formulation paper or --formulation compact")
+    if config.route.objective != "sum":
+        raise UsageError(f"--write-mps goes with route.objective sum: {config.route.objective} takes several programs")
+    if config.route.alternative > 1:
+        rank = config.route.alternative
+        raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} takes the better routes first")
+    if target.suffix not in (".mps", ".lp"):
+        raise UsageError(f"--write-mps {target}: the file's name has to end in .mps (or .lp)")

@@ -1,5 +1,6 @@
 """Commands that run stages: run, route, refine, retime."""
 
+import shlex
 from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
@@ -9,7 +10,7 @@ import typer
 
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.reporter import make_reporter
-from pipeline.errors import ConfigError
+from pipeline.errors import ConfigError, UsageError
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
@@ -89,7 +90,9 @@ def route(
     route.alternative_distance grid steps, or change working modes otherwise.
     """
     changes = {} if formulation is None else {"formulation": formulation.value}
-    if alternatives > 1 and write_mps is None:
+    if alternatives > 1 and write_mps is not None:
+        raise UsageError("--write-mps goes with --alternatives 1: each alternative takes the better routes first")
+    if alternatives > 1:
         from pipeline.cli.alternatives import plan_alternatives
 
         chosen = _with_route(load(config), changes)
@@ -179,12 +182,13 @@ def load(path: Path) -> "Config":
 
 def _next_step(path: Path, folder: Path, out: Path | None, last: Stage) -> str:
     """Recommend what to do after a run that ended with a stage."""
-    where = f" --out {out}" if out else ""
+    config, results = shlex.quote(str(path)), shlex.quote(str(folder))
+    where = f" --out {results}" if out else ""
     if last in (Stage.REGIONS, Stage.ROUTE):
-        return f"gantry-tau refine {path}{where}"
+        return f"gantry-tau refine {config}{where}"
     if last is Stage.FIGURES:
-        return f"look at the pictures, then gantry-tau compare {folder}"
-    return f"gantry-tau compare {folder}, and pictures with gantry-tau run {path}{where}"
+        return f"look at the pictures, then gantry-tau compare {results}"
+    return f"gantry-tau compare {results}, and pictures with gantry-tau run {config}{where}"
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

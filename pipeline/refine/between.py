@@ -1,4 +1,9 @@
-"""The check between the nodes: what the program promises at nodes must hold on the whole path."""
+"""The check between the nodes: what the program promises at nodes must hold on the whole path.
+
+A limit counts as kept between two samples when the nearer of them stays away from it by more than the excess could
+rise in between: half of its second derivative times the squared distance, four times what a parabola needs.
+Elsewhere samples are added until that is so.
+"""
 
 from dataclasses import dataclass
 
@@ -7,12 +12,14 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import FloatArray
-from pipeline.refine.measure import PathSamples, sample_path
+from pipeline.refine.measure import PathSamples, merged, sample_path
 from pipeline.refine.result import Path
 from pipeline.route.boxes import boxes_to_avoid
 from pipeline.route.metric import CONTROLLED
 
 _ROUNDING = 1e-9
+_HALVINGS = 12
+"""How often an interval between two samples is halved at most; a rise that is left then is below any tolerance."""
 _LEAST_SPEED = 0.07
 """Least |q'(s)| relative to its mean: where actuators nearly stand still the path cannot be timed well."""
 
@@ -33,31 +40,69 @@ class Breach:
 
 
 def breaches(config: Config, path: Path) -> list[Breach]:
-    """Sample a path densely and list what it breaks: det H, kappa, clearance, tilt, strokes and travel."""
+    """Sample a path as densely as it takes and list what it breaks: det H, kappa, clearance, tilt, strokes, travel."""
     s = np.linspace(0.0, 1.0, config.refine.check_points + 1)
     try:
         samples = sample_path(path, s)
+        for _ in range(_HALVINGS):
+            s = _doubtful(samples.s, [excess for _, excess, _ in _limits(config, path, samples)])
+            if len(s) == 0:
+                break
+            samples = merged(samples, sample_path(path, s))
     except ForwardKinematicsError as error:
         what = "the closure equations have no solution, links miss their lengths by metres"
         return [Breach(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
     return [
-        Breach(what, float(excess.max()), s[excess > _ROUNDING], advice)
-        for what, excess, advice in _excesses(config, path, samples)
+        Breach(what, float(excess.max()), samples.s[excess > _ROUNDING], advice)
+        for what, excess, advice in _ways(path, samples) + _limits(config, path, samples)
         if (excess > _ROUNDING).any()
     ]
 
 
-def _excesses(config: Config, path: Path, samples: PathSamples) -> list[tuple[str, FloatArray, str]]:
-    """By how much each promise is broken at every sample (n,), negative where it is kept; and what would help."""
+def _doubtful(s: FloatArray, excesses: list[FloatArray]) -> FloatArray:
+    """Middles of the intervals of s (n,) within which an excess (n,) that is kept at both ends may rise above zero."""
+    step = np.diff(s)
+    doubtful = np.zeros(len(step), dtype=bool)
+    for excess in excesses:
+        if not np.isfinite(excess).all():
+            continue
+        slope = np.diff(excess) / step
+        bend = np.zeros(len(s))
+        bend[1:-1] = 2.0 * np.abs(np.diff(slope)) / (step[1:] + step[:-1])
+        bend[[0, -1]] = bend[[1, -2]]
+        rise = np.maximum(bend[1:], bend[:-1]) * step**2 / 2.0
+        worst = np.maximum(excess[1:], excess[:-1])
+        doubtful |= (worst <= _ROUNDING) & (worst + rise > _ROUNDING)
+    return (s[:-1] + step / 2.0)[doubtful]
+
+
+Excess = tuple[str, FloatArray, str]
+"""A promise, by how much it is broken at every sample (n,), negative where it is kept, and what would help."""
+
+
+def _ways(path: Path, samples: PathSamples) -> list[Excess]:
+    """What is wrong with the way itself."""
+    return [
+        ("det H changes sign", _sign_changes(samples.det_sign), "Raise refine.nodes."),
+        ("the pose jumps", _jumps(samples), "Raise refine.nodes."),
+        (
+            "the actuators nearly stop, relative to the mean speed",
+            _LEAST_SPEED - _relative_speed(path, samples.s),
+            "Raise refine.corridor_cells or refine.nodes, or change refine.coefficients.",
+        ),
+    ]
+
+
+def _limits(config: Config, path: Path, samples: PathSamples) -> list[Excess]:
+    """Limits that hold all along the path."""
     machine, q = path.machine, samples.q_m
     limits = machine.actuator_limits_m
     more_clearance = "Raise refine.clearance_margin_m or refine.nodes."
     return [
-        ("det H changes sign", _sign_changes(samples.det_sign), "Raise refine.nodes."),
         (
-            "kappa above route.kappa_max",
-            samples.kappa - config.route.kappa_max,
-            "Raise route.kappa_max or refine.corridor_cells.",
+            "kappa above its cap",
+            samples.kappa - min(config.refine.kappa_max or np.inf, config.route.kappa_max),
+            "Raise refine.kappa_max, route.kappa_max or refine.corridor_cells.",
         ),
         ("links too close, metres", machine.link_link_m - samples.link_distance_m, more_clearance),
         ("a link too close to a rail, metres", _rail_excess(path, samples), more_clearance),
@@ -67,19 +112,13 @@ def _excesses(config: Config, path: Path, samples: PathSamples) -> list[tuple[st
             "Raise refine.tilt_margin_deg, refine.nodes or, for a locked axis, refine.lock_tolerance_deg.",
         ),
         *(
-            (f"task.avoid[{k}] is entered, metres", box.depth_m(samples.pose[:, CONTROLLED]), more_clearance)
+            (f"task.avoid[{k}] is entered, metres or radians", box.depth_m(samples.pose[:, CONTROLLED]), more_clearance)
             for k, box in enumerate(boxes_to_avoid(config))
         ),
         (
             "actuators beyond stroke or travel, metres",
             np.maximum(limits[:, 0] - q, q - limits[:, 1]).max(axis=1),
             "Raise refine.nodes.",
-        ),
-        ("the pose jumps", _jumps(samples), "Raise refine.nodes."),
-        (
-            "the actuators nearly stop, relative to the mean speed",
-            _LEAST_SPEED - _relative_speed(path, samples.s),
-            "Raise refine.corridor_cells or refine.nodes, or change refine.coefficients.",
         ),
     ]
 
@@ -113,4 +152,5 @@ def _relative_speed(path: Path, s: FloatArray) -> FloatArray:
 def _jumps(samples: PathSamples) -> FloatArray:
     """Moves between neighbouring samples far beyond the usual: another branch of the forward kinematics."""
     moves = np.abs(np.diff(samples.pose, axis=0, prepend=samples.pose[:1])).max(axis=1)
-    return np.where(moves > 20.0 * np.median(moves) + 1e-6, moves, 0.0)
+    speed = moves / np.diff(samples.s, prepend=-1.0)
+    return np.where((speed > 20.0 * np.median(speed)) & (moves > 1e-6), moves, 0.0)

@@ -13,6 +13,8 @@ from pipeline.route.result import Route
 _SAMPLES_PER_MOVE = 100
 _ARRIVAL = 1e-6
 """How far, in metres and radians, a move may end from the next step of the route."""
+_STILL = 1e-9
+"""Share of the whole length below which a move is none: what is visited may be where the route already is."""
 
 
 def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
@@ -30,13 +32,15 @@ def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     poses, misses = follow(machine, q, route.pose[:-1])
     _require_arrival(poses, misses, route)
     lengths = np.array([arc_length(move, steps)[-1] for move in poses])
-    corners = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
-    # Rounding must not leave the last knot beside 1.
-    corners[-1] = 1.0
+    moved = lengths > _STILL * lengths.sum()
+    corners = np.append(0.0, np.cumsum(np.where(moved, lengths, 0.0)))
+    corners /= corners[-1]
+    # A knot must not repeat: a step where the one before is has the same parameter and no knot of its own.
+    own = np.append(True, moved)
     node_s = corners[:-1, None] + part[:-1, 0] * np.diff(corners)[:, None]
     return Path(
         machine=machine,
-        spline=BSpline(np.concatenate([[0.0], corners, [1.0]]), route.q_m, 1),
+        spline=BSpline(np.concatenate([[0.0], corners[own], [1.0]]), route.q_m[own], 1),
         node_s=np.append(node_s.ravel(), 1.0),
         node_pose=np.vstack([poses[:, :-1].reshape(-1, 6), route.pose[-1]]),
     )
@@ -54,7 +58,7 @@ def _require_arrival(poses: FloatArray, misses: FloatArray, route: Route) -> Non
 
 def corner_parameters(coarse: Path) -> FloatArray:
     """Parameter s of every step of the route on its coarse path, shape (steps,)."""
-    corners: FloatArray = coarse.spline.t[1:-1]
+    corners: FloatArray = coarse.node_s[::_SAMPLES_PER_MOVE]
     return corners
 
 

@@ -5,11 +5,13 @@ goes through kappa, by far the longest expression, every time. Here the kappa of
 expansion of second order about the very point asked for: it has the same derivatives there, and costs next to nothing.
 """
 
+from collections.abc import Callable
+
 import casadi as ca
 
 
 def lagrangian_hessian(
-    kappa: ca.Function, pose: ca.MX, q: ca.MX, weights: ca.MX, x: ca.MX, constraints: ca.MX
+    kappa: ca.Function, pose: ca.MX, q: ca.MX, x: ca.MX, program: Callable[[ca.MX], tuple[ca.MX, ca.MX]]
 ) -> ca.Function:
     """Build (x, p, lam_f, lam_g) -> the upper triangle of the Hessian of lam_f f + lam_g . g, exactly.
 
@@ -17,10 +19,12 @@ def lagrangian_hessian(
     ----------
     kappa : Function
         (pose, q) -> kappa of a node.
-    pose, q, weights : (6, k), (5, k), (1, k)
-        The unknowns of the nodes, and their weights in the objective f = sum of weight times kappa.
-    x, constraints : (n,), (m,)
-        All unknowns, and the constraints g.
+    pose, q : (6, k), (5, k)
+        The unknowns of the nodes.
+    x : (n,)
+        All unknowns.
+    program : callable
+        Writes the objective f and the constraints g (m,) with given kappa of the nodes (1, k).
     """
     k = pose.shape[1]
     derivatives = _derivatives(kappa)
@@ -32,7 +36,7 @@ def lagrangian_hessian(
     nodes, about = ca.vertcat(pose, q), ca.MX.sym("about", 11, k)
     step = nodes - about
     curvature = ca.reshape(H @ ca.vec(step), 11, k)
-    f = ca.dot(value + ca.sum1((g + curvature / 2.0) * step), weights)
+    f, constraints = program(value + ca.sum1((g + curvature / 2.0) * step))
     lam_f, lam_g, p = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", constraints.numel()), ca.MX.sym("p", 0)
     triangle = ca.triu(ca.hessian(lam_f * f + ca.dot(lam_g, constraints), x)[0])
     hessian = ca.Function("expanded", [x, about, value, g, H, lam_f, lam_g], [triangle])

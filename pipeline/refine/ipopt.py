@@ -23,12 +23,11 @@ _ROUGH = {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_t
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Where IPOPT ended: the unknowns, the objective, and the largest violation per named group of constraints."""
+    """Where IPOPT ended: the unknowns, and the largest violation per named group of constraints."""
 
     status: Status
     message: str
     x: FloatArray
-    objective: float
     iterations: int
     violations: dict[str, float]
 
@@ -58,7 +57,7 @@ class _Watch(ca.Callback):
 
     def eval(self, arguments: Sequence[ca.DM]) -> list[int]:
         self._count += 1
-        self._progress(f"{self._what}: IPOPT iteration {self._count}, kappa integral {float(arguments[1]):.2f}")
+        self._progress(f"{self._what}: IPOPT iteration {self._count}, objective {float(arguments[1]):.2f}")
         return [int(self.interrupted.is_set())]
 
 
@@ -110,7 +109,6 @@ def solve_program(
         status=Status.CONVERGED if message in _SOLVED else Status.NOT_CONVERGED,
         message=message,
         x=np.array(result["x"]).ravel(),
-        objective=float(result["f"]),
         iterations=int(stats["iter_count"]),
         violations=_violations(program, np.array(result["g"]).ravel()),
     )
@@ -139,4 +137,4 @@ def _interrupts_noted(interrupted: threading.Event) -> Iterator[None]:
 def _violations(program: Program, g: FloatArray) -> dict[str, float]:
     low, high = program.constraint_bounds
     excess = np.maximum(np.maximum(low - g, g - high), 0.0)
-    return {block.name: float(excess[block.begin : block.end].max()) for block in program.blocks}
+    return {block.name: float(excess[block.begin : block.end].max(initial=0.0)) for block in program.blocks}

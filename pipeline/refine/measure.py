@@ -1,6 +1,6 @@
 """Figures of a path, measured on dense samples: the same way for the coarse and the refined one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -78,6 +78,16 @@ def sample_path(path: Path, s: FloatArray) -> PathSamples:
         rail_distance_m=rail_distance,
         closure_residual_m=np.abs(closure_residual(path.machine, pose, q)).max(axis=1),
     )
+
+
+def merged(samples: PathSamples, more: PathSamples) -> PathSamples:
+    """Put samples of one path together, in the order of s."""
+    order = np.argsort(np.concatenate([samples.s, more.s]), kind="stable")
+    columns = {
+        field.name: np.concatenate([getattr(samples, field.name), getattr(more, field.name)])[order]
+        for field in fields(PathSamples)
+    }
+    return PathSamples(**columns)
 
 
 def measure(samples: PathSamples, steps: FloatArray) -> PathFigures:

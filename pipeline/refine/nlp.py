@@ -4,10 +4,14 @@ Unknowns: pose (6) and actuators (5) of every collocation node, the spline coeff
 every pair of links that comes near, and the length. With the actuators as unknowns of their own the Hessian is
 sparse: a node touches itself and its neighbour, and the splines only enter linear equations.
 
-    minimise    sum over neighbouring nodes of (kappa_k + kappa_k+1) / 2 times their distance in the route's metric
+    minimise    the integral of kappa: over neighbouring nodes, (kappa_k + kappa_k+1) / 2 times their distance in
+                the route's metric
+                + the largest kappa, as far as it is above what is aimed at, times the length
+                + evenness times the variance of the speed along s times the length
     subject to  closure(pose_k, q_k) = 0,  q_k = basis(s_k) . coefficients,
                 corridor, strokes and travel (bounds of the coefficients hold everywhere: convex hull),
                 0.5 <= speed along s relative to the mean <= 1.5,
+                kappa_k <= the largest kappa <= its cap where kappa is high,
                 n . (a - b) >= clearance,  n . n <= 1.
 """
 
@@ -18,15 +22,19 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.symbolic import Smooth, closure_function, kappa_function
 from pipeline.refine.corridor import Corridor
 from pipeline.refine.hessian import lagrangian_hessian
 from pipeline.refine.separation import Separations, apartness
 from pipeline.refine.splines import basis
-from pipeline.route.metric import CONTROLLED
+from pipeline.route.metric import CONTROLLED, arc_length
 
 SPEED_RANGE = (0.5, 1.5)
 """Speed along s relative to its mean: without it the optimum rushes through where kappa is high."""
+
+_HIGH = 0.75
+"""Share of the largest kappa from which on a node may come to have it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +56,14 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A nonlinear program ready for a solver: CasADi expressions, bounds, start, and how to read its solution."""
+    """A nonlinear program ready for a solver: CasADi expressions, bounds, start, and how to read its solution.
+
+    `hessian` is what `hessian.lagrangian_hessian` builds; `integral` gives the integral of the smooth kappa alone.
+    """
 
     problem: dict[str, ca.MX]
     hessian: ca.Function
+    integral: ca.Function
     variable_bounds: tuple[FloatArray, FloatArray]
     constraint_bounds: tuple[FloatArray, FloatArray]
     start: FloatArray
@@ -71,7 +83,26 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """What one solve is about: nodes s (k,), knots, corridor, separations, the metric (5,) and the kind of kappa."""
+    """What one solve is about.
+
+    Attributes
+    ----------
+    s, knots : (k,), (n,)
+        Parameters of the nodes; knots of the splines.
+    corridor, separations : Corridor, Separations
+        Bounds of the poses; what is kept apart.
+    steps : (5,)
+        The metric: largest moves per step of the route.
+    kind : str
+        The smooth kappa of the objective.
+    weights : (2,)
+        Of the integral of kappa, and of the largest kappa times the length.
+    kappa_max : (2,)
+        What is aimed at for the largest kappa, and its cap; not looked at while the weight is zero.
+    evenness : float
+        What uneven speed along s costs, in units of kappa. The integral itself does not change when a path is
+        run through differently: without this cost nothing holds the nodes, and IPOPT creeps.
+    """
 
     s: FloatArray
     knots: FloatArray
@@ -79,18 +110,22 @@ class Setting:
     separations: Separations
     steps: FloatArray
     kind: Smooth
+    weights: tuple[float, float]
+    kappa_max: tuple[float, float]
+    evenness: float
 
 
 def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
     """Write the program for given nodes, corridor and separations, to be started from `start`."""
     k, n, m = len(setting.s), len(start.coefficients), len(setting.separations)
     pose, q, coefficients = ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n)
-    normal, length = ca.MX.sym("n", 3, m), ca.MX.sym("length")
+    normal, length, worst = ca.MX.sym("n", 3, m), ca.MX.sym("length"), ca.MX.sym("worst")
     B = basis(setting.knots, setting.s)
     moves = (pose[list(CONTROLLED), 1:] - pose[list(CONTROLLED), :-1]) / ca.DM(setting.steps)
     squared = ca.sum1(moves**2)
     distance = ca.sqrt(squared)
     fraction = ca.DM(np.diff(setting.s)).T * length
+    trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
     groups = [
         ("closure", ca.vec(closure_function(machine).map(k)(pose, q)), 0.0, 0.0),
         ("spline", ca.vec(q - coefficients @ _sparse(B).T), 0.0, 0.0),
@@ -100,28 +135,62 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
         ("clearance", apartness(machine, setting.separations, pose, q, normal), 0.0, np.inf),
         ("separating vectors", ca.vec(ca.sum1(normal**2)), -np.inf, 1.0),
     ]
-    sizes = [expression.numel() for _, expression, _, _ in groups]
-    ends = np.cumsum(sizes)
-    x = ca.veccat(pose, q, coefficients, normal, length)
-    g = ca.vertcat(*(expression for _, expression, _, _ in groups))
+    high = _high_nodes(machine, setting, start)
+    x = ca.veccat(pose, q, coefficients, normal, length, worst)
     kappa = kappa_function(machine, setting.kind)
-    weights = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
+    rest = setting.evenness * _unevenness(setting, start, distance, length)
+    rest += setting.weights[1] * _length(setting, start) * worst
+
+    def write(kappas: ca.MX, of_high: ca.MX) -> tuple[ca.MX, ca.MX]:
+        f = setting.weights[0] * ca.dot(kappas, trapezoids) + rest
+        return f, ca.vertcat(*(expression for _, expression, _, _ in groups), ca.vec(of_high - worst))
+
+    kappas = kappa.map(k)(pose, q)
+    f, g = write(kappas, _at(kappa, pose, q, high))
+    sizes = [(name, expression.numel(), low, top) for name, expression, low, top in groups]
+    sizes.append(("kappa", len(high), -np.inf, 0.0))
+    ends = np.cumsum([size for _, size, _, _ in sizes])
     return Program(
-        problem={"x": x, "f": ca.dot(kappa.map(k)(pose, q), weights), "g": g},
-        hessian=lagrangian_hessian(kappa, pose, q, weights, x, g),
+        problem={"x": x, "f": f, "g": g},
+        hessian=lagrangian_hessian(kappa, pose, q, x, lambda K: write(K, K[high])),
+        integral=ca.Function("integral", [x], [ca.dot(kappas, trapezoids)]),
         variable_bounds=_variable_bounds(machine, setting, start),
         constraint_bounds=(
-            np.repeat([low for _, _, low, _ in groups], sizes),
-            np.repeat([high for _, _, _, high in groups], sizes),
+            np.concatenate([np.full(size, low) for _, size, low, _ in sizes]),
+            np.concatenate([np.full(size, top) for _, size, _, top in sizes]),
         ),
-        start=_start_vector(setting, start, B),
+        start=_start_vector(machine, setting, start, B),
         blocks=tuple(
-            Block(name, int(end) - size, int(end))
-            for (name, _, _, _), size, end in zip(groups, sizes, ends, strict=True)
+            Block(name, int(end) - size, int(end)) for (name, size, _, _), end in zip(sizes, ends, strict=True)
         ),
         nodes=k,
         coefficients=n,
     )
+
+
+def _high_nodes(machine: Machine, setting: Setting, start: Start) -> list[int]:
+    """Nodes that may come to have the largest kappa: those of the start that are not far below it."""
+    if setting.weights[1] == 0.0:
+        return []
+    kappa = _kappa(machine, setting, start)
+    return np.flatnonzero(kappa >= _HIGH * min(kappa.max(), setting.kappa_max[1])).tolist()
+
+
+def _kappa(machine: Machine, setting: Setting, start: Start) -> FloatArray:
+    q = basis(setting.knots, setting.s) @ start.coefficients
+    return condition_number(statics_matrix(machine, start.pose, q[:, :3]))
+
+
+def _at(kappa: ca.Function, pose: ca.MX, q: ca.MX, nodes: list[int]) -> ca.MX:
+    """Kappa of some nodes, written anew: its derivatives are taken there only."""
+    return kappa.map(len(nodes))(pose[:, nodes], q[:, nodes]) if nodes else ca.MX(1, 0)
+
+
+def _unevenness(setting: Setting, start: Start, distance: ca.MX, length: ca.MX) -> ca.MX:
+    """Write the variance of the speed along s, in units of the start's mean speed, times the start's length."""
+    first_length, ds = _length(setting, start), ca.DM(np.diff(setting.s)).T
+    deviation = (distance / ds - length) / first_length
+    return first_length * ca.dot(ds, deviation**2)
 
 
 def _variable_bounds(machine: Machine, setting: Setting, start: Start) -> tuple[FloatArray, FloatArray]:
@@ -132,17 +201,22 @@ def _variable_bounds(machine: Machine, setting: Setting, start: Start) -> tuple[
     coefficient_low[[0, -1]] = coefficient_high[[0, -1]] = start.coefficients[[0, -1]]
     normal_high = np.full((pairs, 3), np.inf)
     normal_high[setting.separations.of_rail, 0] = 0.0
-    low = (setting.corridor.low, np.full(5 * nodes, -np.inf), coefficient_low, -normal_high, [1e-3])
-    high = (setting.corridor.high, np.full(5 * nodes, np.inf), coefficient_high, normal_high, [np.inf])
+    # The largest kappa is an unknown only where it counts.
+    worst = setting.kappa_max if setting.weights[1] > 0.0 else (0.0, 0.0)
+    low = (setting.corridor.low, np.full(5 * nodes, -np.inf), coefficient_low, -normal_high, [1e-3], worst[:1])
+    high = (setting.corridor.high, np.full(5 * nodes, np.inf), coefficient_high, normal_high, [np.inf], worst[1:])
     return (np.concatenate([np.ravel(part) for part in low]), np.concatenate([np.ravel(part) for part in high]))
 
 
-def _start_vector(setting: Setting, start: Start, B: csr_array) -> FloatArray:
-    moves = np.diff(start.pose[:, CONTROLLED], axis=0) / setting.steps
-    length = np.linalg.norm(moves, axis=1).sum()
+def _start_vector(machine: Machine, setting: Setting, start: Start, B: csr_array) -> FloatArray:
     q = B @ start.coefficients
-    parts = (start.pose, q, start.coefficients, setting.separations.normal, [length])
+    worst = _kappa(machine, setting, start).max()
+    parts = (start.pose, q, start.coefficients, setting.separations.normal, [_length(setting, start)], [worst])
     return np.concatenate([np.ravel(part) for part in parts])
+
+
+def _length(setting: Setting, start: Start) -> float:
+    return float(arc_length(start.pose, setting.steps)[-1])
 
 
 def _sparse(matrix: csr_array) -> ca.DM:

@@ -1,6 +1,6 @@
 """Stage two as a whole: a start from the coarse path, the program solved, checked between its nodes, solved again."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -9,20 +9,35 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray, Machine
 from pipeline.machine.kinematics import newton
+from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.symbolic import Smooth
 from pipeline.progress import Progress, silent
 from pipeline.refine.between import Breach, breaches
 from pipeline.refine.coarse import coarse_path
 from pipeline.refine.corridor import corridor, visit_parameters
 from pipeline.refine.ipopt import Solution, solve_program
+from pipeline.refine.measure import PathFigures, measure, sample_path
 from pipeline.refine.nlp import Setting, Start, build_program
 from pipeline.refine.result import Path, Refinement
 from pipeline.refine.separation import find_separations
 from pipeline.refine.splines import DEGREE, clamped_knots, fit
-from pipeline.route.metric import step_sizes
+from pipeline.route.metric import arc_length, step_sizes
 from pipeline.route.result import Route
 from pipeline.status import Status
 
+_EVENNESS_FIRST, _EVENNESS = 10.0, 0.1
+"""Cost of uneven speed along s, in units of kappa: much to begin with, in the end what no figure notices."""
+_AIM = 0.97
+"""Share of the coarse path's largest kappa that the integral's objective aims at, too: peaks are to come down."""
+_GAIN = 0.001
+"""Relative gain below which lowering the largest kappa further is not worth a solve."""
+_LOWER = {"integral": 0.95, "mixed": 0.99, "maximum": 0.99}
+"""The largest kappa is lowered in steps of this ratio, small ones where it is to go as low as it gets."""
+_LOWERINGS, _LOWERING_ITERATIONS = 30, 60
+"""So often at most, and each within so many iterations."""
+_LOOKS = 2_001
+"""Poses that the largest kappa is read off while it is lowered."""
+_ENDS = np.array([0.0, 1.0])
 _LOST = 0.5
 """A first pose farther than this (metres, radians) from the coarse path belongs to another assembly."""
 
@@ -37,6 +52,10 @@ class _Task:
     coarse: Path
     knots: FloatArray
     steps: FloatArray
+    kappa_max: tuple[float, float]
+    max_iterations: int
+    peak: float
+    length: float
     progress: Progress
     verbose: bool
 
@@ -47,6 +66,7 @@ class _Solve:
 
     path: Path
     solution: Solution
+    integral: float
 
     @property
     def start(self) -> Start:
@@ -77,12 +97,27 @@ def refine_path(
     """
     options, steps = config.refine, step_sizes(config.route)
     coarse = coarse_path(machine, route, steps)
-    task = _Task(config, machine, route, coarse, clamped_knots(options.coefficients), steps, progress, verbose)
+    task = _Task(
+        config=config,
+        machine=machine,
+        route=route,
+        coarse=coarse,
+        knots=clamped_knots(options.coefficients),
+        steps=steps,
+        kappa_max=_kappa_max(config, coarse),
+        max_iterations=options.max_iterations,
+        peak=0.0,
+        length=float(arc_length(coarse.node_pose, steps)[-1]),
+        progress=progress,
+        verbose=verbose,
+    )
     s = np.union1d(np.linspace(0.0, 1.0, options.nodes), visit_parameters(coarse, route))
     start, iterations = _warm_start(task, s, _first_start(task, s))
     for round_ in range(1, options.max_rounds + 1):
-        solve = _solve(task, s, start, options.objective)
+        solve = _solve(task, s, start, options.surrogate)
         iterations += solve.solution.iterations
+        solve, more = _lowered(task, s, solve)
+        iterations += more
         progress("refine: checking between the nodes")
         found = breaches(config, solve.path)
         if not found:
@@ -93,7 +128,7 @@ def refine_path(
                 iterations=iterations,
                 rounds=round_,
                 nodes=len(s),
-                surrogate_integral=solve.solution.objective,
+                surrogate_integral=solve.integral,
             )
         s, start = _more_nodes(s, solve, found)
     raise _broken(options.max_rounds, solve, found)
@@ -112,11 +147,63 @@ def _first_start(task: _Task, s: FloatArray) -> Start:
 
 
 def _warm_start(task: _Task, s: FloatArray, start: Start) -> tuple[Start, int]:
-    """Solve roughly with the Frobenius kappa first: cheap, and from there the Schatten one ends lower more often."""
-    if task.config.refine.objective == "frobenius":
-        return start, 0
+    """Solve roughly with the Frobenius kappa and at even speed first: cheap, and a start from which all goes well."""
     solve = _solve(task, s, start, "frobenius", rough=True)
     return solve.start, solve.solution.iterations
+
+
+def _lowered(task: _Task, s: FloatArray, solve: _Solve) -> tuple[_Solve, int]:
+    """Lower the largest kappa step by step as far as the objective asks for; also the iterations it took.
+
+    It ends where the next step is no gain, does not converge or breaks a promise: the path before is kept. Start and
+    goal are given, and so is their kappa.
+    """
+    iterations = 0
+    ends = float(
+        condition_number(statics_matrix(task.machine, solve.path.pose(_ENDS), solve.path.q(_ENDS)[:, :3])).max()
+    )
+    for _ in range(_LOWERINGS):
+        largest = _figures(task, solve).kappa_max
+        target = max(ends, task.kappa_max[0] if task.config.refine.objective == "integral" else 0.0)
+        if largest <= target * (1.0 + _GAIN):
+            break
+        task.progress(f"refine: largest kappa {largest:.3f}, lowering it")
+        step = _LOWER[task.config.refine.objective]
+        lower = replace(
+            task,
+            kappa_max=(min(max(target, step * largest), task.kappa_max[1]), task.kappa_max[1]),
+            max_iterations=_LOWERING_ITERATIONS,
+            peak=1.0,
+        )
+        try:
+            # The Frobenius kappa says nothing of the largest one.
+            tried = _solve(lower, s, solve.start, "schatten")
+        except NoSolutionError:
+            break
+        iterations += tried.solution.iterations
+        if breaches(task.config, tried.path) or _worth(task, tried) >= _worth(task, solve) * (1.0 - _GAIN):
+            break
+        solve = tried
+    return solve, iterations
+
+
+def _worth(task: _Task, solve: _Solve) -> float:
+    """What is to be small: the largest kappa, or its mean with the average of kappa along the path."""
+    figures = _figures(task, solve)
+    if task.config.refine.objective == "mixed":
+        return (figures.kappa_max + figures.kappa_integral / task.length) / 2.0
+    return figures.kappa_max
+
+
+def _figures(task: _Task, solve: _Solve) -> PathFigures:
+    return measure(sample_path(solve.path, np.linspace(0.0, 1.0, _LOOKS)), task.steps)
+
+
+def _kappa_max(config: Config, coarse: Path) -> tuple[float, float]:
+    """What is aimed at for the largest kappa, a little less than on the coarse path, and its cap."""
+    largest = float(sample_path(coarse, np.linspace(0.0, 1.0, config.refine.check_points)).kappa.max())
+    cap = min(config.refine.kappa_max or np.inf, config.route.kappa_max)
+    return min(_AIM * largest, cap), cap
 
 
 def _solve(task: _Task, s: FloatArray, start: Start, kind: Smooth, rough: bool = False) -> _Solve:
@@ -131,11 +218,15 @@ def _solve(task: _Task, s: FloatArray, start: Start, kind: Smooth, rough: bool =
         separations=find_separations(task.machine, start.pose, q, options.clearance_margin_m, reach),
         steps=task.steps,
         kind=kind,
+        weights=(1.0, task.peak),
+        kappa_max=task.kappa_max,
+        evenness=_EVENNESS_FIRST if rough else _EVENNESS,
     )
     program = build_program(task.machine, setting, start)
-    solution = solve_program(program, options.max_iterations, task.progress, f"refine ({kind})", task.verbose, rough)
+    solution = solve_program(program, task.max_iterations, task.progress, f"refine ({kind})", task.verbose, rough)
     spline = BSpline(task.knots, program.spline_coefficients(solution.x), DEGREE)
-    solve = _Solve(Path(task.machine, spline, s, program.poses(solution.x)), solution)
+    path = Path(task.machine, spline, s, program.poses(solution.x))
+    solve = _Solve(path, solution, float(program.integral(solution.x)))
     if not solution.status.solved:
         raise _failed(solve)
     return solve

@@ -10,7 +10,7 @@ from pipeline.machine.clearance import min_distances
 from pipeline.machine.geometry import ACTUATORS, MODES, FloatArray, Machine
 from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix
-from pipeline.route.boxes import boxes_to_avoid
+from pipeline.route.boxes import boxes_to_avoid, grown_boxes
 from pipeline.route.metric import CONTROLLED
 
 
@@ -38,8 +38,8 @@ def task_ends(config: Config, machine: Machine) -> tuple[End, End]:
     Raises
     ------
     ConfigError
-        When the machine cannot be at the start, the goal or a pose to visit, or when det H has opposite signs
-        there, so that every way from one to the other meets a Type-II singularity.
+        When the machine cannot be at the start, the goal or a pose to visit, when the goal or a visit repeats an end,
+        or when det H has opposite signs there, so that every way between them meets a Type-II singularity.
     """
     issues: list[ConfigIssue] = []
     ends = []
@@ -62,6 +62,25 @@ def task_ends(config: Config, machine: Machine) -> tuple[End, End]:
                 f"{_modes_with_sign(machine, config.task.goal, ends[0].det_sign)}",
             )
         )
+    if not issues:
+        issues += _visit_issues(config, ends)
+    if issues:
+        raise ConfigError(issues)
+    return ends[0], ends[1]
+
+
+def _visit_issues(config: Config, ends: list[End]) -> list[ConfigIssue]:
+    """Refuse to visit the start or the goal itself, and poses on the other side of a singularity."""
+    issues = []
+    numbers = [k for k, visit in enumerate(config.task.visit) if visit.pose is not None]
+    for k, end in zip(numbers, ends[2:], strict=True):
+        for name, other in zip(("start", "goal"), ends[:2], strict=True):
+            if end.mode == other.mode and np.array_equal(end.pose, other.pose):
+                issues.append(
+                    ConfigIssue(
+                        f"task.visit[{k}].pose", f"is the {name} itself, in the same working mode: leave the visit out"
+                    )
+                )
     for k, end in enumerate(ends[2:]):
         if not issues and end.det_sign != ends[0].det_sign:
             issues.append(
@@ -71,9 +90,7 @@ def task_ends(config: Config, machine: Machine) -> tuple[End, End]:
                     "way there meets a Type-II singularity",
                 )
             )
-    if issues:
-        raise ConfigError(issues)
-    return ends[0], ends[1]
+    return issues
 
 
 def visited_pose(config: Config, machine: Machine, index: int, pose: PoseConfig) -> End:
@@ -114,11 +131,7 @@ def _why_unreachable(discriminants: FloatArray) -> str:
 
 
 def _limit_issues(config: Config, machine: Machine, key: str, end: End) -> list[ConfigIssue]:
-    issues = [
-        ConfigIssue(key, f"is inside task.avoid[{k}]")
-        for k, box in enumerate(boxes_to_avoid(config))
-        if box.inside(end.pose[CONTROLLED])
-    ]
+    issues = _box_issues(config, key, end.pose[CONTROLLED])
     for name, value, (least, largest) in zip(ACTUATORS, end.q_m, machine.actuator_limits_m, strict=True):
         if not least <= value <= largest:
             issues.append(ConfigIssue(key, f"needs {name} at {value:.4f} m; allowed are {least:g} to {largest:g} m"))
@@ -142,6 +155,25 @@ def _limit_issues(config: Config, machine: Machine, key: str, end: End) -> list[
                 f"machine.clearance.link_rail_m asks for {machine.link_rail_m:g} m",
             )
         )
+    return issues
+
+
+def _box_issues(config: Config, key: str, controlled: FloatArray) -> list[ConfigIssue]:
+    """Poses (5,) inside a box to avoid, or within its margin: no region there has a move."""
+    if not config.task.avoid:
+        return []
+    issues = []
+    for k, (box, grown) in enumerate(zip(boxes_to_avoid(config), grown_boxes(config), strict=True)):
+        if box.inside(controlled):
+            issues.append(ConfigIssue(key, f"is inside task.avoid[{k}]"))
+        elif grown.inside(controlled):
+            issues.append(
+                ConfigIssue(
+                    key,
+                    f"is within route.avoid_margin of task.avoid[{k}] ({config.route.avoid_margin:g} grid steps), "
+                    "where moves do not go",
+                )
+            )
     return issues
 
 

@@ -13,6 +13,8 @@ def add_exclusions(rows: Rows, excluded: Moves, before: int, after: int) -> None
 
     With one region per step (12) the sum is at most one, so that a row holds all pairs of its j.
     """
+    if len(excluded) == 0:
+        return
     sources, begin = np.unique(excluded.source, return_index=True)
     end = np.append(begin[1:], len(excluded))
     for j, first, last in zip(sources.tolist(), begin.tolist(), end.tolist(), strict=True):

@@ -36,8 +36,8 @@ class Finding:
     by_graph : bool
         That proof needed no more than the graph: no way over the admitted moves.
     exact : bool
-        `refused` and `value` are neighbours among the values looked at: tilts of the grid, positions, 1 of kappa,
-        0.1 mm of clearance or 1 mm of travel apart.
+        `refused` and `value` are neighbours among the values looked at: tilts of the grid, positions, 1 of kappa
+        (above 1,000 a quarter of a percent), 0.1 mm of clearance or 1 mm of travel apart.
     verdict : Verdict
     locked_axes : tuple of str or None
         Tilt axes still locked, where the change is to unlock others.
@@ -92,7 +92,7 @@ class WhyNot:
     Attributes
     ----------
     remarks : tuple of str
-        What is wrong with the ends or the grid before any limit counts.
+        What is wrong with the ends or the grid before any limit counts, and what else is asked for.
     findings : tuple of Finding
         One per limit.
     from_start, to_goal : (n,)

@@ -3,8 +3,8 @@
 A move is the straight line in actuator space between two regions. It is good when the machine, taken along
 it by forward kinematics, arrives at the pose of the second region with the sign of det H, the kappa cap, the
 clearance and the tilt limit kept all the way. Travel and strokes hold between when they hold at both ends.
-Moving carts and pose along X changes nothing but the travel, so that a move holds at every x or at none, unless
-there are boxes to avoid.
+Moving carts and pose along X changes nothing but the travel, so that a move holds at every x or at none. Where there
+are boxes to avoid it is admitted only when it keeps out of them for every x of its regions' windows.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,9 +17,9 @@ from pipeline.config import Config
 from pipeline.machine.clearance import link_distances, link_pairs, link_rail_distances, rail_pairs
 from pipeline.machine.geometry import BoolArray, FloatArray, IntArray, Machine
 from pipeline.machine.kinematics import follow
-from pipeline.route.boxes import Box, boxes_to_avoid
+from pipeline.route.boxes import Box, boxes_to_avoid, grown_boxes
 from pipeline.route.halving import ROUNDING, Halved, Look, Margins, halve, look, signed_regularity
-from pipeline.route.metric import CONTROLLED
+from pipeline.route.metric import CONTROLLED, step_sizes
 from pipeline.route.table import RegionTable
 
 _ARRIVAL = 1e-6
@@ -67,9 +67,14 @@ class MoveChecks:
         return np.array([flaw is None for flaw in self.flaw], dtype=bool)
 
 
-def check_moves(config: Config, machine: Machine, pose: FloatArray, q_m: FloatArray) -> MoveChecks:
-    """Follow moves given by their two ends: poses (n, 2, 6) and actuator positions (n, 2, 5)."""
-    follower = _Follower.of(config, machine, boxes_to_avoid(config))
+def check_moves(
+    config: Config, machine: Machine, pose: FloatArray, q_m: FloatArray, boxes: list[Box] | None = None
+) -> MoveChecks:
+    """Follow moves given by their two ends: poses (n, 2, 6) and actuator positions (n, 2, 5).
+
+    `boxes` are those to avoid, `task.avoid` by default.
+    """
+    follower = _Follower.of(config, machine, boxes_to_avoid(config) if boxes is None else boxes)
     halved = []
     for begin in range(0, len(pose), _BLOCK):
         block = slice(begin, begin + _BLOCK)
@@ -81,13 +86,11 @@ def check_moves(config: Config, machine: Machine, pose: FloatArray, q_m: FloatAr
 def check_pairs(
     config: Config, machine: Machine, regions: RegionTable, source: IntArray, target: IntArray
 ) -> MoveChecks:
-    """Follow the moves between rows (n,) of the region table, whatever x they are made at.
+    """Follow the moves between rows (n,) of the region table, whatever x of their windows they are made at.
 
-    Boxes to avoid are left out when they have an x. A move and its reverse are one line, which is followed once;
-    memory is bounded by working in blocks.
+    A move and its reverse are one line, which is followed once; memory is bounded by working in blocks.
     """
-    everywhere = [box for box in boxes_to_avoid(config) if np.isinf([box.low[0], box.high[0]]).all()]
-    follower = _Follower.of(config, machine, everywhere)
+    follower = _Follower.of(config, machine, [])
     pose, q = regions.pose, regions.q_m.copy()
     q[:, :3] -= pose[:, :1]
     pose[:, 0] = 0.0
@@ -101,7 +104,33 @@ def check_pairs(
         pairs = pairs.reshape(-1, 2)
         halved.append(follower.halve(q[rows][pairs], follower.look(pose[rows], q[rows]).at(pairs)))
     checks = follower.verdict(halved, lambda rows: (pose[ends[rows]], q[ends[rows]]))
+    for k in np.flatnonzero(_entering(config, machine, regions, ends)):
+        checks.flaw[k] = checks.flaw[k] or Flaw.BOX
     return MoveChecks([checks.flaw[k] for k in line.tolist()], checks.kappa_max[line])
+
+
+def _entering(config: Config, machine: Machine, regions: RegionTable, ends: IntArray) -> BoolArray:
+    """Tell which moves between rows (n, 2) enter a box to avoid for some x of their windows. Shape (n,).
+
+    Where both ends are on one side of the box along X, the x nearest to it decides; elsewhere any x may be passed.
+    """
+    entering, steps = np.zeros(len(ends), dtype=bool), step_sizes(config.route)
+    for box, grown in zip(boxes_to_avoid(config), grown_boxes(config), strict=True):
+        near = grown.across().grown(steps).inside(regions.controlled)
+        rows = np.flatnonzero(near[ends].any(axis=1))
+        least, largest = regions.x_window_m[ends[rows], 0].min(axis=1), regions.x_window_m[ends[rows], 1].max(axis=1)
+        below, above = largest <= grown.low[0] + ROUNDING, least >= grown.high[0] - ROUNDING
+        for group, x, obstacle in (
+            (below, largest, box),
+            (above & ~below, least, box),
+            (~below & ~above, largest, box.across()),
+        ):
+            pose, q = regions.pose[ends[rows[group]]], regions.q_m[ends[rows[group]]]
+            q[..., :3] += (x[group, None] - pose[..., 0])[..., None]
+            pose[..., 0] = x[group, None]
+            flaws = check_moves(config, machine, pose, q, [obstacle]).flaw
+            entering[rows[group]] |= np.array([flaw is Flaw.BOX for flaw in flaws], dtype=bool)
+    return entering
 
 
 @dataclass(frozen=True, eq=False)

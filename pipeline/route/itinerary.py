@@ -53,46 +53,101 @@ def lay_out(regions: RegionTable, moves: Moves, near: BoolArray) -> Layout:
     visits = int(regions.visit.max(initial=0))
     if visits == 0 and len(near) == 0:
         return plain_layout(regions, moves)
-    strayed = ((~near).T @ (1 << np.arange(len(near)))).astype(np.int64)
-    states = (visits + 1) << len(near)
-    arrival = np.stack([_arrive(state, regions.visit, strayed, visits, len(near)) for state in range(states)])
-    # A region is laid out in a state when arriving there leaves the state as it is; start and goal once each.
-    present = arrival == np.arange(states)[:, None]
-    present[:, [regions.start, regions.goal]] = False
-    present[arrival[0, regions.start], regions.start] = True
-    present[states - 1, regions.goal] = True
-    number = np.cumsum(present.ravel()).reshape(present.shape) - 1
-    base = np.nonzero(present)[1]
-    sources, targets = [], []
-    for here in range(states):
-        use = np.flatnonzero(present[here, moves.source])
-        source, target = moves.source[use], moves.target[use]
-        there = arrival[here, target]
-        use = np.flatnonzero(present[there, target])
-        sources.append(number[here, source[use]])
-        targets.append(number[there[use], target[use]])
-    return _ends_last(regions, base, np.concatenate(sources), np.concatenate(targets))
+    states = _States.of(regions, near)
+    # Start and goal are there once each, at the end.
+    inner = states.rows(len(regions) - 2)
+    first, last = int(states.after(0, np.array([regions.start]))[0]), len(inner) - 1
+    parts = [*enumerate(inner), (first, np.array([regions.start])), (last, np.array([regions.goal]))]
+    number = _Numbers.of(states, inner, first)
+    pointer = np.searchsorted(moves.source, np.arange(len(regions) + 1))
+    sources, targets, before = [], [], 0
+    for state, rows in parts:
+        counts = pointer[rows + 1] - pointer[rows]
+        target = moves.target[_ranges(pointer[rows], counts)]
+        found = number.at(states.after(state, target), target)
+        there = found >= 0
+        sources.append(np.repeat(np.arange(before, before + len(rows), dtype=np.int32), counts)[there])
+        targets.append(found[there])
+        before += len(rows)
+    base = np.concatenate([rows for _, rows in parts])
+    return Layout(base, regions.take(base), Moves(np.concatenate(sources), np.concatenate(targets)))
 
 
-def _arrive(state: int, visit: IntArray, strayed: IntArray, visits: int, routes: int) -> IntArray:
-    """State after arriving at each region (n,) in a state: number of visits made, then a bit per route strayed from."""
-    made, bits = state >> routes, state & ((1 << routes) - 1)
-    made_there = np.where(visit == made + 1, made + 1, made)
-    arrived: IntArray = (made_there << routes) | bits | strayed
-    return arrived
+@dataclass(frozen=True, eq=False)
+class _States:
+    """What regions (n,) do to the state of a route: its visits made, then a bit per better route strayed from."""
+
+    visit: IntArray
+    strayed: IntArray
+    visits: int
+    routes: int
+
+    @classmethod
+    def of(cls, regions: RegionTable, near: BoolArray) -> "_States":
+        strayed = np.zeros(len(regions), dtype=np.int32)
+        for route, beside in enumerate(near):
+            strayed |= (~beside).astype(np.int32) << route
+        return cls(regions.visit.astype(np.int32), strayed, int(regions.visit.max(initial=0)), len(near))
+
+    @property
+    def far(self) -> int:
+        """All bits: strayed from every better route."""
+        return (1 << self.routes) - 1
+
+    def after(self, state: int, rows: IntArray) -> IntArray:
+        """State after arriving at each of the regions `rows` (k,) in a state."""
+        made = state >> self.routes
+        visited = (self.visit[rows] == made + 1).astype(np.int32)
+        arrived: IntArray = (visited << self.routes) + (self.strayed[rows] | np.int32(state))
+        return arrived
+
+    def rows(self, count: int) -> list[IntArray]:
+        """Of the first `count` regions those laid out in each state: arriving there leaves the state as it is.
+
+        What is near no better route, most of all regions, is looked at only where all have been strayed from.
+        """
+        every, near = np.arange(count), np.flatnonzero(self.strayed[:count] != self.far)
+        asked = [every if state & self.far == self.far else near for state in range((self.visits + 1) << self.routes)]
+        return [rows[self.after(state, rows) == state] for state, rows in enumerate(asked)]
 
 
-def _ends_last(regions: RegionTable, base: IntArray, source: IntArray, target: IntArray) -> Layout:
-    """Bring start and goal to the end, and the moves into the order of their sources."""
-    end = np.isin(base, [regions.start, regions.goal])
-    order = np.concatenate(
-        [np.flatnonzero(~end), *(np.flatnonzero(base == row) for row in (regions.start, regions.goal))]
-    )
-    place = np.empty(len(base), dtype=np.int32)
-    place[order] = np.arange(len(order))
-    source, target = place[source], place[target]
-    order_of_moves = np.argsort(source, kind="stable")
-    return Layout(base[order], regions.take(base[order]), Moves(source[order_of_moves], target[order_of_moves]))
+@dataclass(frozen=True, eq=False)
+class _Numbers:
+    """Rows of the layout by state and region (n): a table where all routes have been strayed from, else sorted keys."""
+
+    states: _States
+    table: IntArray
+    keys: IntArray
+    first: int
+
+    @classmethod
+    def of(cls, states: _States, inner: list[IntArray], first: int) -> "_Numbers":
+        n = len(states.visit)
+        table = np.full((states.visits + 1, n), -1, dtype=np.int32)
+        before = 0
+        for state, rows in enumerate(inner):
+            if state & states.far == states.far:
+                table[state >> states.routes, rows] = np.arange(before, before + len(rows))
+            before += len(rows)
+        return cls(states, table, np.concatenate([state * n + rows for state, rows in enumerate(inner)]), first)
+
+    def at(self, state: IntArray, region: IntArray) -> IntArray:
+        """Row of the layout for each state and region (k,), -1 where there is none: of the ends in all but one."""
+        n, routes, far = len(self.states.visit), self.states.routes, self.states.far
+        number: IntArray = self.table[state >> routes, region]
+        sparse = np.flatnonzero(state & far != far)
+        number[sparse] = np.searchsorted(self.keys, state[sparse] * np.int64(n) + region[sparse])
+        for place, (row, its) in enumerate(((n - 2, self.first), (n - 1, ((self.states.visits + 1) << routes) - 1))):
+            ends = np.flatnonzero(region == row)
+            number[ends] = np.where(state[ends] == its, len(self.keys) + place, -1)
+        return number
+
+
+def _ranges(first: IntArray, counts: IntArray) -> IntArray:
+    """Put the ranges from each of `first` (k,), of `counts` (k,) numbers, one behind the other."""
+    ranges: IntArray = np.repeat(first - np.cumsum(counts) + counts, counts)
+    ranges += np.arange(len(ranges))
+    return ranges
 
 
 def near_route(regions: RegionTable, steps: FloatArray, rows: IntArray, distance: float) -> BoolArray:

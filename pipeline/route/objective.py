@@ -109,7 +109,8 @@ def _least_largest(
             low = middle
         else:
             high, best = int(np.searchsorted(caps, _largest(found, kappa))), found
-    return best if best.cap == caps[high] else solve(float(caps[high]))
+    # A best under a larger cap that does not exceed this one is the best under this one, too.
+    return replace(best, cap=float(caps[high]))
 
 
 def _largest(best: Best, kappa: np.ndarray) -> float:

@@ -19,7 +19,7 @@ from pipeline.route.table import RegionTable
 _ROUNDING = 1e-9
 _TILT_BOUND_DEG = 45.0
 _LARGEST_TILT_DEG = 85.0
-_KAPPA_BOUND = 1_000.0
+_KAPPA_BOUND, _KAPPA_PER_DECADE = 1_000.0, 1_000
 _CLEARANCE_STEP_M = 1e-4
 _TRAVEL_STEP_M, _TRAVEL_COUNT = 1e-3, 1_000
 
@@ -64,6 +64,14 @@ def find_obstacles(config: Config, machine: Machine) -> list[Obstacle]:
     return [obstacle for obstacle in found if len(obstacle.levels) > 1]
 
 
+def not_varied(config: Config) -> list[str]:
+    """Say what else the task asks for that is no limit looked at here."""
+    task = config.task
+    asked = [f"task.budget.{key} {value:g}" for key, value in task.budget if value is not None]
+    asked += [f"task.{key} ({len(many)})" for key, many in (("avoid", task.avoid), ("visit", task.visit)) if many]
+    return [f"also asked for, and not varied here: {', '.join(asked)}"] if asked else []
+
+
 def _tilt(config: Config) -> list[Obstacle]:
     """The tilt limit with the axes locked as configured, then with each and all of the locked ones free."""
     locked = tuple(config.task.locked_axes)
@@ -74,13 +82,15 @@ def _tilt(config: Config) -> list[Obstacle]:
 
 def _tilt_with(config: Config, locked: tuple[str, ...]) -> Obstacle:
     task, grid, unlocks = config.task, config.route.grid, locked != tuple(config.task.locked_axes)
-    # The ends may be tilted; less than that is no value of the key.
-    ends = max(abs(tilt) for end in (task.start, task.goal) for tilt in (end.rx_deg, end.rz_deg))
-    least = ends if unlocks else task.tilt_max_deg
+    # Poses given may be tilted: less than that is no value of the key, and with as much a freed axis may do.
+    poses = [task.start, task.goal, *(visit.pose for visit in task.visit if visit.pose is not None)]
+    given = max(abs(tilt) for pose in poses for tilt in (pose.rx_deg, pose.rz_deg))
+    least = given if unlocks else task.tilt_max_deg
     bound = _TILT_BOUND_DEG if task.tilt_max_deg < _TILT_BOUND_DEG else _LARGEST_TILT_DEG
     steps = [step for axis, step in (("rx", grid.rx_step_deg), ("rz", grid.rz_step_deg)) if axis not in locked]
     multiples = np.concatenate([step * np.arange(1, int(bound / step + _ROUNDING) + 1) for step in steps])
-    levels = np.unique([least, *multiples[multiples > least + _ROUNDING].round(9)])
+    refused = 0.0 if unlocks else least
+    levels = np.unique([refused, least, *multiples[multiples > least + _ROUNDING].round(9)])
 
     def change(value: float) -> Config:
         return _with(config, "task", tilt_max_deg=value, locked_axes=locked)
@@ -108,8 +118,10 @@ def _doubling(count: int) -> tuple[int, ...]:
 
 def _kappa(config: Config) -> Obstacle:
     configured = config.route.kappa_max
-    whole = np.arange(np.floor(configured) + 1.0, max(_KAPPA_BOUND, 10.0 * configured) + 0.5)
-    levels = np.array([configured, *whole])
+    whole = np.arange(np.floor(configured) + 1.0, _KAPPA_BOUND + 0.5)
+    top, bound = max(_KAPPA_BOUND, configured), 10.0 * configured
+    count = int(np.ceil(_KAPPA_PER_DECADE * np.log10(max(bound / top, 1.0))))
+    levels = np.array([configured, *whole, *np.geomspace(top, max(bound, top), count + 1)[1:]])
 
     def prepare(wide: RegionTable) -> Cut:
         return lambda value: (wide, wide.kappa < value)

@@ -54,7 +54,7 @@ def place(config: Config, regions: RegionTable, sequence: StepSequence) -> Place
     options = config.route
     x = calm_travel(steps.x_window_m, options.x_step_m, options.time_limit_s, sequence.x_m)
     if _broken(config, regions, rows, x):
-        # The calmest travel may be longer than a budget allows; the solver's own is not.
+        # The calmest travel is known to the tolerance of its program only, which a tight budget may not forgive.
         x = sequence.x_m
     if broken := _broken(config, regions, rows, x):
         raise NoSolutionError(

@@ -37,10 +37,13 @@ def plan_route(
     rank = config.route.alternative
     routes = plan_routes(config, machine, regions, rank, progress, verbose)
     if len(routes) < rank:
+        there, stray = (
+            ("is only 1 route", "strays") if len(routes) == 1 else (f"are only {len(routes)} routes", "stray")
+        )
         raise NoSolutionError(
             "route",
-            f"there are only {len(routes)} routes that stray {config.route.alternative_distance:g} grid steps from "
-            "each better one (proven)",
+            f"there {there} that {stray} {config.route.alternative_distance:g} grid steps from each better one "
+            "(proven)",
             "lower route.alternative or route.alternative_distance, or raise route.step_budget",
             {"status": Status.INFEASIBLE.value, "routes": len(routes)},
         )
@@ -142,7 +145,7 @@ def _require_way(config: Config, layout: Layout, bounds: Bounds) -> None:
         )
     for budget in bounds.prices.budgets:
         least = least_use(regions, moves, budget)
-        if least > budget.left(regions) * (1.0 + 1e-9):
+        if least > budget.left(regions) + 1e-9:
             raise _infeasible(
                 f"every route uses at least {budget.shown(regions, least)} of task.budget.{budget.key} (proven)",
                 f"allow as much, or remove task.budget.{budget.key}",

@@ -1,7 +1,7 @@
 """The rules of a route, and nothing else: an independent look at what a solver returned.
 
-It knows (8)-(17), (38), the windows of x, the cost (5), visits, budgets and boxes to avoid; not the graph, the core
-or the program.
+It knows (8)-(17), (38), the windows of x, the cost (5), tilt limits, visits, budgets and boxes to avoid; not the
+graph, the core or the program.
 """
 
 import itertools
@@ -52,7 +52,8 @@ def rule_violations(
 
 def task_violations(config: Config, regions: RegionTable, rows: IntArray, x_m: FloatArray) -> list[str]:
     """Name everything else the task asks for that regions (n,) with positions x (n,) do not keep."""
-    found, task = [], config.task
+    task = config.task
+    found = _tilt_violations(config, np.abs(regions.controlled[rows, 3:]))
     stops = regions.visit[rows]
     made = 0
     for stop in stops[stops > 0].tolist():
@@ -73,6 +74,16 @@ def task_violations(config: Config, regions: RegionTable, rows: IntArray, x_m: F
     for k, box in enumerate(grown_boxes(config)):
         inside = np.asarray((box.depth_m(line) > 1e-6).any(axis=0))
         found += [f"task.avoid[{k}] is entered after step {i}" for i in _where(inside)]
+    return found
+
+
+def _tilt_violations(config: Config, tilt_rad: FloatArray) -> list[str]:
+    """Name the steps of tilts |rx|, |rz| (n, 2) beyond the limit, or about a locked axis."""
+    found, task = [], config.task
+    for axis, tilts in zip(("rx", "rz"), tilt_rad.T, strict=True):
+        locked = axis in task.locked_axes
+        key, limit = ("task.locked_axes", 0.0) if locked else ("task.tilt_max_deg", np.deg2rad(task.tilt_max_deg))
+        found += [f"{key}: {axis} of step {i} is beyond it" for i in _where(tilts > limit + 1e-7)]
     return found
 
 

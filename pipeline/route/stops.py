@@ -12,6 +12,8 @@ from pipeline.route.ends import End, task_ends, visited_pose
 from pipeline.route.metric import CONTROLLED, step_sizes
 from pipeline.route.table import RegionTable
 
+_ROUNDING = 1e-9
+
 
 def with_ends(config: Config, machine: Machine, grid: RegionTable) -> RegionTable:
     """Add the task to a table of grid and gates: its last two rows are then the start and the goal.
@@ -37,18 +39,20 @@ def _visit_rows(config: Config, machine: Machine, grid: RegionTable, number: int
         return _row(visited_pose(config, machine, number - 1, visit.pose), number)
     assert visit.box is not None
     box = Box.of(visit.box)
-    inside = box.across().depth_m(grid.controlled) >= 0.0
+    inside = box.across().depth_m(grid.controlled) >= -_ROUNDING
     if visit.modes:
         inside &= np.isin(grid.mode, [MODES.index(mode) for mode in visit.modes])
     rows = grid.take(inside)
     windows = np.clip(rows.x_window_m, box.low[0], box.high[0])
-    reached = (rows.x_window_m[:, 0] <= box.high[0]) & (rows.x_window_m[:, 1] >= box.low[0])
+    least, largest = rows.x_window_m.T
+    reached = (least <= box.high[0] + _ROUNDING) & (largest >= box.low[0] - _ROUNDING)
     rows = replace(rows, x_window_m=windows, visit=np.full(len(rows), number)).take(reached)
     if len(rows) == 0:
         raise NoSolutionError(
             "regions",
             f"no region of the grid lies in task.visit[{number - 1}]",
-            "make the box larger than a grid step, allow other working modes there, or more tilt",
+            "make the box larger than a grid step, allow other working modes there, or more tilt"
+            + (", or avoid less around it: task.avoid, route.avoid_margin" if config.task.avoid else ""),
         )
     return rows
 

@@ -20,7 +20,7 @@ from pipeline.progress import Progress, silent
 from pipeline.route.findings import Finding, Verdict, WhyNot
 from pipeline.route.isolation import end_remarks
 from pipeline.route.moves import Moves, find_moves
-from pipeline.route.obstacles import Cut, Obstacle, find_obstacles
+from pipeline.route.obstacles import Cut, Obstacle, find_obstacles, not_varied
 from pipeline.route.planner import plan_route
 from pipeline.route.regions import build_regions
 from pipeline.route.result import Route
@@ -42,9 +42,10 @@ def why_not(config: Config, machine: Machine, regions: RegionTable, progress: Pr
     """
     moves = find_moves(config, machine, regions, telling(progress, "as configured"))
     findings = [look_at(config, obstacle, progress) for obstacle in find_obstacles(config, machine)]
-    findings.append(_step_budget(config, machine, regions, moves, progress))
+    if config.route.step_budget < _MOST_POSITIONS:
+        findings.append(_step_budget(config, machine, regions, moves, progress))
     return WhyNot(
-        remarks=tuple(end_remarks(config, machine, regions, moves)),
+        remarks=(*end_remarks(config, machine, regions, moves), *not_varied(config)),
         findings=tuple(findings),
         from_start=reached(moves, len(regions), regions.start),
         to_goal=reached(moves, len(regions), regions.goal, backwards=True),
@@ -236,6 +237,7 @@ def search_whole(
     patience = {
         "formulation": "core",
         "objective": "sum",
+        "alternative": 1,
         "max_rounds": min(_SEARCH_ROUNDS, options.max_rounds),
         "time_limit_s": min(_SEARCH_S, options.time_limit_s),
     }

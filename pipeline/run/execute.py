@@ -193,9 +193,7 @@ class _Run:
         except (ConfigError, UsageError):
             raise
         except PipelineError as error:
-            seconds = time.perf_counter() - began
-            found = self._diagnose(stage, error, progress)
-            self._keep_failure(stage, error, expected, seconds, found)
+            self._fail(stage, error, expected, time.perf_counter() - began, progress)
             self._reporter.end(stage, "failed", time.perf_counter() - began)
             raise
         seconds = time.perf_counter() - began
@@ -203,6 +201,14 @@ class _Run:
         self._replace(stage, record, product.files)
         self._reporter.end(stage, "done", seconds)
         return record
+
+    def _fail(self, stage: Stage, error: PipelineError, expected: str, seconds: float, progress: Progress) -> None:
+        """Keep a failure, and then once more with why: whatever becomes of looking for that, the failure is kept."""
+        self._keep_failure(stage, error, expected, seconds)
+        found = self._diagnose(stage, error, progress)
+        if found is not None:
+            self._keep_failure(stage, error, expected, seconds, found)
+        error.add_note(f"What is known about it was kept in {self._folder.path / failure_names(stage)[0]}")
 
     def _diagnose(self, stage: Stage, error: PipelineError, progress: Progress) -> Diagnosis | None:
         """Find out what stands in the way of a route; who does not want to wait for it interrupts that alone."""
@@ -219,9 +225,12 @@ class _Run:
         return found
 
     def _keep_failure(
-        self, stage: Stage, error: PipelineError, expected: str, seconds: float, found: Diagnosis | None
+        self, stage: Stage, error: PipelineError, expected: str, seconds: float, found: Diagnosis | None = None
     ) -> None:
-        """Keep what is known of a failure for diagnosis, under names that no result has."""
+        """Keep what is known of a failure for diagnosis, under names that no result has.
+
+        With what was found out about it, it takes the place of the failure just kept.
+        """
         from pipeline.artifacts.results import failure_files
 
         reason, advice, diagnosis = str(error), "", {}
@@ -238,8 +247,9 @@ class _Run:
             facts["why_not"] = found.facts
         section = failure_section(reason, advice, str(diagnosis.get("status", "failed")))
         product = Product(failure_files(stage, facts, diagnosis, found.picture if found else None), section)
-        self._replace(stage, self._record(expected, "failed", seconds, product), product.files)
-        error.add_note(f"What is known about it was kept in {self._folder.path / failure_names(stage)[0]}")
+        record = self._record(expected, "failed", seconds, product)
+        superseded = existing_files(self._folder.path, stage) if found is None else []
+        self._commit({**self._folder.state.stages, stage: record}, product.files, superseded)
 
     def _record(self, expected: str, status: Literal["done", "failed"], seconds: float, product: Product) -> Record:
         return Record(

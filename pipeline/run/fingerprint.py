@@ -43,7 +43,8 @@ def config_part(config: Config, stage: Stage) -> dict[str, Any]:
         # The margin around boxes to avoid is counted in steps.
         margin = ("avoid_margin", "x_step_m") if config.task.avoid else ()
         route = {key: whole["route"][key] for key in ("grid", "kappa_max", *margin)}
-        return {**space, "route": route}
+        task = {key: value for key, value in whole["task"].items() if key != "budget"}
+        return {"machine": machine, "task": task, "route": route}
     if stage is Stage.ROUTE:
         return {**space, "route": whole["route"]}
     if stage is Stage.REFINE:

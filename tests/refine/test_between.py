@@ -72,7 +72,7 @@ def test_several_breaches_are_told_together_with_advice(check) -> None:
         }
     )
     assert [str(breach).split(" (")[0] for breach in found] == [
-        "kappa above route.kappa_max",
+        "kappa above its cap",
         "links too close, metres",
     ]
     assert "worst 0.01, first at s = 0.5000" in str(found[1])

@@ -49,6 +49,23 @@ def test_a_parameter_belongs_to_the_move_it_lies_in(coarse: Path, route: Route) 
     assert move_of(coarse, np.array([0.0, 1.0])).tolist() == [0, len(route) - 2]
 
 
+@pytest.mark.parametrize("where", [[3], [-1], [0, 5, 5, -1]])
+def test_a_step_where_the_one_before_is_changes_nothing(
+    machine: Machine, route: Route, coarse: Path, steps: np.ndarray, where: list[int]
+) -> None:
+    """A visit may be made at a step of the route: both have one parameter, and the path is the same."""
+    rows = np.sort(np.append(np.arange(len(route)), np.arange(len(route))[where]))
+    fields = ("region", "modes", "gates", "visits", "pose", "q_m", "kappa")
+    longer = replace(route, **{name: getattr(route, name)[rows] for name in fields})
+    path = coarse_path(machine, longer, steps)
+    np.testing.assert_allclose(path.spline.t, coarse.spline.t, atol=1e-12)
+    np.testing.assert_allclose(corner_parameters(path), corner_parameters(coarse)[rows], atol=1e-12)
+    s = np.linspace(0.0, 1.0, 200)
+    np.testing.assert_allclose(path.q(s), coarse.q(s), atol=1e-12)
+    np.testing.assert_allclose(path.pose(s), coarse.pose(s), atol=1e-8)
+    assert set(move_of(path, s).tolist()) <= set(range(len(longer) - 1))
+
+
 def test_a_route_that_cannot_be_followed_is_refused(machine: Machine, route: Route, steps: np.ndarray) -> None:
     """A step on another branch of the forward kinematics is named."""
     pose = route.pose.copy()

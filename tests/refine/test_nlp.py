@@ -30,7 +30,9 @@ def setting(quick_config: Config, machine: Machine, route: Route, coarse: Path, 
     pose, _ = newton(machine, q, near)
     box = corridor(quick_config, route, coarse, s, 0.0)
     separations = find_separations(machine, pose, q, 0.001, 0.2)
-    made = Setting(s, knots, box, separations, steps, "frobenius")
+    made = Setting(
+        s, knots, box, separations, steps, "frobenius", weights=(0.7, 0.3), kappa_max=(1.0, 1e4), evenness=3.0
+    )
     return made, Start(pose, coefficients), q
 
 
@@ -45,14 +47,26 @@ def _values(program: Program, name: str, x: np.ndarray) -> np.ndarray:
     return np.array(ca.Function(name, [program.problem["x"]], [program.problem[name]])(x)).ravel()
 
 
-def test_the_objective_is_the_trapezoidal_integral_of_kappa(machine: Machine, setting, program: Program) -> None:
+def test_the_integral_is_the_trapezoidal_one_of_kappa(machine: Machine, setting, program: Program) -> None:
     """It agrees with the integral computed from NumPy's Frobenius condition numbers."""
     made, start, q = setting
     H = statics_matrix(machine, start.pose, q[:, :3])
     kappa = np.linalg.norm(H, axis=(1, 2)) * np.linalg.norm(np.linalg.inv(H), axis=(1, 2))
     assert (kappa >= condition_number(H)).all()
     expected = np.trapezoid(kappa, arc_length(start.pose, made.steps))
-    assert _values(program, "f", program.start) == pytest.approx(expected, rel=1e-9)
+    assert float(program.integral(program.start)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_uneven_speed_costs_its_variance_times_the_length(setting, program: Program) -> None:
+    """What the objective has beyond the integral is the weighted variance of the speed along s."""
+    made, start, _ = setting
+    length, ds = arc_length(start.pose, made.steps), np.diff(made.s)
+    speed = np.diff(length) / ds / length[-1]
+    expected = 3.0 * length[-1] * np.sum(ds * (speed - 1.0) ** 2)
+    # The last unknown is the largest kappa.
+    extra = _values(program, "f", program.start) - 0.7 * float(program.integral(program.start))
+    extra -= 0.3 * length[-1] * program.start[-1]
+    assert extra == pytest.approx(expected, rel=1e-7)
 
 
 def test_equations_hold_at_a_start_that_closes(program: Program) -> None:

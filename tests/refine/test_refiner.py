@@ -217,3 +217,35 @@ def test_other_limits_are_kept_as_well(quick_config: Config, section: str, chang
     assert fine.max_tilt_deg <= config.task.tilt_max_deg
     assert fine.min_rail_distance_m >= (config.machine.clearance.link_rail_m or 0.0)
     assert fine.det_sign_constant
+
+
+def test_a_short_task_is_refined_at_once(quick_config: Config, machine: Machine) -> None:
+    """Two moves in one working mode: nothing but a nearly straight line, found in a few iterations."""
+    document = quick_config.model_dump(mode="json")
+    document["task"]["goal"].update(mode="LLL", y_m=0.5)
+    config = Config.model_validate(document)
+    route = plan_route(config, machine, build_regions(config, machine))
+    result = refine_path(config, machine, route)
+    assert result.rounds == 1
+    assert result.iterations < 60
+
+
+@pytest.mark.slow
+def test_the_largest_kappa_is_lowered_as_far_as_it_goes(quick_config: Config, machine: Machine, route: Route) -> None:
+    """Objective "maximum" has a smaller one than "integral", which has a smaller one than the coarse path."""
+    figures = {}
+    for objective in ("integral", "maximum"):
+        refine = quick_config.refine.model_copy(update={"objective": objective})
+        config = quick_config.model_copy(update={"refine": refine})
+        refined = refine_path(config, machine, route)
+        samples = sample_path(refined.path, np.linspace(0.0, 1.0, 5_001))
+        figures[objective] = measure(samples, step_sizes(config.route))
+    assert figures["maximum"].kappa_max < 0.99 * figures["integral"].kappa_max
+    assert figures["integral"].kappa_integral < figures["maximum"].kappa_integral
+
+
+def test_a_cap_on_kappa_that_cannot_be_kept_is_told(light_config: Config, machine: Machine, route: Route) -> None:
+    """One below kappa at the start cannot be kept: the message says which promise is broken."""
+    refine = light_config.refine.model_copy(update={"kappa_max": 22.0, "max_rounds": 1})
+    with pytest.raises(NoSolutionError, match="kappa above its cap"):
+        refine_path(light_config.model_copy(update={"refine": refine}), machine, route)

@@ -99,7 +99,20 @@ def test_a_route_goes_around_a_box(around, quick, assert_rules):
 
 
 def test_a_wall_leaves_no_route(quick_config, quick, vary):
-    """A box of any x, z and tilt that all ways must pass: proven."""
-    config = vary(quick_config, {"task.avoid": [{"y_m": [0.32, 0.44]}]})
+    """A box of any x, z and tilt between start and goal, neither of them near it: proven."""
+    config = vary(quick_config, {"task.goal.y_m": 0.6})
+    assert plan_route(config, quick.machine, build_regions(config, quick.machine)).objective > 0.0
+    config = vary(config, {"task.avoid": [{"y_m": [0.4, 0.5]}]})
     with pytest.raises(NoSolutionError, match="proven"):
         plan_route(config, quick.machine, build_regions(config, quick.machine))
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.25])
+def test_moves_are_admitted_for_every_x_of_their_windows(quick_config, quick, vary, assert_rules, margin):
+    """What is admitted does not depend on the x that a solver happens to take: one round does, and the proof holds."""
+    box = {"x_m": [0.95, 1.25], "y_m": [0.58, 0.98], "z_m": [0.54, 0.94]}
+    config = vary(quick_config, {"task.avoid": [box], "route.avoid_margin": margin, "task.tilt_max_deg": 10})
+    regions = build_regions(config, quick.machine)
+    route = plan_route(config, quick.machine, regions)
+    assert_rules(config, quick.machine, route)
+    assert route.search.rounds == 1

@@ -136,3 +136,26 @@ def test_a_goal_that_is_the_start_is_refused(agder_config: Config):
     """There is nothing to plan; another working mode at the same pose is a task."""
     found = refusal(agder_config, {"task.goal.mode": "LLL"})
     assert found == ["task.goal: is the start itself, in the same working mode: there is nothing to plan"]
+
+
+@pytest.mark.parametrize("end", ["start", "goal"])
+def test_the_start_or_goal_is_no_visit(agder_config: Config, end: str):
+    """Every route is there; the same pose in another working mode may be visited."""
+    data = agder_config.model_dump(mode="json")
+    box = {"y_m": [0.5, 0.7]}
+    found = refusal(agder_config, {"task.visit": [{"box": box}, {"pose": data["task"][end]}]})
+    assert found == [f"task.visit[1].pose: is the {end} itself, in the same working mode: leave the visit out"]
+    config = changed(agder_config, {"task.visit": [{"pose": {**data["task"]["goal"], "mode": "RLL"}}]})
+    assert len(task_ends(config, build_machine(config.machine))) == 2
+
+
+def test_an_end_beside_a_box_keeps_the_margin_of_the_route(agder_config: Config):
+    """Regions keep route.avoid_margin grid steps from boxes, so that no move would join a start that does not."""
+    step = agder_config.route.grid.y_m.step
+    box = {"y_m": [0.3 + 0.1 * step, 0.6]}
+    found = refusal(agder_config, {"task.avoid": [{"y_m": [0.7, 0.8]}, box], "task.goal.y_m": 0.2})
+    assert found == [
+        "task.start: is within route.avoid_margin of task.avoid[1] (0.25 grid steps), where moves do not go"
+    ]
+    config = changed(agder_config, {"task.avoid": [box], "route.avoid_margin": 0.1})
+    assert len(task_ends(config, build_machine(config.machine))) == 2

@@ -13,11 +13,12 @@ from pipeline.machine import build_machine
 from pipeline.progress import silent
 from pipeline.route import build_regions, plan_route
 from pipeline.route.compact_milp import build_compact_model, read_compact
-from pipeline.route.exclusions import excluded_pairs
+from pipeline.route.exclusions import add_exclusions, excluded_pairs
 from pipeline.route.highs import solve_model, write_model
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves import Moves, find_moves
 from pipeline.route.paper_milp import build_paper_model, paper_size, read_paper
+from pipeline.route.rows import Rows
 from pipeline.route.rules import route_cost, rule_violations
 from pipeline.status import Status
 
@@ -129,6 +130,14 @@ def test_exclusions_are_what_the_rules_admit_and_the_moves_do_not(small):
     assert not admitted & set(zip(exclusions.source.tolist(), exclusions.target.tolist(), strict=True))
     opposite = regions.det_sign[exclusions.source] != regions.det_sign[exclusions.target]
     assert 0 < np.count_nonzero(opposite) < len(exclusions)
+
+
+def test_nothing_may_be_excluded(tiny):
+    """Where all that the rules admit are moves there is no row for the others."""
+    _, _, regions = tiny
+    rows = Rows(columns=2 * len(regions))
+    add_exclusions(rows, Moves(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)), 0, len(regions))
+    assert not rows.counts
 
 
 def test_a_program_is_written_for_other_solvers_and_read_back(tiny, tmp_path):

@@ -1,5 +1,6 @@
 """Itineraries: routes of the layout are those routes of the regions that have done it all."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from pipeline.route import plan_route
 from pipeline.route.itinerary import lay_out, near_route, plain_layout
 from pipeline.route.metric import step_sizes
+from pipeline.route.moves import Moves
 from pipeline.route.planner import plan_routes
 
 
@@ -48,6 +50,22 @@ def test_walks_of_the_layout_are_those_that_have_done_it_all(random_problem, see
         found = [tuple(layout.base[list(walk)].tolist()) for walk in _walks(layout.regions, layout.moves, length)]
         assert len(found) == len(set(found))
         assert set(found) == wanted
+
+
+def test_many_better_routes_take_no_memory_to_speak_of(hand_table):
+    """Regions near none of them, by far the most, are laid out once: states by regions are never held."""
+    n = 5_000
+    random = np.random.default_rng(0)
+    regions = hand_table([(0.0, 1.0)] * n, [2.0] * n)
+    near = random.random((9, n)) < 0.02
+    near[:, -2:] = True
+    moves = Moves(np.sort(random.integers(0, n, 50_000)), random.integers(0, n, 50_000))
+    tracemalloc.start()
+    layout = lay_out(regions, moves, near)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert n < len(layout.base) < 1.5 * n
+    assert peak < 10_000_000
 
 
 def test_nothing_asked_leaves_everything_as_it_is(quick):

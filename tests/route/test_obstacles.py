@@ -8,7 +8,7 @@ from pipeline.config_file import load_config
 from pipeline.machine import build_machine
 from pipeline.route import build_regions
 from pipeline.route.findings import TRAVEL
-from pipeline.route.obstacles import Obstacle, find_obstacles
+from pipeline.route.obstacles import Obstacle, find_obstacles, not_varied
 
 from ..conftest import CONFIGS
 
@@ -91,7 +91,39 @@ def test_a_locked_axis_is_unlocked(config: Config, vary) -> None:
     tilts = [obstacle for obstacle in one if obstacle.key == "task.tilt_max_deg"]
     assert [obstacle.locked_axes for obstacle in tilts] == [None, ()]
     assert tilts[0].levels.tolist() == [12.0, 15.0, 30.0, 45.0]
-    assert tilts[1].levels[:3].tolist() == [5.0, 10.0, 15.0]
+    assert tilts[1].levels[:4].tolist() == [0.0, 5.0, 10.0, 15.0]
+
+
+def test_unlocking_needs_the_tilts_of_visits(config: Config, vary) -> None:
+    """No value is below the tilt of a pose to visit, but the one known not to be enough."""
+    pose = {"x_m": 1.0, "y_m": 0.3, "z_m": 0.9, "rx_deg": 0.0, "rz_deg": 12.0, "mode": "LLL"}
+    locked = vary(config, {"task.locked_axes": ["rx"], "task.visit": [{"pose": pose}]})
+    (freed,) = (found for found in find_obstacles(locked, build_machine(locked.machine)) if found.locked_axes == ())
+    assert freed.levels[:3].tolist() == [0.0, 12.0, 15.0]
+
+
+@pytest.mark.parametrize(
+    ("configured", "first", "last"), [(30.5, 31.0, 1e3), (100.0, 101.0, 1e3), (990.0, 991.0, 9.9e3), (1e10, None, 1e11)]
+)
+def test_values_of_kappa_are_whole_then_geometric(config: Config, vary, configured, first, last) -> None:
+    """Whole numbers up to 1,000, then a thousand per decade, up to ten times the cap however large that is."""
+    levels = obstacles(vary(config, {"route.kappa_max": configured}))["route.kappa_max"].levels
+    assert levels[1] == first or levels[1] == pytest.approx(10.0**0.001 * configured)
+    assert levels[-1] == pytest.approx(last)
+    assert len(levels) <= 2_001
+    assert (np.diff(levels) > 0.0).all()
+    assert (np.diff(levels[1:]) <= np.maximum(1.0, 0.00231 * levels[1:-1]) + 1e-9).all()
+
+
+def test_what_is_not_varied_is_told(config: Config, vary) -> None:
+    """Budgets with their values, boxes and visits with their number; nothing where nothing is asked for."""
+    box = {"y_m": [0.4, 0.5]}
+    asked = {"task.budget": {"mode_changes": 3, "tilt_deg": 60}, "task.avoid": [box], "task.visit": [{"box": box}] * 2}
+    assert not_varied(config) == []
+    assert not_varied(vary(config, asked)) == [
+        "also asked for, and not varied here: task.budget.mode_changes 3, task.budget.tilt_deg 60, task.avoid (1), "
+        "task.visit (2)"
+    ]
 
 
 def test_what_refuses_nothing_is_left_out(config: Config, vary) -> None:

@@ -128,6 +128,17 @@ def test_too_little_tilt_is_proven_to_leave_no_route(quick_config, vary, tilt):
     assert 0 < caught.value.diagnosis["reached"] < caught.value.diagnosis["regions"]
 
 
+@pytest.mark.parametrize(
+    ("found", "words"), [(1, "there is only 1 route that strays"), (2, "are only 2 routes that stray ")]
+)
+def test_too_few_routes_are_counted(quick_config, vary, monkeypatch, found, words):
+    """An alternative of a rank beyond what there is."""
+    monkeypatch.setattr(planner, "plan_routes", lambda *arguments: [None] * found)
+    with pytest.raises(NoSolutionError, match=words) as caught:
+        plan_route(vary(quick_config, {"route.alternative": 3}), None, None)
+    assert caught.value.diagnosis["routes"] == found
+
+
 def test_start_and_goal_without_a_grid_between_them_have_no_route(quick_config, vary):
     """An empty table ends in the same proof."""
     config = vary(quick_config, {"route.grid.y_m": {"min": 5, "max": 5.1, "step": 0.1}, "task.tilt_max_deg": 0})

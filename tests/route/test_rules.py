@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.route.rules import route_cost, rule_violations
+from pipeline.route.rules import route_cost, rule_violations, task_violations
 
 STEPS = np.array([0.1, 0.2, 0.2, 0.3, 0.3])
 
@@ -82,3 +82,86 @@ def test_all_coordinates_are_looked_at(regions, column, number):
     controlled[[2, 5], column] = 0.31
     found = _violations(replace(regions, controlled=controlled))
     assert found == [f"({number}): the move after step 2 is too long"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "broken"),
+    [
+        ({"task.tilt_max_deg": 10}, []),
+        ({"task.tilt_max_deg": 9}, ["task.tilt_max_deg: rx of step 2 is beyond it"]),
+        ({"task.locked_axes": ["rz"]}, []),
+        ({"task.locked_axes": ["rx"]}, ["task.locked_axes: rx of step 2 is beyond it"]),
+    ],
+)
+def test_tilt_limits_and_locked_axes_are_looked_at(quick_config, vary, regions, changes, broken):
+    """A tilt of 10 degrees at one step: within the limit of 10, beyond 9, and none about a locked axis."""
+    controlled = regions.controlled.copy()
+    controlled[1, 3] = np.deg2rad(-10.0)
+    tilted = replace(regions, controlled=controlled)
+    assert task_violations(vary(quick_config, changes), tilted, np.array(ROWS), np.array(X)) == broken
+
+
+def _asked(vary, quick_config, regions, task, rows=ROWS, x=X):
+    config = vary(quick_config, {f"task.{key}": value for key, value in task.items()} | {"route.avoid_margin": 0.0})
+    return task_violations(config, regions, np.array(rows), np.array(x))
+
+
+ANYWHERE = {"box": {"x_m": [-9, 9]}}
+
+
+@pytest.mark.parametrize(
+    ("stops", "missed"),
+    [
+        ([1, 2, 0, 0], []),
+        ([2, 1, 2, 0], []),
+        ([1, 1, 2, 0], []),
+        ([2, 1, 0, 0], [1]),
+        ([0, 2, 2, 0], [0, 1]),
+        ([0, 0, 1, 0], [1]),
+        ([0, 0, 0, 1], [0, 1]),
+    ],
+)
+def test_visits_not_made_in_their_turn_are_named(vary, quick_config, regions, stops, missed):
+    """One that comes before its turn does not count; passing by again does no harm. Region 3 is not on the route."""
+    table = replace(regions, visit=np.array([*stops, 0, 0]))
+    found = _asked(vary, quick_config, table, {"visit": [ANYWHERE, ANYWHERE]})
+    assert found == [f"task.visit[{k}] is not visited in its turn" for k in missed]
+
+
+@pytest.mark.parametrize(
+    ("key", "used"),
+    [("mode_changes", 1), ("tilt_deg", np.rad2deg(0.2 + 0.3)), ("travel_m", 0.1 + 0.8 + 0.25)],
+)
+def test_a_budget_that_is_exceeded_is_named(vary, quick_config, regions, key, used):
+    """By what was used and what is allowed: x counts from step to step, y and z and both tilts as they are."""
+    controlled = regions.controlled.copy()
+    controlled[0, 3:] = [0.1, -0.15]
+    controlled[1, 2] = 0.125
+    table = replace(regions, controlled=controlled)
+    limit = used if key == "mode_changes" else round(float(used), 3) + 0.001
+    assert _asked(vary, quick_config, table, {"budget": {key: limit}}) == []
+    less = 0 if key == "mode_changes" else limit - 0.002
+    assert _asked(vary, quick_config, table, {"budget": {key: less}}) == [
+        f"task.budget.{key}: {used:g} used, {less:g} allowed"
+    ]
+    assert _asked(vary, quick_config, table, {"budget": dict.fromkeys(("mode_changes", "tilt_deg", "travel_m"))}) == []
+
+
+@pytest.mark.parametrize(
+    ("box", "steps"),
+    [
+        ({"y_m": [0.45, 0.55]}, [2]),
+        ({"y_m": [0.35, 0.45]}, [1, 2]),
+        ({"y_m": [0.4, 0.6]}, [2]),
+        ({"y_m": [0.45, 0.55], "x_m": [0.0, 0.5]}, []),
+        ({"y_m": [0.65, 0.75], "x_m": [0.53, 0.57]}, [3]),
+        ({"y_m": [0.45, 0.55], "rz_deg": [-1.0, 1.0]}, [2]),
+        ({"y_m": [0.45, 0.55], "rz_deg": [1.0, 2.0]}, []),
+        ({"y_m": [0.9, 1.0]}, []),
+    ],
+)
+def test_a_box_that_is_entered_is_named_with_the_move(vary, quick_config, regions, box, steps):
+    """Between two steps outside it, too; along its surface is not inside."""
+    far = {"y_m": [5.0, 6.0]}
+    found = _asked(vary, quick_config, regions, {"avoid": [far, box]})
+    assert found == [f"task.avoid[1] is entered after step {step}" for step in steps]

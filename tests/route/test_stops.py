@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from pipeline.config_file import load_config
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.machine import MODES
 from pipeline.route import build_regions, plan_route, task_ends
 from pipeline.route.rules import task_violations
+
+from ..conftest import CONFIGS
 
 POSE = {"x_m": 1.0, "y_m": 0.6, "z_m": 0.7, "rx_deg": 0.0, "rz_deg": 0.0, "mode": "RLL"}
 
@@ -93,9 +96,34 @@ def test_visits_that_cannot_be_are_told_before_any_search(quick_config, vary, ma
     between = vary(quick_config, {"task.visit": [{"box": {"y_m": [0.61, 0.62], "z_m": [0.61, 0.62]}}]})
     with pytest.raises(NoSolutionError, match=r"no region of the grid lies in task\.visit\[0\]"):
         build_regions(between, machine)
+    around = {"y_m": [0.5, 0.7], "z_m": [0.6, 0.8]}
+    barred = vary(quick_config, {"task.visit": [{"box": around}], "task.avoid": [around]})
+    with pytest.raises(NoSolutionError, match=r"(?s)in task\.visit\[0\].*route\.avoid_margin"):
+        build_regions(barred, machine)
     inside = vary(quick_config, {"task.avoid": [{"y_m": [0.2, 0.4], "z_m": [0.8, 1.0]}]})
     with pytest.raises(ConfigError, match=r"task\.goal: is inside task\.avoid\[0\]"):
         task_ends(inside, machine)
     nowhere = vary(quick_config, {"task.visit": [{"pose": {**POSE, "mode": "LRL", "z_m": 1.0, "y_m": 0.3}}]})
     with pytest.raises(ConfigError, match=r"task\.visit"):
         task_ends(nowhere, machine)
+
+
+def test_a_box_has_the_grid_points_on_its_sides(quick_config, vary, machine):
+    """Rounding, as of 0.7000000000000001 on a grid, leaves out neither a row of the grid nor the end of a window."""
+    box = {"y_m": [0.65, 0.7], "z_m": [0.55, 0.6]}
+    regions = build_regions(vary(quick_config, {"task.visit": [{"box": box}], "task.tilt_max_deg": 0}), machine)
+    visited = regions.controlled[regions.visit == 1]
+    assert (np.abs(visited[:, 2] - 0.6) < 1e-9).any()
+    assert 0.7 < visited[:, 1].max() < 0.7 + 1e-9
+    least = float(regions.x_window_m[regions.visit == 1, 0].min())
+    edge = {**box, "x_m": [least - 1.0, least - 1e-12]}
+    regions = build_regions(vary(quick_config, {"task.visit": [{"box": edge}], "task.tilt_max_deg": 0}), machine)
+    assert (regions.visit == 1).any()
+
+
+def test_a_budget_may_be_used_up_exactly(vary, machine):
+    """From x 1.3 to 1.0 takes 0.3 m, which is what is allowed, whatever 1.3 - 1.0 is in binary."""
+    changes = {"task.start.x_m": 1.3, "task.goal.x_m": 1.0, "task.goal.mode": "LLL", "task.budget.travel_m": 0.3}
+    config = vary(load_config(CONFIGS / "tiny.yaml"), changes)
+    _, route = _plan(config, machine)
+    np.testing.assert_allclose(route.pose[:, 1], 0.3)

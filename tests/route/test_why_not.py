@@ -208,6 +208,35 @@ class TestFindings:
         finding = look_at(config, obstacle_of(config, "task.tilt_max_deg"), ignore)
         assert (finding.value, finding.refused, finding.exact, finding.by_graph) == (30.0, 20.0, True, False)
 
+    def test_unlocking_at_the_tilt_of_an_end(self, coarse: Config, vary) -> None:
+        """A start tilted by as much as a step of the freed axis: that much may do, and is looked at."""
+        config = vary(coarse, {"task.locked_axes": ["rx"], "task.start.rz_deg": 10.0})
+        obstacles = find_obstacles(config, build_machine(config.machine))
+        finding = look_at(config, next(found for found in obstacles if found.locked_axes == ()), ignore)
+        assert (finding.value, finding.refused) == (10.0, 0.0)
+        freed = vary(config, {"task.locked_axes": []})
+        machine = build_machine(freed.machine)
+        best = plan_route(freed, machine, build_regions(freed, machine))
+        assert finding.objective == pytest.approx(best.objective)
+
+    def test_any_route_counts(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Whatever alternative and objective are asked for, the best sum alone tells if there is a route."""
+        seen = []
+        monkeypatch.setattr(module, "plan_route", lambda config, *args: seen.append(config.route))
+        config = vary(coarse, {"route.alternative": 3, "route.objective": "bottleneck", "route.formulation": "paper"})
+        module.search_whole(config, build_machine(config.machine), None, ignore)
+        (options,) = seen
+        assert (options.alternative, options.objective, options.formulation) == (1, "sum", "core")
+
+    def test_no_more_positions_than_there_may_be(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+        """With the largest step budget there is none to try, and what else is asked for is told."""
+        monkeypatch.setattr(module, "find_obstacles", lambda *args: [])
+        config = vary(coarse, {"route.step_budget": 500, "task.budget.mode_changes": 2})
+        machine = build_machine(config.machine)
+        found = why_not(config, machine, build_regions(config, machine))
+        assert found.findings == ()
+        assert found.remarks == ("also asked for, and not varied here: task.budget.mode_changes 2",)
+
     @pytest.mark.slow
     @pytest.mark.parametrize("changes", [{"task.tilt_max_deg": 5}, {"task.locked_axes": ["rx", "rz"]}])
     def test_the_task_of_the_paper(self, quick_config: Config, vary, changes: dict[str, object]) -> None:

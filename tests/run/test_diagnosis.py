@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from pipeline.artifacts import read_state
 from pipeline.cli import app
 from pipeline.config import Config
 from pipeline.config_file import dump_config, load_config
@@ -57,6 +58,7 @@ def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
     assert (opening["key"], opening["configured"], opening["value"], opening["refused"]) == (KEY, 4, 8, 7)
     assert opening["sentence"] in note
     assert (tmp_path / "out" / "failed" / "route.png").read_bytes().startswith(b"\x89PNG")
+    assert not (tmp_path / "out" / "superseded").exists()
 
 
 def test_the_picture_goes_with_the_failure(tmp_path: Path, narrow: Config, change) -> None:
@@ -89,6 +91,21 @@ def test_interrupted_diagnosis(tmp_path: Path, narrow: Config, monkeypatch: pyte
     assert caught.value.__notes__[0].startswith("Why not: interrupted")
     assert (tmp_path / "out" / "failed" / "route.json").exists()
     assert not (tmp_path / "out" / "failed" / "route.png").exists()
+
+
+@pytest.mark.parametrize("trouble", [ValueError, MemoryError, SystemExit])
+def test_failed_diagnosis(tmp_path: Path, narrow: Config, monkeypatch: pytest.MonkeyPatch, trouble: type) -> None:
+    """Whatever else ends the diagnosis is told, and what is known of the route was kept before."""
+
+    def fails(results: Results, progress: Progress) -> Diagnosis:
+        raise trouble
+
+    monkeypatch.setattr("pipeline.run.execute.diagnose", fails)
+    with pytest.raises(trouble):
+        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
+    kept = json.loads((tmp_path / "out" / "failed" / "route.json").read_text())
+    assert "step_budget" in kept["advice"]
+    assert read_state(tmp_path / "out").stages[Stage.ROUTE].status == "failed"
 
 
 @pytest.mark.parametrize("command", ["run", "route"])
