@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from pipeline.config import Config
     from pipeline.config_file import load_config
     from pipeline.machine import Machine, build_machine
-    from pipeline.refine import Path, Refinement, refine_path
+    from pipeline.refine import Path, Refinement, pose_derivatives, pose_spline, refine_path
     from pipeline.retime import Trajectory, retime_path, sample
-    from pipeline.route import RegionTable, Route, build_regions, plan_route
+    from pipeline.route import RegionTable, Route, build_regions, plan_route, plan_routes
 
 _HOME = {
     "Config": "config",
@@ -23,8 +23,11 @@ _HOME = {
     "Route": "route",
     "build_regions": "route",
     "plan_route": "route",
+    "plan_routes": "route",
     "Path": "refine",
     "Refinement": "refine",
+    "pose_derivatives": "refine",
+    "pose_spline": "refine",
     "refine_path": "refine",
     "Trajectory": "retime",
     "retime_path": "retime",
@@ -43,6 +46,9 @@ __all__ = [
     "build_regions",
     "load_config",
     "plan_route",
+    "plan_routes",
+    "pose_derivatives",
+    "pose_spline",
     "refine_path",
     "retime_path",
     "sample",

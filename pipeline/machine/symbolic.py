@@ -35,6 +35,19 @@ def closure_function(machine: Machine) -> ca.Function:
     return ca.Function("closure", [pose, q], [residual], ["pose", "q"], ["residual"])
 
 
+def closure_terms_function(machine: Machine) -> ca.Function:
+    """Build (z, v, w) -> F_z, F_zz[v, v], F_zz[v, w], F_zzz[v, v, v] of the closure F at z = (pose, q), (11,) each.
+
+    They are what differentiating F(z(s)) = 0 up to three times by s is made of.
+    """
+    z, v, w = ca.SX.sym("z", 11), ca.SX.sym("v", 11), ca.SX.sym("w", 11)
+    F = closure_function(machine)(z[:6], z[6:])
+    along = ca.jtimes(F, z, v)
+    twice = ca.jtimes(along, z, v)
+    terms = [ca.densify(ca.jacobian(F, z)), twice, ca.jtimes(along, z, w), ca.jtimes(twice, z, v)]
+    return ca.Function("closure_terms", [z, v, w], terms, ["z", "v", "w"], ["F_z", "vv", "vw", "vvv"])
+
+
 def joints_function(machine: Machine) -> ca.Function:
     """Build (pose, q) -> platform joints A (6, 3) and cart joints C (6, 3), a row per link."""
     pose, q = _variables()

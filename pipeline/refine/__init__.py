@@ -2,6 +2,7 @@
 
 from pipeline.refine.coarse import coarse_path
 from pipeline.refine.measure import PathFigures, PathSamples, measure, sample_path
+from pipeline.refine.motion import kappa_along, pose_derivatives, pose_spline
 from pipeline.refine.refiner import refine_path
 from pipeline.refine.result import Path, Refinement
 
@@ -11,7 +12,10 @@ __all__ = [
     "PathSamples",
     "Refinement",
     "coarse_path",
+    "kappa_along",
     "measure",
+    "pose_derivatives",
+    "pose_spline",
     "refine_path",
     "sample_path",
 ]
