@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from pipeline.config import Config
-from pipeline.errors import NoSolutionError
+from pipeline.errors import ConfigError, ConfigIssue, NoSolutionError
 from pipeline.machine.geometry import FloatArray, Machine
 from pipeline.machine.kinematics import newton
 from pipeline.machine.statics import condition_number, statics_matrix
@@ -29,6 +29,8 @@ _EVENNESS_FIRST, _EVENNESS = 10.0, 0.1
 """Cost of uneven speed along s, in units of kappa: much to begin with, in the end what no figure notices."""
 _AIM = 0.97
 """Share of the coarse path's largest kappa that the integral's objective aims at, too: peaks are to come down."""
+_BELOW_CAP = 0.995
+"""Share of the cap aimed at: between two nodes kappa may be a little higher than at them."""
 _GAIN = 0.001
 """Relative gain below which lowering the largest kappa further is not worth a solve."""
 _LOWER = {"integral": 0.95, "mixed": 0.99, "maximum": 0.99}
@@ -91,11 +93,14 @@ def refine_path(
 
     Raises
     ------
+    ConfigError
+        When refine.kappa_max is below kappa at the start or the goal.
     NoSolutionError
         When the route cannot be followed, IPOPT does not converge, or a promise stays broken between the nodes
         after the configured rounds; for the latter two the last path is in its `diagnosis`.
     """
     options, steps = config.refine, step_sizes(config.route)
+    _require_cap(config, route)
     coarse = coarse_path(machine, route, steps)
     task = _Task(
         config=config,
@@ -199,11 +204,24 @@ def _figures(task: _Task, solve: _Solve) -> PathFigures:
     return measure(sample_path(solve.path, np.linspace(0.0, 1.0, _LOOKS)), task.steps)
 
 
+def _require_cap(config: Config, route: Route) -> None:
+    """Refuse a cap on kappa that the start or the goal is above already."""
+    ends = float(max(route.kappa[0], route.kappa[-1]))
+    if config.refine.kappa_max is not None and config.refine.kappa_max < ends:
+        raise ConfigError(
+            [
+                ConfigIssue(
+                    "refine.kappa_max", f"is {config.refine.kappa_max:g}; kappa at the start or the goal is {ends:.2f}"
+                )
+            ]
+        )
+
+
 def _kappa_max(config: Config, coarse: Path) -> tuple[float, float]:
     """What is aimed at for the largest kappa, a little less than on the coarse path, and its cap."""
     largest = float(sample_path(coarse, np.linspace(0.0, 1.0, config.refine.check_points)).kappa.max())
     cap = min(config.refine.kappa_max or np.inf, config.route.kappa_max)
-    return min(_AIM * largest, cap), cap
+    return min(_AIM * largest, _BELOW_CAP * cap), cap
 
 
 def _solve(task: _Task, s: FloatArray, start: Start, kind: Smooth, rough: bool = False) -> _Solve:

@@ -7,7 +7,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
 from pipeline.route.budgets import budgets
-from pipeline.route.follow import check_pairs
+from pipeline.route.follow import Flaw, check_pairs
 from pipeline.route.highs import solver_name
 from pipeline.route.itinerary import Layout, lay_out, near_route
 from pipeline.route.metric import step_sizes
@@ -160,10 +160,22 @@ def _no_route(config: Config, layout: Layout, screen: Screen) -> NoSolutionError
     return _infeasible(
         f"no route exists on these {len(layout.regions):,} regions within the step budget and the travel along X"
         f"{asked}{because} (proven)",
-        "raise route.step_budget, route.x_step_m or task.budget, allow more tilt, or refine the grid",
+        f"raise {' or '.join(_loosened(config, screen))}, allow more tilt, or refine the grid",
         regions=len(layout.regions),
         moves=len(layout.moves),
     )
+
+
+def _loosened(config: Config, screen: Screen) -> list[str]:
+    """The keys that would let more routes through, what most moves failed on first."""
+    keys = {Flaw.KAPPA: "route.kappa_max", Flaw.TILT: "task.tilt_max_deg", Flaw.BOX: "route.avoid_margin"}
+    failed = [keys[flaw] for flaw, _ in screen.flaws.most_common() if flaw in keys]
+    return [
+        *failed,
+        "route.step_budget",
+        "route.x_step_m",
+        *(f"task.budget.{budget.key}" for budget in budgets(config)),
+    ]
 
 
 def _infeasible(reason: str, advice: str, **facts: object) -> NoSolutionError:

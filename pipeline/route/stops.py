@@ -50,11 +50,27 @@ def _visit_rows(config: Config, machine: Machine, grid: RegionTable, number: int
     if len(rows) == 0:
         raise NoSolutionError(
             "regions",
-            f"no region of the grid lies in task.visit[{number - 1}]",
+            f"no region of the grid lies in task.visit[{number - 1}]; there are some {_extent(grid)}",
             "make the box larger than a grid step, allow other working modes there, or more tilt"
             + (", or avoid less around it: task.avoid, route.avoid_margin" if config.task.avoid else ""),
         )
     return rows
+
+
+def _extent(grid: RegionTable) -> str:
+    """Say where a table has regions at all."""
+    if len(grid) == 0:
+        return "nowhere"
+    low = [grid.x_window_m[:, 0].min(), *grid.controlled[:, 1:].min(axis=0)]
+    high = [grid.x_window_m[:, 1].max(), *grid.controlled[:, 1:].max(axis=0)]
+    sides = zip(("x_m", "y_m", "z_m", "rx_deg", "rz_deg"), low, high, strict=True)
+    shown = [
+        f"{key} from {np.rad2deg(least):.3g} to {np.rad2deg(most):.3g}"
+        if key.endswith("deg")
+        else f"{key} from {least:.3g} to {most:.3g}"
+        for key, least, most in sides
+    ]
+    return "for " + ", ".join(shown)
 
 
 def _row(end: End, visit: int = 0) -> RegionTable:

@@ -214,7 +214,8 @@ class _Run:
         """Find out what stands in the way of a route; who does not want to wait for it interrupts that alone."""
         if not self._why_not or not can_diagnose(stage, error):
             return None
-        progress("why not: looking for what stands in the way")
+        reason = error.reason if isinstance(error, NoSolutionError) else str(error)
+        progress(f"{reason}. Looking for what stands in the way; Ctrl-C ends that")
         try:
             found = diagnose(self._results, progress)
         except KeyboardInterrupt:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.errors import NoSolutionError
+from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.machine import Machine, build_machine
 from pipeline.refine import Path, Refinement, measure, refine_path, sample_path
 from pipeline.refine.between import Breach, breaches
@@ -245,7 +245,8 @@ def test_the_largest_kappa_is_lowered_as_far_as_it_goes(quick_config: Config, ma
 
 
 def test_a_cap_on_kappa_that_cannot_be_kept_is_told(light_config: Config, machine: Machine, route: Route) -> None:
-    """One below kappa at the start cannot be kept: the message says which promise is broken."""
-    refine = light_config.refine.model_copy(update={"kappa_max": 22.0, "max_rounds": 1})
-    with pytest.raises(NoSolutionError, match="kappa above its cap"):
-        refine_path(light_config.model_copy(update={"refine": refine}), machine, route)
+    """One below kappa at the start is refused; one that no path reaches is told as the promise that is broken."""
+    for cap, error, words in ((22.0, ConfigError, "start or the goal is 23"), (23.5, NoSolutionError, "above its cap")):
+        refine = light_config.refine.model_copy(update={"kappa_max": cap, "max_rounds": 1})
+        with pytest.raises(error, match=words):
+            refine_path(light_config.model_copy(update={"refine": refine}), machine, route)
