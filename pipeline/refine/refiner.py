@@ -121,10 +121,12 @@ def refine_path(
     for round_ in range(1, options.max_rounds + 1):
         solve = _solve(task, s, start, options.surrogate)
         iterations += solve.solution.iterations
-        solve, more = _lowered(task, s, solve)
+        lowered, more = _lowered(task, s, solve)
         iterations += more
         progress("refine: checking between the nodes")
-        found = breaches(config, solve.path)
+        # What was lowered has been checked already.
+        found = breaches(config, solve.path) if lowered is solve else []
+        solve = lowered
         if not found:
             return Refinement(
                 path=solve.path,
