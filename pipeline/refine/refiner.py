@@ -9,7 +9,6 @@ from pipeline.config import Config
 from pipeline.errors import ConfigError, ConfigIssue, NoSolutionError
 from pipeline.machine.geometry import FloatArray, Machine
 from pipeline.machine.kinematics import newton
-from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.symbolic import Smooth
 from pipeline.progress import Progress, silent
 from pipeline.refine.between import Breach, breaches
@@ -17,6 +16,7 @@ from pipeline.refine.coarse import coarse_path
 from pipeline.refine.corridor import corridor, visit_parameters
 from pipeline.refine.ipopt import Solution, solve_program
 from pipeline.refine.measure import PathFigures, measure, sample_path
+from pipeline.refine.motion import kappa_along
 from pipeline.refine.nlp import Setting, Start, build_program
 from pipeline.refine.result import Path, Refinement
 from pipeline.refine.separation import find_separations
@@ -165,12 +165,10 @@ def _lowered(task: _Task, s: FloatArray, solve: _Solve) -> tuple[_Solve, int]:
     It ends where the next step is no gain, does not converge or breaks a promise: the path before is kept. Start and
     goal are given, and so is their kappa.
     """
-    iterations = 0
-    ends = float(
-        condition_number(statics_matrix(task.machine, solve.path.pose(_ENDS), solve.path.q(_ENDS)[:, :3])).max()
-    )
+    iterations, figures = 0, _figures(task, solve)
+    ends = float(kappa_along(solve.path, _ENDS).max())
     for _ in range(_LOWERINGS):
-        largest = _figures(task, solve).kappa_max
+        largest = figures.kappa_max
         target = max(ends, task.kappa_max[0] if task.config.refine.objective == "integral" else 0.0)
         if largest <= target * (1.0 + _GAIN):
             break
@@ -188,15 +186,15 @@ def _lowered(task: _Task, s: FloatArray, solve: _Solve) -> tuple[_Solve, int]:
         except NoSolutionError:
             break
         iterations += tried.solution.iterations
-        if breaches(task.config, tried.path) or _worth(task, tried) >= _worth(task, solve) * (1.0 - _GAIN):
+        there = _figures(task, tried)
+        if _worth(task, there) >= _worth(task, figures) * (1.0 - _GAIN) or breaches(task.config, tried.path):
             break
-        solve = tried
+        solve, figures = tried, there
     return solve, iterations
 
 
-def _worth(task: _Task, solve: _Solve) -> float:
+def _worth(task: _Task, figures: PathFigures) -> float:
     """What is to be small: the largest kappa, or its mean with the average of kappa along the path."""
-    figures = _figures(task, solve)
     if task.config.refine.objective == "mixed":
         return (figures.kappa_max + figures.kappa_integral / task.length) / 2.0
     return figures.kappa_max

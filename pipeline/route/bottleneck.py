@@ -39,8 +39,7 @@ def least_cap(
 
 def moves_within(moves: Moves, values: FloatArray, cap: float) -> Moves:
     """Keep the moves between regions whose value is at most `cap`."""
-    keep = (values[moves.source] <= cap) & (values[moves.target] <= cap)
-    return Moves(moves.source[keep], moves.target[keep])
+    return moves.take((values[moves.source] <= cap) & (values[moves.target] <= cap))
 
 
 def _connected(regions: RegionTable, moves: Moves, most_moves: float, budgets: tuple[Budget, ...]) -> bool:

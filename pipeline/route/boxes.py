@@ -48,6 +48,10 @@ class Box:
         inside: BoolArray = np.asarray(deep.all(axis=-1))
         return inside
 
+    def near(self, controlled: FloatArray, steps: FloatArray) -> BoolArray:
+        """Tell which controlled poses (..., 5) are, at whatever x, within one of `steps` (5,) of it or inside."""
+        return self.across().grown(steps * (1.0 + _ROUNDING)).inside(controlled)
+
     def depth_m(self, controlled: FloatArray) -> FloatArray:
         """Distance of controlled poses (..., 5) to the nearest side, in metres and radians; negative outside."""
         depth: FloatArray = np.minimum(controlled - self.low, self.high - controlled).min(axis=-1)
@@ -71,9 +75,8 @@ def cut_windows(boxes: list[Box], regions: RegionTable, steps: FloatArray) -> Re
     A region may become several rows, one for each piece of its window.
     """
     for box in boxes:
-        across = box.across()
-        near = np.flatnonzero(across.grown(steps * (1.0 + _ROUNDING)).inside(regions.controlled))
-        within = across.inside(regions.controlled[near])
+        near = np.flatnonzero(box.near(regions.controlled, steps))
+        within = box.across().inside(regions.controlled[near])
         pieces = [
             _piece(regions, near, -np.inf, box.low[0]),
             _piece(regions, near[~within], box.low[0], box.high[0]),
@@ -101,7 +104,7 @@ def crossings(
     crossing = np.zeros(len(source), dtype=bool)
     low, high = regions.x_window_m.T
     for box in boxes:
-        near = box.across().grown(steps * (1.0 + _ROUNDING)).inside(regions.controlled)
+        near = box.near(regions.controlled, steps)
         rows = np.flatnonzero(near[source] & near[target])
         i, j = source[rows], target[rows]
         below = np.maximum(high[i], high[j]) <= box.low[0] + _ROUNDING

@@ -116,7 +116,7 @@ def _entering(config: Config, machine: Machine, regions: RegionTable, ends: IntA
     """
     entering, steps = np.zeros(len(ends), dtype=bool), step_sizes(config.route)
     for box, grown in zip(boxes_to_avoid(config), grown_boxes(config), strict=True):
-        near = grown.across().grown(steps).inside(regions.controlled)
+        near = grown.near(regions.controlled, steps)
         rows = np.flatnonzero(near[ends].any(axis=1))
         least, largest = regions.x_window_m[ends[rows], 0].min(axis=1), regions.x_window_m[ends[rows], 1].max(axis=1)
         below, above = largest <= grown.low[0] + ROUNDING, least >= grown.high[0] - ROUNDING

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import common_perpendicular, link_pairs
-from pipeline.machine.geometry import FloatArray, IntArray, Machine, cart_joints, link_vectors
+from pipeline.machine.geometry import BoolArray, FloatArray, IntArray, Machine, cart_joints, link_vectors
 from pipeline.progress import Progress, silent
 from pipeline.route.blocks import blocks, in_parallel
 from pipeline.route.boxes import crossings, grown_boxes
@@ -56,6 +56,10 @@ class Moves:
     def __len__(self) -> int:
         return len(self.source)
 
+    def take(self, rows: IntArray | BoolArray) -> "Moves":
+        """Keep only these, in their order."""
+        return Moves(self.source[rows], self.target[rows])
+
     def graph(self, cost: FloatArray) -> csr_array:
         """The moves as a sparse matrix whose entries are the cost (regions,) of their source."""
         n = len(cost)
@@ -79,7 +83,7 @@ def find_moves(config: Config, machine: Machine, regions: RegionTable, progress:
     _require_memory(config, len(regions), search.expected_moves())
     moves = search.collect(progress)
     crossing = crossings(grown_boxes(config), regions, steps, moves.source, moves.target)
-    return Moves(moves.source[~crossing], moves.target[~crossing]) if crossing.any() else moves
+    return moves.take(~crossing) if crossing.any() else moves
 
 
 def memory_gb(regions: int, moves: int) -> float:

@@ -37,7 +37,7 @@ def _best_prices(regions: RegionTable, moves: Moves, budgets: tuple[Budget, ...]
     """Climb the envelope over the cheaper part of the graph."""
     inside = bounds.forward + bounds.backward <= (1.0 + _REACH) * bounds.optimum
     use = inside[moves.source] & inside[moves.target]
-    part = Moves(moves.source[use], moves.target[use])
+    part = moves.take(use)
     left = np.array([budget.left(regions) for budget in budgets])
     # A price at which the budget alone outweighs the whole cost is as good as infinite.
     highest = bounds.optimum / np.maximum(left, 1e-3)

@@ -68,7 +68,7 @@ def cheap_moves(moves: Moves, bounds: Bounds, cost: float) -> Moves:
     """Keep the moves between regions that routes of at most this cost, within the budgets, can pass."""
     inside = bounds.forward + bounds.backward <= cost + bounds.refund
     keep = np.flatnonzero(inside[moves.source] & inside[moves.target])
-    return Moves(moves.source[keep], moves.target[keep])
+    return moves.take(keep)
 
 
 def fewest_moves(regions: RegionTable, moves: Moves) -> int | None:

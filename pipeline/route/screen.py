@@ -60,7 +60,7 @@ class Screen:
         suspect = np.flatnonzero(touched[base][moves.source] & touched[base][moves.target])
         keep = np.ones(len(moves), dtype=bool)
         keep[suspect] = ~np.isin(self._keys(base[moves.source[suspect]], base[moves.target[suspect]]), bad)
-        return moves if keep.all() else Moves(moves.source[keep], moves.target[keep])
+        return moves if keep.all() else moves.take(keep)
 
     def _keys(self, source: IntArray, target: IntArray) -> IntArray:
         low, high = np.minimum(source, target).astype(np.int64), np.maximum(source, target)

@@ -48,7 +48,7 @@ def reach_figure(config: Config, regions: RegionTable, from_start: BoolArray, to
         axes.set(xlim=window[0], ylim=window[1])
     for axes in panels[len(modes) :]:
         axes.remove()
-    _label_outer(panels[: len(modes)], columns)
+    style.label_yz_panels(panels[: len(modes)], columns)
     figure.legend(handles=_legend_handles(maps), loc="outside lower center", ncols=3)
     return figure
 
@@ -131,16 +131,6 @@ def _mark(marker: str, fill: str) -> dict[str, Any]:
         "markeredgewidth": 0.9,
         "linestyle": "none",
     }
-
-
-def _label_outer(panels: list[Axes], columns: int) -> None:
-    for number, axes in enumerate(panels):
-        axes.label_outer(remove_inner_ticks=True)
-        if number % columns == 0:
-            axes.set_ylabel("z (m)")
-        if number + columns >= len(panels):
-            axes.tick_params(bottom=True, labelbottom=True)
-            axes.set_xlabel("y (m)")
 
 
 def _legend_handles(maps: list[FloatArray]) -> list[Patch | Line2D]:

@@ -111,7 +111,7 @@ def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
         _draw_panel(axes, canvas, int(step), a_map)
     for axes in panels[len(steps) :]:
         axes.remove()
-    _label_outer(panels[: len(steps)], columns)
+    style.label_yz_panels(panels[: len(steps)], columns)
     _add_colour_bar(figure, panels[: len(steps)], canvas.norm)
     figure.legend(handles=_legend_handles(canvas), loc="outside lower center", ncols=3)
     return figure
@@ -217,16 +217,6 @@ def _draw_paths(axes: Axes, canvas: _Canvas, step: int) -> None:
     axes.plot(*route.pose[0, 1:3], **_START)
     axes.plot(*route.pose[-1, 1:3], **_GOAL)
     axes.plot(*route.pose[step, 1:3], **_HERE)
-
-
-def _label_outer(panels: list[Axes], columns: int) -> None:
-    for number, axes in enumerate(panels):
-        axes.label_outer(remove_inner_ticks=True)
-        if number % columns == 0:
-            axes.set_ylabel("z (m)")
-        if number + columns >= len(panels):
-            axes.tick_params(bottom=True, labelbottom=True)
-            axes.set_xlabel("y (m)")
 
 
 def _add_colour_bar(figure: Figure, panels: list[Axes], norm: LogNorm) -> None:

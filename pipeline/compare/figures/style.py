@@ -9,6 +9,7 @@ from functools import wraps
 from typing import Any, ParamSpec
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import MaxNLocator
@@ -85,6 +86,17 @@ def new_figure(height_in: float) -> Figure:
     """Make an empty figure of the common width that lays itself out without overlaps."""
     layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.02, hspace=0.02)
     return Figure(figsize=(WIDTH_IN, height_in), dpi=DPI, layout=layout)
+
+
+def label_yz_panels(panels: list[Axes], columns: int) -> None:
+    """Label the YZ planes on the rim of a grid of panels, and leave the inner ones without ticks."""
+    for number, axes in enumerate(panels):
+        axes.label_outer(remove_inner_ticks=True)
+        if number % columns == 0:
+            axes.set_ylabel("z (m)")
+        if number + columns >= len(panels):
+            axes.tick_params(bottom=True, labelbottom=True)
+            axes.set_xlabel("y (m)")
 
 
 def angle_locator() -> MaxNLocator:
