@@ -1,22 +1,14 @@
-"""The machine as CasADi functions: closure, joints, H and smooth condition numbers, for gradient-based optimisation.
+"""The machine as CasADi functions: closure, joints and H, for gradient-based optimisation.
 
 All take a pose (6,) = (x, y, z, rx, ry, rz) and actuator positions (5,). Links point along
 u_l = (A_l - C_l) / |A_l - C_l|, the norm and not the given length: H is then the NumPy one whether or not the closure
 holds, and does not depend on the telescopes, which leaves two columns of every Hessian empty.
 """
 
-from typing import Literal
-
 import casadi as ca
 import numpy as np
 
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
-
-Smooth = Literal["schatten", "frobenius"]
-
-_SQUARINGS = 5
-_SCHATTEN = 2 * 2**_SQUARINGS
-"""Exponent of the singular values: kappa_2 <= kappa_s <= 6^(2 / 64) kappa_2, a bound within 6 per cent."""
 
 
 def closure_function(machine: Machine) -> ca.Function:
@@ -61,16 +53,16 @@ def statics_function(machine: Machine) -> ca.Function:
     return ca.Function("statics", [pose, q], [_statics(machine, pose, q)], ["pose", "q"], ["H"])
 
 
-def kappa_function(machine: Machine, kind: Smooth) -> ca.Function:
-    """Build (pose, q) -> a smooth upper bound of kappa_2.
+def statics_terms_function(machine: Machine) -> ca.Function:
+    """Build (z, W) -> the derivatives of H's entries (36,) by z (36, 9), and those of second order of W . H, (9, 9).
 
-    With M = H'H, "frobenius" is sqrt(tr(M) tr(M^-1)), up to six times kappa_2, and "schatten" is
-    (tr(M^32) tr(M^-32))^(1/64), at most 6 per cent above it.
+    z = (pose, carts): H does not depend on the telescopes. Entries of H and W (36,) are taken by columns.
     """
-    pose, q = _variables()
-    H = _statics(machine, pose, q)
-    kappa = {"frobenius": _frobenius, "schatten": _schatten}[kind](_gram(H))
-    return ca.Function(f"kappa_{kind}", [pose, q], [kappa], ["pose", "q"], ["kappa"])
+    z, W = ca.SX.sym("z", 9), ca.SX.sym("W", 36)
+    entries = ca.vec(statics_function(machine)(z[:6], ca.vertcat(z[6:], 0.0, 0.0)))
+    curvature, _ = ca.hessian(ca.dot(W, entries), z)
+    terms = [ca.densify(ca.jacobian(entries, z)), ca.densify(curvature)]
+    return ca.Function("statics_terms", [z, W], terms, ["z", "W"], ["by_z", "twice_by_z"])
 
 
 def _variables() -> tuple[ca.SX, ca.SX]:
@@ -116,40 +108,3 @@ def _statics(machine: Machine, pose: ca.SX, q: ca.SX) -> ca.SX:
         u = vectors[:, link] / ca.norm_2(vectors[:, link])
         columns.append(ca.vertcat(u, ca.cross(arms[:, link], u)))
     return ca.horzcat(*columns)
-
-
-def _frobenius(M: ca.SX) -> ca.SX:
-    _, trace_of_inverse = _inverse_factor(M)
-    return ca.sqrt(ca.trace(M) * trace_of_inverse)
-
-
-def _schatten(M: ca.SX) -> ca.SX:
-    W, trace_of_inverse = _inverse_factor(M)
-    trace = ca.trace(M)
-    inverse = _gram(W)
-    # Divided by their traces both have eigenvalues of at most one: no power overflows.
-    powers = _trace_of_power(M / trace) * _trace_of_power(inverse / trace_of_inverse)
-    kappa: ca.SX = ca.sqrt(trace * trace_of_inverse) * powers ** (1.0 / _SCHATTEN)
-    return kappa
-
-
-def _inverse_factor(M: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """W with M^-1 = W'W, the inverted Cholesky factor of M, and tr(M^-1)."""
-    W = ca.solve(ca.chol(M).T, ca.SX.eye(6))
-    return W, ca.sumsqr(W)
-
-
-def _trace_of_power(S: ca.SX) -> ca.SX:
-    """tr(S^32) of a symmetric matrix; the last squaring needs the trace alone."""
-    for _ in range(_SQUARINGS - 1):
-        S = _gram(S)
-    return ca.sumsqr(S)
-
-
-def _gram(A: ca.SX) -> ca.SX:
-    """A'A for (6, 6) A, computed in the lower triangle alone: half the expressions of a product of matrices."""
-    product = ca.SX(6, 6)
-    for i in range(6):
-        for j in range(i + 1):
-            product[i, j] = product[j, i] = ca.dot(A[:, i], A[:, j])
-    return product

@@ -83,7 +83,8 @@ def solve_program(
         "iteration_callback": watch,
         "print_time": False,
         "error_on_fail": False,
-        "hess_lag": program.hessian,
+        **program.derivatives,
+        "no_nlp_grad": True,
         "ipopt": {
             "linear_solver": "mumps",
             "max_iter": max_iterations,

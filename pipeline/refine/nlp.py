@@ -23,9 +23,10 @@ from scipy.sparse import csr_array
 
 from pipeline.machine.geometry import FloatArray, Machine
 from pipeline.machine.statics import condition_number, statics_matrix
-from pipeline.machine.symbolic import Smooth, closure_function, kappa_function
+from pipeline.machine.symbolic import closure_function
 from pipeline.refine.corridor import Corridor
-from pipeline.refine.hessian import lagrangian_hessian
+from pipeline.refine.derivatives import derivative_options
+from pipeline.refine.node_kappa import NodeKappa
 from pipeline.refine.separation import Separations, apartness
 from pipeline.refine.splines import basis
 from pipeline.route.metric import CONTROLLED, arc_length
@@ -58,11 +59,12 @@ class Block:
 class Program:
     """A nonlinear program ready for a solver: CasADi expressions, bounds, start, and how to read its solution.
 
-    `hessian` is what `hessian.lagrangian_hessian` builds; `integral` gives the integral of the smooth kappa alone.
+    `derivatives` are those of `derivatives.derivative_options`; `integral` gives the integral of the smooth kappa;
+    `kappa` is what computes it, and has to live as long as the program.
     """
 
     problem: dict[str, ca.MX]
-    hessian: ca.Function
+    derivatives: dict[str, ca.Function]
     integral: ca.Function
     variable_bounds: tuple[FloatArray, FloatArray]
     constraint_bounds: tuple[FloatArray, FloatArray]
@@ -70,6 +72,7 @@ class Program:
     blocks: tuple[Block, ...]
     nodes: int
     coefficients: int
+    kappa: NodeKappa | None = None
 
     def poses(self, x: FloatArray) -> FloatArray:
         """Poses of the nodes in a solution vector, shape (nodes, 6)."""
@@ -93,8 +96,8 @@ class Setting:
         Bounds of the poses; what is kept apart.
     steps : (5,)
         The metric: largest moves per step of the route.
-    kind : str
-        The smooth kappa of the objective.
+    exponent : float
+        Of the smooth kappa, a Schatten condition number.
     weights : (2,)
         Of the integral of kappa, and of the largest kappa times the length.
     kappa_max : (2,)
@@ -109,7 +112,7 @@ class Setting:
     corridor: Corridor
     separations: Separations
     steps: FloatArray
-    kind: Smooth
+    exponent: float
     weights: tuple[float, float]
     kappa_max: tuple[float, float]
     evenness: float
@@ -137,22 +140,24 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
     ]
     high = _high_nodes(machine, setting, start)
     x = ca.veccat(pose, q, coefficients, normal, length, worst)
-    kappa = kappa_function(machine, setting.kind)
+    nodes, kappa = ca.vertcat(pose, q[:3, :]), NodeKappa(machine, k, setting.exponent)
+
     rest = setting.evenness * _unevenness(setting, start, distance, length)
     rest += setting.weights[1] * _length(setting, start) * worst
 
-    def write(kappas: ca.MX, of_high: ca.MX) -> tuple[ca.MX, ca.MX]:
+    def write(kappas: ca.MX) -> tuple[ca.MX, ca.MX]:
         f = setting.weights[0] * ca.dot(kappas, trapezoids) + rest
-        return f, ca.vertcat(*(expression for _, expression, _, _ in groups), ca.vec(of_high - worst))
+        of_high = ca.vec(kappas[high] - worst) if high else ca.MX(0, 1)
+        return f, ca.vertcat(*(expression for _, expression, _, _ in groups), of_high)
 
-    kappas = kappa.map(k)(pose, q)
-    f, g = write(kappas, _at(kappa, pose, q, high))
+    kappas = kappa(nodes)[0]
+    f, g = write(kappas)
     sizes = [(name, expression.numel(), low, top) for name, expression, low, top in groups]
     sizes.append(("kappa", len(high), -np.inf, 0.0))
     ends = np.cumsum([size for _, size, _, _ in sizes])
     return Program(
         problem={"x": x, "f": f, "g": g},
-        hessian=lagrangian_hessian(kappa, pose, q, x, lambda K: write(K, K[high])),
+        derivatives=derivative_options(kappa, nodes, x, write),
         integral=ca.Function("integral", [x], [ca.dot(kappas, trapezoids)]),
         variable_bounds=_variable_bounds(machine, setting, start),
         constraint_bounds=(
@@ -165,6 +170,7 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
         ),
         nodes=k,
         coefficients=n,
+        kappa=kappa,
     )
 
 
@@ -179,11 +185,6 @@ def _high_nodes(machine: Machine, setting: Setting, start: Start) -> list[int]:
 def _kappa(machine: Machine, setting: Setting, start: Start) -> FloatArray:
     q = basis(setting.knots, setting.s) @ start.coefficients
     return condition_number(statics_matrix(machine, start.pose, q[:, :3]))
-
-
-def _at(kappa: ca.Function, pose: ca.MX, q: ca.MX, nodes: list[int]) -> ca.MX:
-    """Kappa of some nodes, written anew: its derivatives are taken there only."""
-    return kappa.map(len(nodes))(pose[:, nodes], q[:, nodes]) if nodes else ca.MX(1, 0)
 
 
 def _unevenness(setting: Setting, start: Start, distance: ca.MX, length: ca.MX) -> ca.MX:

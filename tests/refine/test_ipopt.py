@@ -16,15 +16,12 @@ from pipeline.status import Status
 
 def _program(low: float = 2.0) -> Program:
     """Least x^4 + y^2 with y >= x^2 + `low` ("above") and x y = 3 ("hyperbola")."""
-    x, p, lam_f, lam_g = ca.MX.sym("x", 2), ca.MX.sym("p", 0), ca.MX.sym("lam_f"), ca.MX.sym("lam_g", 2)
+    x = ca.MX.sym("x", 2)
     f = x[0] ** 4 + x[1] ** 2
     g = ca.vertcat(x[1] - x[0] ** 2, x[0] * x[1])
-    triangle = ca.triu(ca.hessian(lam_f * f + ca.dot(lam_g, g), x)[0])
     return Program(
         problem={"x": x, "f": f, "g": g},
-        hessian=ca.Function(
-            "hessian", [x, p, lam_f, lam_g], [triangle], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
-        ),
+        derivatives={},
         integral=ca.Function("integral", [x], [f]),
         variable_bounds=(np.array([0.0, 0.0]), np.array([5.0, 5.0])),
         constraint_bounds=(np.array([low, 3.0]), np.array([np.inf, 3.0])),
