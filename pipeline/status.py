@@ -27,6 +27,6 @@ _ADVICE = {
     Status.OPTIMAL: "Nothing: the result is proven optimal.",
     Status.CONVERGED: "Nothing: all constraints hold to the solver's tolerance.",
     Status.INFEASIBLE: "Allow more: tilt, kappa, step budget, travel per step, or a finer grid.",
-    Status.TIME_LIMIT: "Raise the time limit, or coarsen the grid.",
+    Status.TIME_LIMIT: "Raise the time limit, or coarsen the grid or the mesh.",
     Status.NOT_CONVERGED: "Widen the corridor, give more coefficients or iterations, or start from another route.",
 }

@@ -95,6 +95,8 @@ def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "Path
         "status": str(refinement.status),
         "iterations": refinement.iterations,
         "rounds": refinement.rounds,
+        "meshes": refinement.meshes,
+        "mesh_change": refinement.mesh_change,
         "nodes": refinement.nodes,
         "kappa_max": refined.kappa_max,
         "kappa_max_s": refined.kappa_max_s,

@@ -128,6 +128,8 @@ def pack_refinement(refinement: Refinement) -> dict[str, object]:
         "status": str(refinement.status),
         "iterations": refinement.iterations,
         "rounds": refinement.rounds,
+        "meshes": refinement.meshes,
+        "mesh_change": np.nan if refinement.mesh_change is None else refinement.mesh_change,
         "nodes": refinement.nodes,
         "surrogate_integral": refinement.surrogate_integral,
     }
@@ -141,6 +143,8 @@ def unpack_refinement(arrays: Arrays, machine: Machine) -> Refinement:
         status=Status(arrays["status"].item()),
         iterations=arrays["iterations"].item(),
         rounds=arrays["rounds"].item(),
+        meshes=arrays["meshes"].item(),
+        mesh_change=None if np.isnan(arrays["mesh_change"]) else arrays["mesh_change"].item(),
         nodes=arrays["nodes"].item(),
         surrogate_integral=arrays["surrogate_integral"].item(),
     )

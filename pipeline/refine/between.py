@@ -5,17 +5,21 @@ rise in between: half of its second derivative times the squared distance, four 
 Elsewhere samples are added until that is so.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import FloatArray
-from pipeline.refine.measure import PathSamples, merged, sample_path
+from pipeline.refine.corridor import corridor_excess
+from pipeline.refine.measure import PathSamples, merged, relative_speed, sample_path
 from pipeline.refine.result import Path
 from pipeline.route.boxes import boxes_to_avoid
 from pipeline.route.metric import CONTROLLED
+from pipeline.route.result import Route
 
 _ROUNDING = 1e-9
 _HALVINGS = 12
@@ -39,13 +43,17 @@ class Breach:
         return f"{self.what} (worst {self.worst:.4g}, first at s = {self.s[0]:.4f})"
 
 
-def breaches(config: Config, path: Path) -> list[Breach]:
-    """Sample a path as densely as it takes and list what it breaks: det H, kappa, clearance, tilt, strokes, travel."""
+def breaches(config: Config, route: Route, path: Path, coarse: Path) -> list[Breach]:
+    """Sample a path as densely as it takes and list what it breaks.
+
+    One sign of det H, kappa, clearance, tilt, boxes to avoid, strokes, travel, the corridor, and speed along s.
+    """
+    within = partial(corridor_excess, config, route, path, coarse)
     s = np.linspace(0.0, 1.0, config.refine.check_points + 1)
     try:
         samples = sample_path(path, s)
         for _ in range(_HALVINGS):
-            s = _doubtful(samples.s, [excess for _, excess, _ in _limits(config, path, samples)])
+            s = _doubtful(samples.s, [excess for _, excess, _ in _limits(config, path, samples, within)])
             if len(s) == 0:
                 break
             samples = merged(samples, sample_path(path, s))
@@ -54,7 +62,7 @@ def breaches(config: Config, path: Path) -> list[Breach]:
         return [Breach(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
     return [
         Breach(what, float(excess.max()), samples.s[excess > _ROUNDING], advice)
-        for what, excess, advice in _ways(path, samples) + _limits(config, path, samples)
+        for what, excess, advice in _ways(samples) + _limits(config, path, samples, within)
         if (excess > _ROUNDING).any()
     ]
 
@@ -80,21 +88,18 @@ Excess = tuple[str, FloatArray, str]
 """A promise, by how much it is broken at every sample (n,), negative where it is kept, and what would help."""
 
 
-def _ways(path: Path, samples: PathSamples) -> list[Excess]:
+def _ways(samples: PathSamples) -> list[Excess]:
     """What is wrong with the way itself."""
     return [
         ("det H changes sign", _sign_changes(samples.det_sign), "Raise refine.nodes."),
         ("the pose jumps", _jumps(samples), "Raise refine.nodes."),
-        (
-            "the actuators nearly stop, relative to the mean speed",
-            _LEAST_SPEED - _relative_speed(path, samples.s),
-            "Raise refine.corridor_cells or refine.nodes, or change refine.coefficients.",
-        ),
     ]
 
 
-def _limits(config: Config, path: Path, samples: PathSamples) -> list[Excess]:
-    """Limits that hold all along the path."""
+def _limits(
+    config: Config, path: Path, samples: PathSamples, within: Callable[[FloatArray, FloatArray], FloatArray]
+) -> list[Excess]:
+    """Limits that hold all along the path; `within` gives by how much the corridor is left."""
     machine, q = path.machine, samples.q_m
     limits = machine.actuator_limits_m
     more_clearance = "Raise refine.clearance_margin_m or refine.nodes."
@@ -120,6 +125,16 @@ def _limits(config: Config, path: Path, samples: PathSamples) -> list[Excess]:
             np.maximum(limits[:, 0] - q, q - limits[:, 1]).max(axis=1),
             "Raise refine.nodes.",
         ),
+        (
+            "outside the corridor, grid steps (or metres on the wrong side)",
+            within(samples.s, samples.pose),
+            "Raise refine.nodes or refine.corridor_cells.",
+        ),
+        (
+            "the actuators nearly stop, relative to the mean speed",
+            _LEAST_SPEED - relative_speed(path, samples.s),
+            "Raise refine.corridor_cells or refine.nodes, or change refine.coefficients.",
+        ),
     ]
 
 
@@ -141,12 +156,6 @@ def _tilt_excess(config: Config, samples: PathSamples) -> FloatArray:
     tilt = np.rad2deg(np.abs(samples.pose[:, [column for _, column in _TILTS]]))
     excess: FloatArray = (tilt - allowed).max(axis=1)
     return excess
-
-
-def _relative_speed(path: Path, s: FloatArray) -> FloatArray:
-    speed = np.linalg.norm(path.q(s, 1), axis=1)
-    relative: FloatArray = speed / speed.mean()
-    return relative
 
 
 def _jumps(samples: PathSamples) -> FloatArray:

@@ -1,8 +1,9 @@
 """The corridor: which poses the refined path may have at each s.
 
-At s between two neighbouring steps of the route it is the box that holds both, widened by a number of cells,
-within the tilt limit; a locked axis keeps to its tolerance. Start, goal and poses to visit are exact. A box to avoid
-cuts the corridor at the one of its sides that the coarse path is farthest beyond.
+At s between two neighbouring steps of the route it is the box that holds both, widened by a number of cells; a free
+corridor has no box, and keeps the sequence of working modes instead. Within either the tilt limit holds, a locked axis
+keeps to its tolerance, and a box to avoid cuts at the one of its sides that the coarse path is farthest beyond. Start,
+goal and poses to visit are exact.
 """
 
 from dataclasses import dataclass
@@ -10,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.config import Config
-from pipeline.machine.geometry import FloatArray
+from pipeline.machine.geometry import PRIMARY, FloatArray, IntArray, Machine, link_vectors
 from pipeline.refine.coarse import corner_parameters, move_of
 from pipeline.refine.result import Path
+from pipeline.refine.sides import sides_at
 from pipeline.route.boxes import Box, boxes_to_avoid
 from pipeline.route.metric import CONTROLLED, step_sizes
 from pipeline.route.result import Route
@@ -20,33 +22,63 @@ from pipeline.route.result import Route
 _RY = 4
 _LOCK_SHARE = 0.8
 """Share of a locked axis' tolerance allowed at the nodes; the rest is for what happens between them."""
+_BULGE = 0.02
+"""Grid steps that a node keeps from the wall of its cells: between two nodes the path bends outwards."""
+_SIDE_MARGIN_M = 1e-4
+"""What a cart keeps at the nodes from changing its side of the platform where it must not."""
 
 
 @dataclass(frozen=True, eq=False)
 class Corridor:
-    """Bounds of the pose at nodes: `low`, `high` (k, 6) for x, y, z, rx, ry, rz."""
+    """What bounds nodes: poses `low`, `high` (k, 6), and the least `side` (k, 3) * (cart - platform joint) along X.
+
+    A side is 1 where the cart of an arm has to be at larger x than its platform joint (mode R), -1 where at smaller
+    (L), and 0 where the arm is free; `side_margin_m` is kept.
+    """
 
     low: FloatArray
     high: FloatArray
+    sides: FloatArray
+    side_margin_m: float
 
 
-def corridor(config: Config, route: Route, coarse: Path, s: FloatArray, tilt_margin_rad: float) -> Corridor:
-    """Bound the poses at s (k,), the first and the last of which are the start and the goal."""
-    move = move_of(coarse, s)
-    here, there = route.pose[move], route.pose[move + 1]
-    widening = np.zeros(6)
-    widening[CONTROLLED] = config.refine.corridor_cells * step_sizes(config.route)
-    low = np.minimum(here, there) - widening
-    high = np.maximum(here, there) + widening
-    low[:, _RY], high[:, _RY] = -np.inf, np.inf
+def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corridor:
+    """Bound the poses of nodes at s (k,), the first and the last of which are the start and the goal."""
+    low, high = _cells_around(config, route, coarse, s)
     for column, axis in ((3, "rx"), (5, "rz")):
-        limit = _tilt_limit(config, axis, tilt_margin_rad)
+        limit = _tilt_limit(config, axis)
         low[:, column] = np.clip(low[:, column], -limit, limit)
         high[:, column] = np.clip(high[:, column], -limit, limit)
     _avoid(config, coarse.pose(s), low, high)
     low[[0, -1]] = high[[0, -1]] = route.pose[[0, -1]]
     _visit(config, route, s, visit_parameters(coarse, route), low, high)
-    return Corridor(low, high)
+    sides = _sides_around(route, coarse, s) if config.refine.corridor == "free" else np.zeros((len(s), 3))
+    # Start, goal and poses to visit are as they are.
+    sides[(low == high).all(axis=1, where=np.arange(6) != _RY)] = 0.0
+    return Corridor(low, high, sides, _SIDE_MARGIN_M)
+
+
+def corridor_excess(
+    config: Config, route: Route, path: Path, coarse: Path, s: FloatArray, pose: FloatArray
+) -> FloatArray:
+    """How far poses (n, 6) of a path at s (n,) are outside the corridor, negative inside. Shape (n,).
+
+    In grid steps for cells; for a free corridor in metres, how far a cart is on the wrong side.
+    """
+    if config.refine.corridor == "free":
+        reach = reach_along_rails(path.machine, pose, path.q(s)[:, :3])
+        excess: FloatArray = (-sides_at(route, coarse, s) * reach).max(axis=1)
+        return excess
+    low, high = _cells(config, route, move_of(coarse, s))
+    beyond = np.maximum(low - pose, pose - high)[:, CONTROLLED] / step_sizes(config.route)
+    outside: FloatArray = beyond.max(axis=1)
+    return outside
+
+
+def reach_along_rails(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
+    """By how much the cart joint of every arm is at larger x than its platform joint: C_x - A_x. Shape (n, 3)."""
+    reach: FloatArray = -link_vectors(machine, pose, carts_m)[:, PRIMARY, 0]
+    return reach
 
 
 def visit_parameters(coarse: Path, route: Route) -> FloatArray:
@@ -54,6 +86,41 @@ def visit_parameters(coarse: Path, route: Route) -> FloatArray:
     steps = [int(np.argmax(route.visits == number)) for number in range(1, int(route.visits.max()) + 1)]
     visited: FloatArray = corner_parameters(coarse)[steps]
     return visited
+
+
+def _cells(config: Config, route: Route, move: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Boxes around both steps of moves (n,), widened. Shapes (n, 6)."""
+    here, there = route.pose[move], route.pose[move + 1]
+    widening = np.full(6, np.inf)
+    widening[CONTROLLED] = config.refine.corridor_cells * step_sizes(config.route)
+    return np.minimum(here, there) - widening, np.maximum(here, there) + widening
+
+
+def _cells_around(config: Config, route: Route, coarse: Path, s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Boxes for nodes s (k,): what is common to all moves between the node before and the one after. Shapes (k, 6).
+
+    The path between two nodes is then inside as well, wherever it passes from one box to the next.
+    """
+    if config.refine.corridor == "free":
+        return np.full((len(s), 6), -np.inf), np.full((len(s), 6), np.inf)
+    all_low, all_high = _cells(config, route, np.arange(len(route) - 1))
+    move = move_of(coarse, s)
+    first, last = move[np.maximum(np.arange(len(s)) - 1, 0)], move[np.minimum(np.arange(len(s)) + 1, len(s) - 1)]
+    bulge = np.zeros(6)
+    bulge[CONTROLLED] = min(_BULGE, config.refine.corridor_cells / 2.0) * step_sizes(config.route)
+    low = np.stack([all_low[a : b + 1].max(axis=0) for a, b in zip(first, last, strict=True)]) + bulge
+    high = np.stack([all_high[a : b + 1].min(axis=0) for a, b in zip(first, last, strict=True)]) - bulge
+    # Where nodes are too sparse for a common part the box of the node's own move has to do.
+    none = (low > high).any(axis=1)
+    low[none], high[none] = all_low[move[none]], all_high[move[none]]
+    return low, high
+
+
+def _sides_around(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
+    """Sides for nodes s (k,): also those that a neighbouring node has to keep, unless they contradict. Shape (k, 3)."""
+    sides = sides_at(route, coarse, s)
+    around = np.sign(sides + np.vstack([sides[1:], sides[-1:]]) + np.vstack([sides[:1], sides[:-1]]))
+    return np.where(sides == 0.0, around, sides)
 
 
 def _avoid(config: Config, pose: FloatArray, low: FloatArray, high: FloatArray) -> None:
@@ -83,7 +150,7 @@ def _visit(config: Config, route: Route, s: FloatArray, visited: FloatArray, low
             high[node, CONTROLLED] = np.minimum(high[node, CONTROLLED], box.high)
 
 
-def _tilt_limit(config: Config, axis: str, margin_rad: float) -> float:
+def _tilt_limit(config: Config, axis: str) -> float:
     if axis in config.task.locked_axes:
         return _LOCK_SHARE * float(np.deg2rad(config.refine.lock_tolerance_deg))
-    return max(float(np.deg2rad(config.task.tilt_max_deg)) - margin_rad, 0.0)
+    return max(float(np.deg2rad(config.task.tilt_max_deg - config.refine.tilt_margin_deg)), 0.0)

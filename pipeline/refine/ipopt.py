@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
-from typing import Any
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -16,9 +16,20 @@ from pipeline.progress import Progress
 from pipeline.refine.nlp import Program
 from pipeline.status import Status
 
-_SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
+_STATUS = {
+    "Solve_Succeeded": Status.CONVERGED,
+    "Solved_To_Acceptable_Level": Status.CONVERGED,
+    "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
+}
 _PRECISE = {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9}
 _ROUGH = {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1}
+_PUSHES = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac")
+_NEAR = {"mu_init": 1e-4, "mu_max": 1e-2, **dict.fromkeys(_PUSHES, 1e-6)}
+"""A start that is nearly optimal must not be pushed off its bounds: what is consistent would be no more."""
+
+Manner = Literal["rough", "precise", "near"]
+"""Good enough to start another solve from; precise from afar; precise from a start that is nearly optimal."""
+_MANNERS: dict[Manner, dict[str, float]] = {"rough": _ROUGH, "precise": _PRECISE, "near": _PRECISE | _NEAR}
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,14 +75,13 @@ class _Watch(ca.Callback):
 def solve_program(
     program: Program,
     max_iterations: int,
+    time_limit_s: float,
     progress: Progress,
     what: str,
     verbose: bool = False,
-    rough: bool = False,
+    manner: Manner = "precise",
 ) -> Solution:
     """Solve with IPOPT and MUMPS from the program's start; never raises for a failed solve, the status tells.
-
-    `rough` ends as soon as the solution is good enough to start another solve from.
 
     Raises
     ------
@@ -88,10 +98,11 @@ def solve_program(
         "ipopt": {
             "linear_solver": "mumps",
             "max_iter": max_iterations,
+            "max_wall_time": time_limit_s,
             "print_level": 5 if verbose else 0,
             "sb": "yes",
             "mu_strategy": "adaptive",
-            **(_ROUGH if rough else _PRECISE),
+            **_MANNERS[manner],
             # Bounds are promises to a machine: IPOPT must not relax them.
             "bound_relax_factor": 0.0,
         },
@@ -107,7 +118,7 @@ def solve_program(
     stats = solver.stats()
     message = str(stats["return_status"])
     return Solution(
-        status=Status.CONVERGED if message in _SOLVED else Status.NOT_CONVERGED,
+        status=_STATUS.get(message, Status.NOT_CONVERGED),
         message=message,
         x=np.array(result["x"]).ravel(),
         iterations=int(stats["iter_count"]),

@@ -12,6 +12,7 @@ from pipeline.refine.result import Path
 from pipeline.route.metric import arc_length
 
 _TILTS = [3, 5]
+_EVENLY = np.linspace(0.0, 1.0, 1_001)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +79,13 @@ def sample_path(path: Path, s: FloatArray) -> PathSamples:
         rail_distance_m=rail_distance,
         closure_residual_m=np.abs(closure_residual(path.machine, pose, q)).max(axis=1),
     )
+
+
+def relative_speed(path: Path, s: FloatArray) -> FloatArray:
+    """|q'(s)| at s (n,) relative to its mean along the path: near zero the path cannot be timed. Shape (n,)."""
+    mean = np.linalg.norm(path.q(_EVENLY, 1), axis=1).mean()
+    relative: FloatArray = np.linalg.norm(path.q(s, 1), axis=1) / mean
+    return relative
 
 
 def merged(samples: PathSamples, more: PathSamples) -> PathSamples:

@@ -10,30 +10,37 @@ sparse: a node touches itself and its neighbour, and the splines only enter line
                 + evenness times the variance of the speed along s times the length
     subject to  closure(pose_k, q_k) = 0,  q_k = basis(s_k) . coefficients,
                 corridor, strokes and travel (bounds of the coefficients hold everywhere: convex hull),
-                0.5 <= speed along s relative to the mean <= 1.5,
+                0.5 <= speed along s relative to the mean <= 1.5, actuators moving at both ends,
                 kappa_k <= the largest kappa <= its cap where kappa is high,
-                n . (a - b) >= clearance,  n . n <= 1.
+                n . (a - b) >= clearance,  n . n <= 1,
+                in a free corridor: every cart on its side of the platform,
+                the first and the last leg of the splines' control polygon along given directions.
 """
 
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.geometry import PRIMARY, FloatArray, Machine
 from pipeline.machine.statics import condition_number, statics_matrix
-from pipeline.machine.symbolic import closure_function
+from pipeline.machine.symbolic import closure_function, joints_function
 from pipeline.refine.corridor import Corridor
 from pipeline.refine.derivatives import derivative_options
 from pipeline.refine.node_kappa import NodeKappa
 from pipeline.refine.separation import Separations, apartness
-from pipeline.refine.splines import basis
+from pipeline.refine.splines import DEGREE, basis
 from pipeline.route.metric import CONTROLLED, arc_length
 
 SPEED_RANGE = (0.5, 1.5)
 """Speed along s relative to its mean: without it the optimum rushes through where kappa is high."""
 
+_END_SPEED = 0.3
+"""Least speed of the actuators at start and goal, relative to that up to the next node."""
+_STILL = 1e-4
+"""Share of the mean distance between nodes, added in quadrature: a distance of zero has no derivative."""
 _HIGH = 0.75
 """Share of the largest kappa from which on a node may come to have it."""
 
@@ -102,6 +109,8 @@ class Setting:
         Of the integral of kappa, and of the largest kappa times the length.
     kappa_max : (2,)
         What is aimed at for the largest kappa, and its cap; not looked at while the weight is zero.
+    directions : (2, 5)
+        Unit vectors that the actuators leave the start and come to the goal in; not a number where they are free.
     evenness : float
         What uneven speed along s costs, in units of kappa. The integral itself does not change when a path is
         run through differently: without this cost nothing holds the nodes, and IPOPT creeps.
@@ -115,6 +124,7 @@ class Setting:
     exponent: float
     weights: tuple[float, float]
     kappa_max: tuple[float, float]
+    directions: FloatArray
     evenness: float
 
 
@@ -126,7 +136,7 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
     B = basis(setting.knots, setting.s)
     moves = (pose[list(CONTROLLED), 1:] - pose[list(CONTROLLED), :-1]) / ca.DM(setting.steps)
     squared = ca.sum1(moves**2)
-    distance = ca.sqrt(squared)
+    distance = ca.sqrt(squared + (_STILL * _length(setting, start) / k) ** 2)
     fraction = ca.DM(np.diff(setting.s)).T * length
     trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
     groups = [
@@ -137,6 +147,9 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
         ("length", length - ca.sum2(distance), 0.0, 0.0),
         ("clearance", apartness(machine, setting.separations, pose, q, normal), 0.0, np.inf),
         ("separating vectors", ca.vec(ca.sum1(normal**2)), -np.inf, 1.0),
+        ("sides of the carts", _sides(machine, setting.corridor, pose, q), setting.corridor.side_margin_m, np.inf),
+        ("speed at the ends", _end_speeds(setting, q, coefficients), 0.0, np.inf),
+        *_directions(setting.directions, coefficients),
     ]
     high = _high_nodes(machine, setting, start)
     x = ca.veccat(pose, q, coefficients, normal, length, worst)
@@ -172,6 +185,40 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
         coefficients=n,
         kappa=kappa,
     )
+
+
+def _sides(machine: Machine, corridor: Corridor, pose: ca.MX, q: ca.MX) -> ca.MX:
+    """Write side * (C_x - A_x) for the arms and nodes that have a side. Shape (entries,)."""
+    nodes, arms = np.nonzero(corridor.sides)
+    if len(nodes) == 0:
+        return ca.MX(0, 1)
+    platform, cart = (ca.vec(joints) for joints in joints_function(machine).map(pose.shape[1])(pose, q))
+    # Of every node 18 entries by columns, x first.
+    rows = (18 * nodes + PRIMARY[arms]).tolist()
+    return ca.DM(corridor.sides[nodes, arms]) * (cart[rows] - platform[rows])
+
+
+def _end_speeds(setting: Setting, q: ca.MX, coefficients: ca.MX) -> ca.MX:
+    """Write |q'|^2 at both ends less a share of the mean one up to the next node, squared: a spline may halt there."""
+    s, t = setting.s, setting.knots
+    first = DEGREE * (coefficients[:, 1] - coefficients[:, 0]) / (t[DEGREE + 1] - t[0])
+    last = DEGREE * (coefficients[:, -1] - coefficients[:, -2]) / (t[-1] - t[-DEGREE - 2])
+    means = ((q[:, 1] - q[:, 0]) / (s[1] - s[0]), (q[:, -1] - q[:, -2]) / (s[-1] - s[-2]))
+    rows = [ca.sumsqr(end) - ca.sumsqr(_END_SPEED * mean) for end, mean in zip((first, last), means, strict=True)]
+    speeds: ca.MX = ca.vertcat(*rows)
+    return speeds
+
+
+def _directions(directions: FloatArray, coefficients: ca.MX) -> list[tuple[str, ca.MX, float, float]]:
+    """Write that a leg of the control polygon has nothing across its direction, and something along it."""
+    legs = (coefficients[:, 1] - coefficients[:, 0], coefficients[:, -1] - coefficients[:, -2])
+    groups = []
+    for name, direction, leg in zip(("start", "goal"), directions, legs, strict=True):
+        if np.isfinite(direction).all():
+            across = null_space(direction[None]).T
+            groups.append((f"direction at the {name}", ca.DM(across) @ leg, 0.0, 0.0))
+            groups.append((f"way at the {name}", ca.dot(ca.DM(direction), leg), 0.0, np.inf))
+    return groups
 
 
 def _high_nodes(machine: Machine, setting: Setting, start: Start) -> list[int]:

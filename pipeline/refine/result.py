@@ -64,7 +64,11 @@ class Refinement:
     iterations : int
         IPOPT iterations, summed over the rounds.
     rounds : int
-        Solves; each further one has nodes where the check between the nodes failed.
+        Checks between the nodes; each further one had nodes added where the one before failed.
+    meshes : int
+        Meshes solved on, each finer than the one before, until they changed nothing.
+    mesh_change : float or None
+        Relative change of the integral of kappa by the last finer mesh; None when no finer one was solved.
     nodes : int
         Collocation nodes of the last solve.
     surrogate_integral : float
@@ -76,5 +80,7 @@ class Refinement:
     status: Status
     iterations: int
     rounds: int
+    meshes: int
+    mesh_change: float | None
     nodes: int
     surrogate_integral: float

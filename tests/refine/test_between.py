@@ -7,15 +7,17 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.refine import Path, PathSamples, Refinement, sample_path
+from pipeline.refine import Path, Refinement
 from pipeline.refine import between as between_module
 from pipeline.refine.between import breaches
+from pipeline.refine.measure import PathSamples, sample_path
+from pipeline.route import Route
 
 Spoil = Callable[[PathSamples], dict[str, np.ndarray]]
 
 
 @pytest.fixture
-def check(light_config: Config, refinement: Refinement, monkeypatch: pytest.MonkeyPatch):
+def check(light_config: Config, route: Route, refinement: Refinement, monkeypatch: pytest.MonkeyPatch):
     """Give a check of the refined path with its samples spoiled."""
 
     def run(spoil: Spoil):
@@ -24,14 +26,15 @@ def check(light_config: Config, refinement: Refinement, monkeypatch: pytest.Monk
             return replace(samples, **spoil(samples))
 
         monkeypatch.setattr(between_module, "sample_path", spoiled)
-        return breaches(light_config, refinement.path)
+        return breaches(light_config, route, refinement.path, refinement.coarse)
 
     return run
 
 
-def _from(values: np.ndarray, first: int, change: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    changed = values.copy()
-    changed[first:] = change(changed[first:])
+def _from(samples: PathSamples, name: str, s: float, change: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Change a column from s on."""
+    changed = getattr(samples, name).copy()
+    changed[samples.s >= s] = change(changed[samples.s >= s])
     return changed
 
 
@@ -42,21 +45,21 @@ def test_a_good_path_breaks_nothing(check) -> None:
 
 def test_a_change_of_the_sign_of_det_h_is_found_where_it_happens(check) -> None:
     """Nodes are wanted at the change, and not on all that follows."""
-    (breach,) = check(lambda samples: {"det_sign": _from(samples.det_sign, 700, np.negative)})
+    (breach,) = check(lambda samples: {"det_sign": _from(samples, "det_sign", 0.35, np.negative)})
     assert breach.what == "det H changes sign"
-    np.testing.assert_allclose(breach.s, [700 / 2_000])
+    np.testing.assert_allclose(breach.s, [0.35])
 
 
 def test_a_singular_sample_is_found(check) -> None:
     """Zero is no sign."""
-    (breach,) = check(lambda samples: {"det_sign": _from(samples.det_sign, 2_000, np.zeros_like)})
+    (breach,) = check(lambda samples: {"det_sign": _from(samples, "det_sign", 1, np.zeros_like)})
     assert breach.what == "det H changes sign"
 
 
 def test_a_jump_to_another_assembly_is_found_where_it_happens(check) -> None:
     """The pose does not move by many times its usual step."""
     (breach,) = check(
-        lambda samples: {"pose": _from(samples.pose, 300, lambda pose: pose + [0.0, 0.0, 0.0, 0.0, 0.5, 0.0])}
+        lambda samples: {"pose": _from(samples, "pose", 0.15, lambda pose: pose + [0.0, 0.0, 0.0, 0.0, 0.5, 0.0])}
     )
     assert breach.what == "the pose jumps"
     assert breach.worst == pytest.approx(0.5, abs=0.01)
@@ -67,8 +70,8 @@ def test_several_breaches_are_told_together_with_advice(check) -> None:
     """Each names its amount, its place and what to change."""
     found = check(
         lambda samples: {
-            "link_distance_m": _from(samples.link_distance_m, 1_000, lambda distance: 0.0 * distance + 0.02),
-            "kappa": _from(samples.kappa, 1_500, lambda kappa: kappa + 100.0),
+            "link_distance_m": _from(samples, "link_distance_m", 0.5, lambda distance: 0.0 * distance + 0.02),
+            "kappa": _from(samples, "kappa", 0.75, lambda kappa: kappa + 100.0),
         }
     )
     assert [str(breach).split(" (")[0] for breach in found] == [

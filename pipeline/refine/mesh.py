@@ -1,0 +1,93 @@
+"""Nodes and knots along s: the first ones even, further ones where the path is difficult or breaks a promise."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.machine.geometry import BoolArray, FloatArray
+from pipeline.refine.measure import sample_path
+from pipeline.refine.result import Path
+from pipeline.refine.splines import DEGREE, clamped_knots
+from pipeline.route.metric import arc_length
+
+_MARKED = 0.5
+"""Share of the estimated error whose knot spans are halved: the fewest that have it."""
+_LOOKS_PER_INTERVAL = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Collocation nodes s (k,), increasing from 0 to 1, and clamped knots (n + 6,) of n coefficients."""
+
+    s: FloatArray
+    knots: FloatArray
+
+    @property
+    def coefficients(self) -> int:
+        """Spline coefficients per actuator."""
+        return len(self.knots) - DEGREE - 1
+
+
+def even_mesh(nodes: int, coefficients: int, also: FloatArray) -> Mesh:
+    """Spread nodes and knots evenly; `also` (m,) are nodes besides."""
+    return Mesh(np.union1d(np.linspace(0.0, 1.0, nodes), also), clamped_knots(coefficients))
+
+
+def finer(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:
+    """Halve the knot spans that have most of the estimated error, and the intervals of nodes in them.
+
+    The error of the splines is estimated span by span from the jumps of the fifth derivative (they stand for the sixth,
+    with which the distance to the best curve grows), that of the nodes from what the trapezoidal rule between
+    neighbouring nodes misses of the integral of kappa; `steps` (5,) are the largest moves of the metric.
+    """
+    edges = np.unique(mesh.knots)
+    spans = np.searchsorted(edges, (mesh.s[1:] + mesh.s[:-1]) / 2.0) - 1
+    of_nodes: FloatArray = np.bincount(spans, _missed(mesh, path, steps), minlength=len(edges) - 1).astype(float)
+    marked = _most(_roughness(path, edges)) | _most(of_nodes)
+    middles = ((edges[1:] + edges[:-1]) / 2.0)[marked]
+    knots = np.sort(np.concatenate([mesh.knots, middles]))
+    return Mesh(np.union1d(mesh.s, _middles(mesh.s)[marked[spans]]), knots)
+
+
+def with_nodes(mesh: Mesh, broken: FloatArray) -> Mesh:
+    """Halve every interval of nodes that has one of the parameters `broken` (m,) in it."""
+    intervals = np.unique(np.searchsorted(mesh.s, broken))
+    intervals = intervals[(intervals > 0) & (intervals < len(mesh.s))]
+    return Mesh(np.union1d(mesh.s, _middles(mesh.s)[intervals - 1]), mesh.knots)
+
+
+def _roughness(path: Path, edges: FloatArray) -> FloatArray:
+    """Estimate how far the splines are from the best curve on every span between knots (m + 1,). Shape (m,)."""
+    h = np.diff(edges)
+    fifth = path.q((edges[1:] + edges[:-1]) / 2.0, DEGREE)
+    jumps = np.linalg.norm(np.diff(fifth, axis=0), axis=1)
+    beside = np.maximum(np.append(0.0, jumps), np.append(jumps, 0.0))
+    rough: FloatArray = beside * h**DEGREE
+    return rough
+
+
+def _missed(mesh: Mesh, path: Path, steps: FloatArray) -> FloatArray:
+    """What the trapezoidal rule misses of the integral of kappa between neighbouring nodes (k,). Shape (k - 1,)."""
+    part = np.linspace(0.0, 1.0, _LOOKS_PER_INTERVAL + 1)[:-1]
+    s = np.append((mesh.s[:-1, None] + part * np.diff(mesh.s)[:, None]).ravel(), 1.0)
+    samples = sample_path(path, s)
+    length, at = arc_length(samples.pose, steps), slice(None, None, _LOOKS_PER_INTERVAL)
+    pieces = np.diff(length) * (samples.kappa[1:] + samples.kappa[:-1]) / 2.0
+    kappa, chords = samples.kappa[at], np.diff(arc_length(samples.pose[at], steps))
+    trapezoids = chords * (kappa[1:] + kappa[:-1]) / 2.0
+    missed: FloatArray = np.abs(pieces.reshape(-1, _LOOKS_PER_INTERVAL).sum(axis=1) - trapezoids)
+    return missed
+
+
+def _most(error: FloatArray) -> BoolArray:
+    """Mark the fewest entries (m,) that together have their share of the sum."""
+    order = np.argsort(-error)
+    sums = np.cumsum(error[order])
+    marked = np.zeros(len(error), dtype=bool)
+    marked[order[: int(np.searchsorted(sums, _MARKED * sums[-1])) + 1]] = True
+    return marked
+
+
+def _middles(s: FloatArray) -> FloatArray:
+    middles: FloatArray = (s[1:] + s[:-1]) / 2.0
+    return middles

@@ -1,0 +1,33 @@
+"""The sequence of working modes along s: on which side of the platform every cart has to be."""
+
+import numpy as np
+
+from pipeline.machine.geometry import MODE_SIGNS, FloatArray, IntArray
+from pipeline.refine.coarse import corner_parameters
+from pipeline.refine.result import Path
+from pipeline.route.result import Route
+
+
+def sides_at(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
+    """Give the side of every arm at s (n,): 1 for mode R, -1 for L, 0 where the arm may change. Shape (n, 3).
+
+    An arm may change between the middle of the way from the change before and the middle of the way to the next one,
+    of whichever arm: so every change finds its own best place, and their order stays that of the route.
+    """
+    moves, arms = np.nonzero(np.diff(MODE_SIGNS[route.modes], axis=0))
+    place = corner_parameters(coarse)[_gate_steps(route, moves, arms)]
+    places = np.unique(place)
+    edges = np.concatenate([[0.0], (places[1:] + places[:-1]) / 2.0, [1.0]])
+    sides = np.tile(MODE_SIGNS[route.modes[0]], (len(s), 1))
+    for move, arm, at in zip(moves, arms, place, strict=True):
+        nth = int(np.searchsorted(places, at))
+        begin, end = edges[nth], edges[nth + 1]
+        sides[(s > begin) & (s < end), arm] = 0.0
+        sides[s >= end, arm] = MODE_SIGNS[route.modes[move + 1], arm]
+    return sides
+
+
+def _gate_steps(route: Route, moves: IntArray, arms: IntArray) -> IntArray:
+    """Step of the route at whose gate the arm changes: before or after the move that it changes in."""
+    steps: IntArray = np.where(route.gates[moves] == arms + 1, moves, moves + 1)
+    return steps

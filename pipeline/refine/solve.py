@@ -1,0 +1,164 @@
+"""One solve of stage two: on a mesh, from a start, with an aim."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from pipeline.config import Config
+from pipeline.errors import NoSolutionError
+from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.kinematics import newton
+from pipeline.progress import Progress
+from pipeline.refine.corridor import corridor
+from pipeline.refine.ipopt import Manner, Solution, solve_program
+from pipeline.refine.measure import PathFigures, measure, sample_path
+from pipeline.refine.mesh import Mesh
+from pipeline.refine.nlp import Setting, Start, build_program
+from pipeline.refine.result import Path
+from pipeline.refine.separation import find_separations
+from pipeline.refine.splines import DEGREE, fit
+from pipeline.route.result import Route
+
+_LOST = 0.5
+"""A first pose farther than this (metres, radians) from the coarse path belongs to another assembly."""
+_LOOKS = 2_001
+"""Poses that the figures of a solve are read off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What all solves of one refinement have in common.
+
+    `steps` (5,) is the metric; `directions` (2, 5) are those of the actuators at start and goal, not a number where
+    free.
+    """
+
+    config: Config
+    machine: Machine
+    route: Route
+    coarse: Path
+    steps: FloatArray
+    directions: FloatArray
+    progress: Progress
+    verbose: bool
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What a solve is to achieve, as in `nlp.Setting`, and how IPOPT goes about it."""
+
+    exponent: float
+    weights: tuple[float, float]
+    kappa_max: tuple[float, float]
+    evenness: float
+    max_iterations: int
+    manner: Manner
+
+
+@dataclass(frozen=True, eq=False)
+class Solve:
+    """The path that a solve gave, on which mesh, the integral as its smooth kappa saw it, and how it ended."""
+
+    mesh: Mesh
+    path: Path
+    solution: Solution
+    integral: float
+
+    @property
+    def start(self) -> Start:
+        """Where another solve on the same mesh may start."""
+        return Start(self.path.node_pose, self.path.spline.c)
+
+    @property
+    def arrays(self) -> dict[str, object]:
+        """The path as arrays, for the diagnosis of a failure."""
+        return {
+            "knots": self.path.spline.t,
+            "coefficients": self.path.spline.c,
+            "node_s": self.path.node_s,
+            "node_pose": self.path.node_pose,
+        }
+
+
+def solve_on(problem: Problem, mesh: Mesh, start: Start, aim: Aim) -> Solve:
+    """Build and solve the program of a mesh.
+
+    Raises
+    ------
+    NoSolutionError
+        When IPOPT does not converge; its last path is in the `diagnosis`.
+    """
+    options, what = problem.config.refine, f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
+    problem.progress(f"{what}: building the program")
+    q = BSpline(mesh.knots, start.coefficients, DEGREE)(mesh.s)
+    reach = float(problem.steps[:3].max())
+    setting = Setting(
+        s=mesh.s,
+        knots=mesh.knots,
+        corridor=corridor(problem.config, problem.route, problem.coarse, mesh.s),
+        separations=find_separations(problem.machine, start.pose, q, options.clearance_margin_m, reach),
+        steps=problem.steps,
+        exponent=aim.exponent,
+        weights=aim.weights,
+        kappa_max=aim.kappa_max,
+        directions=problem.directions,
+        evenness=aim.evenness,
+    )
+    program = build_program(problem.machine, setting, start)
+    solution = solve_program(
+        program, aim.max_iterations, options.time_limit_s, problem.progress, what, problem.verbose, aim.manner
+    )
+    spline = BSpline(mesh.knots, program.spline_coefficients(solution.x), DEGREE)
+    path = Path(problem.machine, spline, mesh.s, program.poses(solution.x))
+    solve = Solve(mesh, path, solution, float(program.integral(solution.x)))
+    if not solution.status.solved:
+        raise _failed(solve)
+    return solve
+
+
+def figures_of(problem: Problem, solve: Solve) -> PathFigures:
+    """Measure the path of a solve."""
+    return measure(sample_path(solve.path, np.linspace(0.0, 1.0, _LOOKS)), problem.steps)
+
+
+def coarse_start(problem: Problem, mesh: Mesh) -> Start:
+    """Fit splines to the coarse path; poses by forward kinematics from the coarse ones."""
+    coarse = problem.coarse
+    # Beside the nodes of the coarse path, enough samples for every coefficient to have some.
+    samples = np.union1d(coarse.node_s, np.linspace(0.0, 1.0, 4 * mesh.coefficients))
+    return _start(coarse, mesh, fit(mesh.knots, samples, coarse.q(samples)))
+
+
+def carried_start(solve: Solve, mesh: Mesh) -> Start:
+    """Carry the path of a solve over to a finer mesh: the same curve, with more knots and nodes."""
+    spline = solve.path.spline
+    for knot in np.setdiff1d(mesh.knots, solve.mesh.knots):
+        spline = spline.insert_knot(knot)
+    return _start(solve.path, mesh, spline.c)
+
+
+def _start(near_path: Path, mesh: Mesh, coefficients: FloatArray) -> Start:
+    near = np.stack([np.interp(mesh.s, near_path.node_s, column) for column in near_path.node_pose.T], axis=1)
+    pose, miss = newton(near_path.machine, BSpline(mesh.knots, coefficients, DEGREE)(mesh.s), near)
+    lost = ~(miss < 1e-6) | (np.abs(pose - near).max(axis=1) > _LOST)
+    pose[lost] = near[lost]
+    return Start(pose, coefficients)
+
+
+def _failed(solve: Solve) -> NoSolutionError:
+    solution = solve.solution
+    worst = sorted(solution.violations.items(), key=lambda item: -item[1])[:3]
+    broken = ", ".join(f"{name} by {value:.2e}" for name, value in worst if value > 1e-9)
+    state = f"most violated: {broken}" if broken else "all constraints hold, but kappa can still be lowered"
+    return NoSolutionError(
+        "refine",
+        f"IPOPT ended with {solution.message} after {solution.iterations} iterations; {state}",
+        solution.status.advice,
+        {
+            "status": solution.status.value,
+            "message": solution.message,
+            "violations": solution.violations,
+            **solve.arrays,
+        },
+    )
