@@ -97,7 +97,17 @@ def make_path(machine: Machine, degree: int) -> Path:
 
 def make_refinement(machine: Machine) -> Refinement:
     """Make a refined path and a coarse one."""
-    return Refinement(make_path(machine, 5), make_path(machine, 1), Status.CONVERGED, 17, 1, 100, 71.5)
+    return Refinement(
+        path=make_path(machine, 5),
+        coarse=make_path(machine, 1),
+        status=Status.CONVERGED,
+        iterations=17,
+        rounds=1,
+        meshes=2,
+        mesh_change=0.001,
+        nodes=100,
+        surrogate_integral=71.5,
+    )
 
 
 def make_trajectory(path: Path) -> Trajectory:
