@@ -1,0 +1,73 @@
+"""The configuration: one YAML file that describes machine, task and the options of every stage.
+
+Units are part of the key names. Unknown keys are refused; every message names the key's path, the value
+found there and what is allowed. `config_file.load_config` reads a file; `Config.model_json_schema()` is its schema.
+"""
+
+from pydantic import Field
+
+from pipeline.config.machine import (
+    ActuatorLimitsConfig,
+    ClearanceConfig,
+    FixedLinkConfig,
+    LimitsConfig,
+    LinksConfig,
+    MachineConfig,
+    RailConfig,
+    TelescopeConfig,
+    TriangleLinkConfig,
+)
+from pipeline.config.refine import RefineConfig
+from pipeline.config.retime import RetimeConfig
+from pipeline.config.route import (
+    AxisConfig,
+    FollowConfig,
+    GridConfig,
+    RouteConfig,
+)
+from pipeline.config.section import MODE_PATTERN, NAME_PATTERN, Section
+from pipeline.config.task import (
+    BoxConfig,
+    BudgetConfig,
+    PoseConfig,
+    TaskConfig,
+    VisitConfig,
+)
+
+__all__ = [
+    "MODE_PATTERN",
+    "NAME_PATTERN",
+    "ActuatorLimitsConfig",
+    "AxisConfig",
+    "BoxConfig",
+    "BudgetConfig",
+    "ClearanceConfig",
+    "Config",
+    "FixedLinkConfig",
+    "FollowConfig",
+    "GridConfig",
+    "LimitsConfig",
+    "LinksConfig",
+    "MachineConfig",
+    "PoseConfig",
+    "RailConfig",
+    "RefineConfig",
+    "RetimeConfig",
+    "RouteConfig",
+    "Section",
+    "TaskConfig",
+    "TelescopeConfig",
+    "TriangleLinkConfig",
+    "VisitConfig",
+]
+
+
+class Config(Section):
+    """The whole configuration of one run."""
+
+    name: str = Field("", pattern=NAME_PATTERN, description="name of the run; default: the file's name")
+    machine: MachineConfig
+    task: TaskConfig
+    route: RouteConfig
+    refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
+    retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())

@@ -1,0 +1,116 @@
+"""The machine: rails, links, triangle, clearances and the limits of its actuators."""
+
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, require_ordered, wrong
+
+
+class RailConfig(Section):
+    """A rail parallel to X and the travel of its cart."""
+
+    y_m: Length = Field(description="position of the rail across the frame")
+    z_m: Length = Field(description="height of the rail")
+    travel_m: Interval = Field(description="[least, largest] cart position along X")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        return require_ordered(self, "travel_m", self.travel_m)
+
+
+class FixedLinkConfig(Section):
+    """A link of fixed length between a cart and the platform."""
+
+    platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
+    cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
+    length_m: PositiveLength = Field(description="distance between the two joints")
+
+
+class TriangleLinkConfig(Section):
+    """Link 3c, which forms the rigid triangle with 3a; a right angle at the platform when no length is given."""
+
+    platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
+    cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
+    length_m: PositiveLength | None = Field(
+        None,
+        description="distance between the two joints; null: right angle between 3a and the platform side",
+    )
+
+
+class TelescopeConfig(Section):
+    """A link of variable length: an actuator."""
+
+    platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
+    cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
+    stroke_m: tuple[PositiveLength, PositiveLength] = Field(description="[least, largest] length")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        return require_ordered(self, "stroke_m", self.stroke_m)
+
+
+class LinksConfig(Section):
+    """The six links; the digit is the arm (and rail) they belong to."""
+
+    l1: FixedLinkConfig
+    l2a: FixedLinkConfig
+    l2b: TelescopeConfig
+    l3a: FixedLinkConfig
+    l3b: TelescopeConfig
+    l3c: TriangleLinkConfig
+
+
+class ActuatorLimitsConfig(Section):
+    """What one kind of actuator can do."""
+
+    velocity_mps: float = Field(gt=0.0, le=20.0)
+    acceleration_mps2: float = Field(gt=0.0, le=500.0)
+
+
+class LimitsConfig(Section):
+    """Limits of the five actuators."""
+
+    carts: ActuatorLimitsConfig
+    telescopes: ActuatorLimitsConfig
+
+
+class ClearanceConfig(Section):
+    """Least distances between axes (link diameter plus margin)."""
+
+    link_link_m: float = Field(ge=0.0, le=1.0, description="between any two links that share no joint")
+    link_rail_m: float | None = Field(
+        None, ge=0.0, le=1.0, description="between a link and another arm's rail; null: not checked"
+    )
+
+
+class MachineConfig(Section):
+    """The machine: everything its kinematics, clearances and limits depend on."""
+
+    rails: tuple[RailConfig, RailConfig, RailConfig] = Field(description="rails of arms 1, 2, 3")
+    links: LinksConfig
+    triangle_branch: Literal["negative", "positive"] = Field(
+        "negative", description="sign of y_platform . (w x u_3c) that the assembled machine keeps"
+    )
+    clearance: ClearanceConfig
+    limits: LimitsConfig
+
+    @model_validator(mode="after")
+    def _triangle_closes(self) -> Self:
+        first, third = self.links.l3a, self.links.l3c
+        side = np.subtract(third.platform_point_m, first.platform_point_m)
+        base = np.linalg.norm(np.subtract(third.cart_offset_m, first.cart_offset_m))
+        if not side[[0, 2]].any():
+            raise wrong("links.l3c.platform_point_m", "must not lie on the line through 3a's along y: nothing holds ry")
+        if third.length_m is None and base > 0.0:
+            raise wrong(
+                "links.l3c.length_m", "is missing; it can be left out only when 3a and 3c have one cart_offset_m"
+            )
+        if third.length_m is not None and abs(third.length_m - first.length_m) > np.linalg.norm(side) + base:
+            raise wrong(
+                "links.l3c.length_m",
+                f"is {third.length_m:g}, which cannot close the triangle with link 3a ({first.length_m:g} m) and "
+                f"the platform side ({np.linalg.norm(side):g} m)",
+            )
+        return self

@@ -1,0 +1,60 @@
+"""Stage two: meshes, objective, corridor, margins and checks of the smooth path."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from pipeline.config.section import Section, Vector, wrong
+
+
+class RefineConfig(Section):
+    """Stage two: splines in actuator space and the nonlinear program that shapes them."""
+
+    nodes: int = Field(100, ge=20, le=2_000, description="collocation nodes of the first mesh")
+    coefficients: int = Field(30, ge=8, le=400, description="spline coefficients per actuator of the first mesh")
+    tolerance: float = Field(
+        0.002,
+        gt=0.0,
+        le=1.0,
+        description="the mesh is fine enough when a finer one changes the integral of kappa by less, relatively",
+    )
+    max_meshes: int = Field(
+        4, ge=1, le=20, description="meshes tried at most, each finer than the one before; 1: no finer"
+    )
+    objective: Literal["integral", "maximum", "mixed"] = Field(
+        "integral", description="what is minimised: the integral of kappa, the largest kappa, or both"
+    )
+    kappa_max: float | None = Field(None, gt=1.0, description="cap on kappa along the path; null: route.kappa_max")
+    surrogate: Literal["schatten", "frobenius"] = Field(
+        "schatten", description="the smooth kappa the solver sees; the true kappa is reported"
+    )
+    corridor: Literal["cells", "free"] = Field(
+        "cells", description="keep to the cells of the route, or only to its sequence of working modes"
+    )
+    corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
+    start_direction: Vector | None = Field(
+        None, description="(x, y, z) the TCP leaves the start in, not tilting; null: any"
+    )
+    goal_direction: Vector | None = Field(
+        None, description="(x, y, z) the TCP comes to the goal in, not tilting; null: any"
+    )
+    clearance_margin_m: float = Field(0.001, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")
+    tilt_margin_deg: float = Field(0.1, ge=0.0, le=10.0, description="kept at the nodes below the tilt limit")
+    lock_tolerance_deg: float = Field(0.25, gt=0.0, le=10.0, description="how far a locked axis may stray from zero")
+    check_points: int = Field(10_000, ge=1_000, le=1_000_000, description="poses of the check between the nodes")
+    max_rounds: int = Field(5, ge=1, le=50, description="solves, each with nodes added where the check failed")
+    max_iterations: int = Field(1_000, ge=1, le=100_000, description="IPOPT iterations per solve")
+    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve")
+
+    @model_validator(mode="after")
+    def _directions_point_somewhere(self) -> Self:
+        for key in ("start_direction", "goal_direction"):
+            if getattr(self, key) == (0.0, 0.0, 0.0):
+                raise wrong(key, "is [0, 0, 0]; allowed is any other direction")
+        return self
+
+    @model_validator(mode="after")
+    def _enough_nodes(self) -> Self:
+        if self.coefficients > self.nodes:
+            raise wrong("coefficients", f"is {self.coefficients}; allowed are at most as many as nodes ({self.nodes})")
+        return self

@@ -1,0 +1,74 @@
+"""Stage one: the grid of regions, the mixed-integer program, and how moves are followed."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from pipeline.config.section import Length, PositiveLength, Section, wrong
+
+
+class AxisConfig(Section):
+    """Grid points from `min` to `max`, `step` apart."""
+
+    min: Length
+    max: Length
+    step: PositiveLength
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> Self:
+        if self.min > self.max:
+            raise wrong("max", f"is {self.max:g}, below min ({self.min:g}): the grid is empty")
+        return self
+
+
+class GridConfig(Section):
+    """Where regions are: y and z of the TCP, and tilts that are multiples of a step up to the tilt limit."""
+
+    y_m: AxisConfig
+    z_m: AxisConfig
+    rx_step_deg: float = Field(gt=0.0, le=85.0)
+    rz_step_deg: float = Field(gt=0.0, le=85.0)
+
+
+class FollowConfig(Section):
+    """How the moves of a route are followed continuously, and what they may do beyond the regions' limits."""
+
+    max_samples: int = Field(
+        1024, ge=8, le=16_384, description="parts a move is cut into at most; most are settled by four"
+    )
+    tilt_overshoot_deg: float = Field(
+        1.0, ge=0.0, le=10.0, description="tilt beyond tilt_max_deg accepted between two regions at the limit"
+    )
+
+
+class RouteConfig(Section):
+    """Stage one: regions, moves and the mixed-integer program."""
+
+    grid: GridConfig
+    x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
+    step_budget: int = Field(25, ge=2, le=500, description="N, the number of positions of the paper")
+    objective: Literal["sum", "bottleneck"] = Field(
+        "sum", description="least sum of kappa (5), or least largest kappa and then least sum"
+    )
+    alternative: int = Field(1, ge=1, le=10, description="which of the best routes: 1 is the best")
+    alternative_distance: float = Field(
+        3.0,
+        ge=0.0,
+        le=100.0,
+        description="grid steps by which an alternative strays somewhere from every better route; where its working "
+        "mode is another it is farther than any distance",
+    )
+    avoid_margin: float = Field(
+        0.25, ge=0.0, le=2.0, description="grid steps that regions keep from the boxes of task.avoid"
+    )
+    kappa_max: float = Field(100.0, gt=1.0, description="regions and moves with a larger kappa are not admitted")
+    threshold_margin: float = Field(
+        0.002, gt=0.0, le=3.0, description="first guess of how far the optimum lies above its bound, relative"
+    )
+    max_rounds: int = Field(50, ge=1, le=10_000, description="rounds of following, forbidding and solving again")
+    formulation: Literal["core", "compact", "paper"] = Field(
+        "core", description="the program that is solved; compact and paper are over all regions, for small grids"
+    )
+    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
+    memory_gb: float = Field(4.0, gt=0.0, le=10_000.0, description="memory that regions and moves may take up")
+    follow: FollowConfig = Field(default_factory=lambda: FollowConfig())
