@@ -120,7 +120,6 @@ def messages(data: dict[str, Any]) -> list[str]:
         ("machine.triangle_branch", "up", 'is "up"; allowed is negative or positive'),
         ("task.locked_axes", ["ry"], '[0]: is "ry"; allowed is rx or rz'),
         ("task.locked_axes", "rx", 'is "rx"; allowed is a list of rx or rz'),
-        ("refine.surrogate", "two", 'is "two"; allowed is schatten or frobenius'),
         ("task.start.mode", "LLX", 'is "LLX"; allowed is three letters L or R, one per arm, such as LLL'),
         ("task.start.mode", "LLLL", 'is "LLLL"; allowed is three letters L or R'),
         ("task.start.mode", "lll", 'is "lll"; allowed is three letters L or R'),

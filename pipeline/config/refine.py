@@ -25,9 +25,6 @@ class RefineConfig(Section):
         "integral", description="what is minimised: the integral of kappa, the largest kappa, or both"
     )
     kappa_max: float | None = Field(None, gt=1.0, description="cap on kappa along the path; null: route.kappa_max")
-    surrogate: Literal["schatten", "frobenius"] = Field(
-        "schatten", description="the smooth kappa the solver sees; the true kappa is reported"
-    )
     corridor: Literal["cells", "free"] = Field(
         "cells", description="keep to the cells of the route, or only to its sequence of working modes"
     )

@@ -6,6 +6,9 @@ import numpy as np
 
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import (
+    ACTUATORS,
+    ARM_OF_LINK,
+    LINKS,
     MODE_SIGNS,
     PRIMARY,
     TELESCOPES,
@@ -122,6 +125,19 @@ def closure_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> Flo
     u = vectors / np.sqrt(dot(vectors, vectors))[..., None]
     moments = cross(platform_arms(machine, pose), u)
     return np.concatenate([u, moments @ _rotation_axes(pose)], axis=-1)
+
+
+def pose_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
+    """Differentiate the pose by the actuators on the closure r(pose, q) = 0: -(dr/dpose)^-1 dr/dq. Shape (..., 6, 5).
+
+    A cart pulls its links by -u_x, a telescope lengthens its own: dr/dc_k = -u_l,x for the links l of arm k and
+    dr/dq_4 = -1 for 2b, dr/dq_5 = -1 for 3b.
+    """
+    by_pose = closure_jacobian(machine, pose, q_m)
+    by_q = np.zeros((*by_pose.shape[:-1], len(ACTUATORS)))
+    by_q[..., np.arange(len(LINKS)), ARM_OF_LINK] = -by_pose[..., 0]
+    by_q[..., TELESCOPES, [3, 4]] = -1.0
+    return np.linalg.solve(by_pose, -by_q).astype(float, copy=False)
 
 
 def _rotation_axes(pose: FloatArray) -> FloatArray:

@@ -23,13 +23,10 @@ _STATUS = {
 }
 _PRECISE = {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9}
 _ROUGH = {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1}
-_PUSHES = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac")
-_NEAR = {"mu_init": 1e-4, "mu_max": 1e-2, **dict.fromkeys(_PUSHES, 1e-6)}
-"""A start that is nearly optimal must not be pushed off its bounds: what is consistent would be no more."""
 
-Manner = Literal["rough", "precise", "near"]
-"""Good enough to start another solve from; precise from afar; precise from a start that is nearly optimal."""
-_MANNERS: dict[Manner, dict[str, float]] = {"rough": _ROUGH, "precise": _PRECISE, "near": _PRECISE | _NEAR}
+Manner = Literal["rough", "precise"]
+"""Good enough to start another solve from, or as good as it gets."""
+_MANNERS: dict[Manner, dict[str, float]] = {"rough": _ROUGH, "precise": _PRECISE}
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,10 @@ sparse: a node touches itself and its neighbour, and the splines only enter line
 
     minimise    the integral of kappa: over neighbouring nodes, (kappa_k + kappa_k+1) / 2 times their distance in
                 the route's metric
-                + the largest kappa, as far as it is above what is aimed at, times the length
                 + evenness times the variance of the speed along s times the length
     subject to  closure(pose_k, q_k) = 0,  q_k = basis(s_k) . coefficients,
                 corridor, strokes and travel (bounds of the coefficients hold everywhere: convex hull),
                 0.5 <= speed along s relative to the mean <= 1.5, actuators moving at both ends,
-                kappa_k <= the largest kappa <= its cap where kappa is high,
                 n . (a - b) >= clearance,  n . n <= 1,
                 in a free corridor: every cart on its side of the platform,
                 the first and the last leg of the splines' control polygon along given directions.
@@ -25,7 +23,6 @@ from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
 from pipeline.machine.geometry import PRIMARY, FloatArray, Machine
-from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.symbolic import closure_function, joints_function
 from pipeline.refine.corridor import Corridor
 from pipeline.refine.derivatives import derivative_options
@@ -37,12 +34,10 @@ from pipeline.route.metric import CONTROLLED, arc_length
 SPEED_RANGE = (0.5, 1.5)
 """Speed along s relative to its mean: without it the optimum rushes through where kappa is high."""
 
-_END_SPEED = 0.3
+END_SPEED = 0.3
 """Least speed of the actuators at start and goal, relative to that up to the next node."""
 _STILL = 1e-4
 """Share of the mean distance between nodes, added in quadrature: a distance of zero has no derivative."""
-_HIGH = 0.75
-"""Share of the largest kappa from which on a node may come to have it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +100,6 @@ class Setting:
         The metric: largest moves per step of the route.
     exponent : float
         Of the smooth kappa, a Schatten condition number.
-    weights : (2,)
-        Of the integral of kappa, and of the largest kappa times the length.
-    kappa_max : (2,)
-        What is aimed at for the largest kappa, and its cap; not looked at while the weight is zero.
     directions : (2, 5)
         Unit vectors that the actuators leave the start and come to the goal in; not a number where they are free.
     evenness : float
@@ -122,8 +113,6 @@ class Setting:
     separations: Separations
     steps: FloatArray
     exponent: float
-    weights: tuple[float, float]
-    kappa_max: tuple[float, float]
     directions: FloatArray
     evenness: float
 
@@ -132,7 +121,7 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
     """Write the program for given nodes, corridor and separations, to be started from `start`."""
     k, n, m = len(setting.s), len(start.coefficients), len(setting.separations)
     pose, q, coefficients = ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n)
-    normal, length, worst = ca.MX.sym("n", 3, m), ca.MX.sym("length"), ca.MX.sym("worst")
+    normal, length = ca.MX.sym("n", 3, m), ca.MX.sym("length")
     B = basis(setting.knots, setting.s)
     moves = (pose[list(CONTROLLED), 1:] - pose[list(CONTROLLED), :-1]) / ca.DM(setting.steps)
     squared = ca.sum1(moves**2)
@@ -151,33 +140,27 @@ def build_program(machine: Machine, setting: Setting, start: Start) -> Program:
         ("speed at the ends", _end_speeds(setting, q, coefficients), 0.0, np.inf),
         *_directions(setting.directions, coefficients),
     ]
-    high = _high_nodes(machine, setting, start)
-    x = ca.veccat(pose, q, coefficients, normal, length, worst)
+    g = ca.vertcat(*(expression for _, expression, _, _ in groups))
+    x = ca.veccat(pose, q, coefficients, normal, length)
     nodes, kappa = ca.vertcat(pose, q[:3, :]), NodeKappa(machine, k, setting.exponent)
-
     rest = setting.evenness * _unevenness(setting, start, distance, length)
-    rest += setting.weights[1] * _length(setting, start) * worst
 
-    def write(kappas: ca.MX) -> tuple[ca.MX, ca.MX]:
-        f = setting.weights[0] * ca.dot(kappas, trapezoids) + rest
-        of_high = ca.vec(kappas[high] - worst) if high else ca.MX(0, 1)
-        return f, ca.vertcat(*(expression for _, expression, _, _ in groups), of_high)
+    def objective(kappas: ca.MX) -> ca.MX:
+        return ca.dot(kappas, trapezoids) + rest
 
     kappas = kappa(nodes)[0]
-    f, g = write(kappas)
     sizes = [(name, expression.numel(), low, top) for name, expression, low, top in groups]
-    sizes.append(("kappa", len(high), -np.inf, 0.0))
     ends = np.cumsum([size for _, size, _, _ in sizes])
     return Program(
-        problem={"x": x, "f": f, "g": g},
-        derivatives=derivative_options(kappa, nodes, x, write),
+        problem={"x": x, "f": objective(kappas), "g": g},
+        derivatives=derivative_options(kappa, nodes, x, objective, g),
         integral=ca.Function("integral", [x], [ca.dot(kappas, trapezoids)]),
         variable_bounds=_variable_bounds(machine, setting, start),
         constraint_bounds=(
             np.concatenate([np.full(size, low) for _, size, low, _ in sizes]),
             np.concatenate([np.full(size, top) for _, size, _, top in sizes]),
         ),
-        start=_start_vector(machine, setting, start, B),
+        start=_start_vector(setting, start, B),
         blocks=tuple(
             Block(name, int(end) - size, int(end)) for (name, size, _, _), end in zip(sizes, ends, strict=True)
         ),
@@ -204,7 +187,7 @@ def _end_speeds(setting: Setting, q: ca.MX, coefficients: ca.MX) -> ca.MX:
     first = DEGREE * (coefficients[:, 1] - coefficients[:, 0]) / (t[DEGREE + 1] - t[0])
     last = DEGREE * (coefficients[:, -1] - coefficients[:, -2]) / (t[-1] - t[-DEGREE - 2])
     means = ((q[:, 1] - q[:, 0]) / (s[1] - s[0]), (q[:, -1] - q[:, -2]) / (s[-1] - s[-2]))
-    rows = [ca.sumsqr(end) - ca.sumsqr(_END_SPEED * mean) for end, mean in zip((first, last), means, strict=True)]
+    rows = [ca.sumsqr(end) - ca.sumsqr(END_SPEED * mean) for end, mean in zip((first, last), means, strict=True)]
     speeds: ca.MX = ca.vertcat(*rows)
     return speeds
 
@@ -219,19 +202,6 @@ def _directions(directions: FloatArray, coefficients: ca.MX) -> list[tuple[str, 
             groups.append((f"direction at the {name}", ca.DM(across) @ leg, 0.0, 0.0))
             groups.append((f"way at the {name}", ca.dot(ca.DM(direction), leg), 0.0, np.inf))
     return groups
-
-
-def _high_nodes(machine: Machine, setting: Setting, start: Start) -> list[int]:
-    """Nodes that may come to have the largest kappa: those of the start that are not far below it."""
-    if setting.weights[1] == 0.0:
-        return []
-    kappa = _kappa(machine, setting, start)
-    return np.flatnonzero(kappa >= _HIGH * min(kappa.max(), setting.kappa_max[1])).tolist()
-
-
-def _kappa(machine: Machine, setting: Setting, start: Start) -> FloatArray:
-    q = basis(setting.knots, setting.s) @ start.coefficients
-    return condition_number(statics_matrix(machine, start.pose, q[:, :3]))
 
 
 def _unevenness(setting: Setting, start: Start, distance: ca.MX, length: ca.MX) -> ca.MX:
@@ -249,17 +219,14 @@ def _variable_bounds(machine: Machine, setting: Setting, start: Start) -> tuple[
     coefficient_low[[0, -1]] = coefficient_high[[0, -1]] = start.coefficients[[0, -1]]
     normal_high = np.full((pairs, 3), np.inf)
     normal_high[setting.separations.of_rail, 0] = 0.0
-    # The largest kappa is an unknown only where it counts.
-    worst = setting.kappa_max if setting.weights[1] > 0.0 else (0.0, 0.0)
-    low = (setting.corridor.low, np.full(5 * nodes, -np.inf), coefficient_low, -normal_high, [1e-3], worst[:1])
-    high = (setting.corridor.high, np.full(5 * nodes, np.inf), coefficient_high, normal_high, [np.inf], worst[1:])
+    low = (setting.corridor.low, np.full(5 * nodes, -np.inf), coefficient_low, -normal_high, [1e-3])
+    high = (setting.corridor.high, np.full(5 * nodes, np.inf), coefficient_high, normal_high, [np.inf])
     return (np.concatenate([np.ravel(part) for part in low]), np.concatenate([np.ravel(part) for part in high]))
 
 
-def _start_vector(machine: Machine, setting: Setting, start: Start, B: csr_array) -> FloatArray:
+def _start_vector(setting: Setting, start: Start, B: csr_array) -> FloatArray:
     q = B @ start.coefficients
-    worst = _kappa(machine, setting, start).max()
-    parts = (start.pose, q, start.coefficients, setting.separations.normal, [_length(setting, start)], [worst])
+    parts = (start.pose, q, start.coefficients, setting.separations.normal, [_length(setting, start)])
     return np.concatenate([np.ravel(part) for part in parts])
 
 

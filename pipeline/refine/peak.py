@@ -1,70 +1,101 @@
-"""Lowering the largest kappa of a path: step by step, each step a solve that starts from the one before."""
+"""Bringing the largest kappa down as far as the objective asks for, on the mesh of a solve."""
+
+from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import BSpline
 
-from pipeline.config import Config
 from pipeline.errors import NoSolutionError
-from pipeline.refine.between import breaches
-from pipeline.refine.measure import PathFigures, sample_path
-from pipeline.refine.motion import kappa_along
+from pipeline.machine.clearance import link_distances, link_rail_distances
+from pipeline.machine.geometry import FloatArray
+from pipeline.refine.corridor import corridor
+from pipeline.refine.descent import Descent, Ground, Wish, descend
+from pipeline.refine.iterate import Iterate, Looks, iterate_at
+from pipeline.refine.limits import Demands, least_distances
 from pipeline.refine.result import Path
-from pipeline.refine.solve import Aim, Problem, Solve, figures_of, solve_on
-from pipeline.route.metric import arc_length
+from pipeline.refine.solve import SCHATTEN, Problem, Solve
+from pipeline.refine.splines import DEGREE
+from pipeline.status import Status
 
+_WEIGHTS = {"integral": (1.0, 1.0), "mixed": (1.0, 1.0), "maximum": (0.01, 1.0)}
+"""Of the mean of kappa and of its largest value above what is aimed at; a hundredth settles what the largest leaves."""
 _AIM = 0.97
 """Share of the coarse path's largest kappa that the integral's objective aims at, too: peaks are to come down."""
 _BELOW_CAP = 0.995
-"""Share of the cap aimed at: between two nodes kappa may be a little higher than at them."""
-_GAIN = 0.001
-"""Relative gain below which lowering the largest kappa further is not worth a solve."""
-_FIRST_STEP = {"integral": 0.05, "mixed": 0.01, "maximum": 0.01}
-"""The largest kappa is lowered in steps of this share, small ones where it is to go as low as it gets."""
-_SHORTER, _LAST_STEP = 3.0, 0.003
-"""Steps get shorter by this factor when one fails, down to a last one."""
-_ITERATIONS = 60
-"""A step that takes more is none."""
-_ENDS = np.array([0.0, 1.0])
+"""Share of the cap that counts as it: between two looks kappa may be a little higher than at them."""
 
 
-def lowered(problem: Problem, solve: Solve, exponent: float, evenness: float) -> tuple[Solve, int]:
-    """Lower the largest kappa as far as the objective asks for; also the iterations it took.
+def lowered(problem: Problem, solve: Solve) -> Solve:
+    """Lower what the objective asks for from a solve's path on, largest kappa included.
 
-    A step that is no gain, does not converge or breaks a promise is taken back and a shorter one tried. Start and goal
-    are given, and so is their kappa.
+    kappa and limits are looked at in the nodes and half-way between them. Start and goal are given, and their kappa.
+
+    Raises
+    ------
+    NoSolutionError
+        When `refine.max_iterations` steps were not enough; the last path is in its `diagnosis`.
     """
-    iterations, figures, objective = 0, figures_of(problem, solve), problem.config.refine.objective
-    aimed, cap = _aim_and_cap(problem.config, problem.coarse)
-    target = max(float(kappa_along(solve.path, _ENDS).max()), aimed if objective == "integral" else 0.0)
-    step = _FIRST_STEP[objective]
-    while step > _LAST_STEP and figures.kappa_max > target * (1.0 + _GAIN):
-        problem.progress(f"refine: largest kappa {figures.kappa_max:.3f}, lowering it")
-        next_ = min(max(target, (1.0 - step) * figures.kappa_max), cap)
-        aim = Aim(exponent, (1.0, 1.0), (next_, cap), evenness, _ITERATIONS, "near")
-        try:
-            tried = solve_on(problem, solve.mesh, solve.start, aim)
-        except NoSolutionError:
-            step /= _SHORTER
-            continue
-        iterations += tried.solution.iterations
-        there = figures_of(problem, tried)
-        worse = _worth(problem, there) >= _worth(problem, figures) * (1.0 - _GAIN)
-        if worse or breaches(problem.config, problem.route, tried.path, problem.coarse):
-            step /= _SHORTER
-            continue
-        solve, figures = tried, there
-    return solve, iterations
+    ground, iterate = _ground(problem, solve)
+    if iterate is None:
+        return solve
+    aim, cap = _aim_and_cap(problem, iterate)
+    mean, largest = _WEIGHTS[problem.config.refine.objective]
+    wish = Wish(mean, largest, aim, cap, problem.length)
+    problem.progress(f"refine ({len(solve.mesh.s)} nodes): largest kappa {iterate.kappa.max():.2f}, going down")
+    begun, most = solve, problem.config.refine.max_iterations
+    if iterate.kappa.max() > cap:
+        # What is above its cap comes below it first, and the rest counts afterwards.
+        first = descend(ground, replace(wish, mean=_WEIGHTS["maximum"][0], aim=cap, cap=np.inf), iterate, most)
+        solve = _solve_of(problem, ground, begun, first)
+        iterate = first.iterate
+        wish = replace(wish, cap=max(cap, float(iterate.kappa.max())))
+    return _solve_of(problem, ground, solve, descend(ground, wish, iterate, most))
 
 
-def _worth(problem: Problem, figures: PathFigures) -> float:
-    """What is to be small: the largest kappa, or its mean with the average of kappa along the path."""
-    if problem.config.refine.objective == "mixed":
-        length = float(arc_length(problem.coarse.node_pose, problem.steps)[-1])
-        return (figures.kappa_max + figures.kappa_integral / length) / 2.0
-    return figures.kappa_max
+def _solve_of(problem: Problem, ground: Ground, begun: Solve, descent: Descent) -> Solve:
+    spline = BSpline(begun.mesh.knots, descent.iterate.coefficients, DEGREE)
+    path = Path(problem.machine, spline, ground.looks.s, descent.iterate.pose)
+    solve = Solve(begun.mesh, path, descent.iterate.integral, begun.iterations + descent.steps)
+    if not descent.converged:
+        raise NoSolutionError(
+            "refine",
+            f"kappa was still going down after {descent.steps} steps",
+            "Raise refine.max_iterations.",
+            {"status": Status.NOT_CONVERGED.value, **solve.arrays},
+        )
+    return solve
 
 
-def _aim_and_cap(config: Config, coarse: Path) -> tuple[float, float]:
-    """What is aimed at for the largest kappa, a little less than on the coarse path, and its cap."""
-    largest = float(sample_path(coarse, np.linspace(0.0, 1.0, config.refine.check_points)).kappa.max())
-    cap = min(config.refine.kappa_max or np.inf, config.route.kappa_max)
-    return min(_AIM * largest, _BELOW_CAP * cap), cap
+def _ground(problem: Problem, solve: Solve) -> tuple[Ground, Iterate | None]:
+    config, machine, s = problem.config, problem.machine, _halved(solve.mesh.s)
+    looks = Looks.at(machine, s, solve.mesh.knots, problem.steps, SCHATTEN)
+    iterate = iterate_at(looks, solve.path.spline.c, solve.path.pose(s))
+    pose, carts = (
+        (solve.path.pose(s), solve.path.q(s)[:, :3]) if iterate is None else (iterate.pose, iterate.q_m[:, :3])
+    )
+    margin = config.refine.clearance_margin_m
+    demands = Demands(
+        corridor=corridor(config, problem.route, problem.coarse, s),
+        link_m=least_distances(link_distances(machine, pose, carts), machine.link_link_m, margin),
+        rail_m=least_distances(link_rail_distances(machine, pose, carts), machine.link_rail_m, margin),
+    )
+    return Ground(looks, demands, problem.directions, machine.actuator_limits_m), iterate
+
+
+def _halved(s: FloatArray) -> FloatArray:
+    """Put a look between every two nodes."""
+    looks: FloatArray = np.sort(np.concatenate([s, (s[1:] + s[:-1]) / 2.0]))
+    return looks
+
+
+def _aim_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:
+    """What is aimed at for the largest kappa, and its cap: neither below that of the start or the goal.
+
+    For the integral, too, the largest kappa is to be less than on the coarse path, and never more where that can be.
+    """
+    config, ends = problem.config, float(max(iterate.kappa[0], iterate.kappa[-1]))
+    cap = _BELOW_CAP * min(config.refine.kappa_max or np.inf, config.route.kappa_max)
+    if config.refine.objective != "integral":
+        return ends, max(cap, ends)
+    coarse = problem.coarse_kappa_max
+    return max(min(_AIM * coarse, cap), ends), max(min(coarse, cap), ends)

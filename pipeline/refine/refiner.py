@@ -1,4 +1,6 @@
-"""Stage two as a whole: a start from the coarse path, finer meshes until nothing changes, checks between the nodes."""
+"""Stage two as a whole: a path from the coarse one, finer meshes until nothing changes, checks between the nodes."""
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,21 +12,16 @@ from pipeline.refine.between import Breach, breaches
 from pipeline.refine.coarse import coarse_path
 from pipeline.refine.corridor import visit_parameters
 from pipeline.refine.directions import end_directions
-from pipeline.refine.ipopt import Manner
 from pipeline.refine.mesh import even_mesh, finer, with_nodes
 from pipeline.refine.peak import lowered
 from pipeline.refine.result import Refinement
-from pipeline.refine.solve import Aim, Problem, Solve, carried_start, coarse_start, figures_of, solve_on
+from pipeline.refine.solve import FROBENIUS, SCHATTEN, Aim, Problem, Solve, carried, coarse_fit, figures_of, solve_from
 from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 from pipeline.status import Status
 
-_EXPONENTS = {"frobenius": 2.0, "schatten": 64.0}
-"""Of the smooth kappa: at 64 it is within 6 per cent of the true one, whatever the singular values."""
 _EVENNESS_FIRST, _EVENNESS = 10.0, 0.1
 """Cost of uneven speed along s, in units of kappa: much to begin with, in the end what no figure notices."""
-_INTEGRAL, _NOTHING = (1.0, 0.0), (0.0, 0.0)
-"""Weights of the integral of kappa and of the largest kappa."""
 
 
 def refine_path(
@@ -37,7 +34,7 @@ def refine_path(
     ConfigError
         When refine.kappa_max is below kappa at the start or the goal, or a direction there cannot be kept.
     NoSolutionError
-        When the route cannot be followed, IPOPT does not converge, or a promise stays broken between the nodes
+        When the route cannot be followed, no start leads to a path, or a promise stays broken between the nodes
         after the configured rounds; for the latter two the last path is in its `diagnosis`.
     """
     options, steps = config.refine, step_sizes(config.route)
@@ -45,22 +42,16 @@ def refine_path(
     directions = end_directions(config, machine, route)
     coarse = coarse_path(machine, route, steps)
     problem = Problem(config, machine, route, coarse, steps, directions, progress, verbose)
-    solve, iterations = _first_solve(problem)
-    solve, meshes, change, more = _on_finer_meshes(problem, solve)
-    iterations += more
+    solve, meshes, change = _on_finer_meshes(problem, _first_solve(problem))
     for round_ in range(1, options.max_rounds + 1):
-        low, more = lowered(problem, solve, _EXPONENTS["schatten"], _EVENNESS)
-        iterations += more
         progress("refine: checking between the nodes")
-        # What was lowered has been checked already.
-        found = breaches(config, route, solve.path, coarse) if low is solve else []
-        solve = low
+        found = breaches(config, route, solve.path, coarse)
         if not found:
             return Refinement(
                 path=solve.path,
                 coarse=coarse,
                 status=Status.CONVERGED,
-                iterations=iterations,
+                iterations=solve.iterations,
                 rounds=round_,
                 meshes=meshes,
                 mesh_change=change,
@@ -69,63 +60,81 @@ def refine_path(
             )
         if round_ < options.max_rounds:
             mesh = with_nodes(solve.mesh, np.concatenate([breach.s for breach in found]))
-            solve = solve_on(problem, mesh, carried_start(solve, mesh), _final(config, "near"))
-            iterations += solve.solution.iterations
+            solve = lowered(problem, replace(solve, mesh=mesh))
     raise _broken(options.max_rounds, solve, found)
 
 
-def _final(config: Config, manner: Manner) -> Aim:
-    options = config.refine
-    return Aim(_EXPONENTS[options.surrogate], _INTEGRAL, (0.0, 0.0), _EVENNESS, options.max_iterations, manner)
+def _first_solve(problem: Problem) -> Solve:
+    """Solve on the first mesh, from one of two starts.
 
-
-def _first_solve(problem: Problem) -> tuple[Solve, int]:
-    """Solve on the first mesh, from a rough solution; from another one when that fails. Also the iterations it took.
-
-    The Frobenius kappa at even speed is cheap, and a start from which all goes well; the other start only keeps what
-    has to be kept, at even speed.
+    For an integral of kappa IPOPT goes a long way fast, and the descent only the rest. Where it fails, or gets to a
+    larger kappa than the coarse path has, and for the largest kappa alone, the descent begins with the coarse path.
     """
     options = problem.config.refine
     mesh = even_mesh(options.nodes, options.coefficients, visit_parameters(problem.coarse, problem.route))
-    roughs = [
-        Aim(_EXPONENTS["frobenius"], weights, (0.0, 0.0), _EVENNESS_FIRST, options.max_iterations, "rough")
-        for weights in (_INTEGRAL, _NOTHING)
-    ]
-    failures: list[NoSolutionError] = []
-    for rough in roughs:
-        try:
-            first = solve_on(problem, mesh, coarse_start(problem, mesh), rough)
-            solve = solve_on(problem, mesh, first.start, _final(problem.config, "precise"))
-        except NoSolutionError as error:
-            failures.append(error)
-            problem.progress(f"refine: {error.reason}; another start")
-        else:
-            return solve, first.solution.iterations + solve.solution.iterations
-    raise failures[0]
+    begin = coarse_fit(problem, mesh)
+    if options.objective == "maximum":
+        return lowered(problem, begin)
+    try:
+        solve = lowered(problem, _solve_by_ipopt(problem, begin))
+    except NoSolutionError as failure:
+        problem.progress(f"refine: {failure.reason}; another start")
+        return _other_start(problem, begin, failure)
+    if figures_of(problem, solve).kappa_max <= problem.coarse_kappa_max:
+        return solve
+    other = lowered(problem, begin)
+    return min(solve, other, key=lambda solve: figures_of(problem, solve).kappa_max)
 
 
-def _on_finer_meshes(problem: Problem, solve: Solve) -> tuple[Solve, int, float | None, int]:
-    """Solve on finer meshes until the integral changes by less than the tolerance.
+def _solve_by_ipopt(problem: Problem, begin: Solve) -> Solve:
+    """Solve with the Frobenius kappa at even speed, roughly, and from there with the Schatten kappa."""
+    most = problem.config.refine.max_iterations
+    rough = solve_from(problem, begin, Aim(FROBENIUS, _EVENNESS_FIRST, most, "rough"))
+    return solve_from(problem, rough, Aim(SCHATTEN, _EVENNESS, most, "precise"))
 
-    Also how many meshes there were, the last relative change (None when there was one mesh, or none finer was
-    solved), and the iterations it took.
+
+def _other_start(problem: Problem, begin: Solve, failure: NoSolutionError) -> Solve:
+    try:
+        return lowered(problem, begin)
+    except NoSolutionError as second:
+        raise NoSolutionError(
+            "refine",
+            f"{failure.reason}; from another start, {second.reason}",
+            failure.advice,
+            failure.diagnosis,
+        ) from second
+
+
+def _on_finer_meshes(problem: Problem, solve: Solve) -> tuple[Solve, int, float | None]:
+    """Solve on finer meshes until what is minimised changes by less than the tolerance.
+
+    Also how many meshes there were, and the last relative change: None when there was one mesh, or none finer was
+    solved.
     """
-    options, iterations, change = problem.config.refine, 0, None
-    integral = figures_of(problem, solve).kappa_integral
+    options, change = problem.config.refine, None
+    value = _minimised(problem, solve)
     for meshes in range(1, options.max_meshes):
         mesh = finer(solve.mesh, solve.path, problem.steps)
         try:
-            again = solve_on(problem, mesh, carried_start(solve, mesh), _final(problem.config, "near"))
+            again = lowered(problem, carried(solve, mesh))
         except NoSolutionError as error:
             problem.progress(f"refine: {error.reason}; the mesh before is kept")
-            return solve, meshes, None, iterations
-        iterations += again.solution.iterations
-        before, integral = integral, figures_of(problem, again).kappa_integral
-        solve, change = again, abs(integral / before - 1.0)
-        problem.progress(f"refine: {len(mesh.s)} nodes change the integral of kappa by {change:.2%}")
+            return solve, meshes, None
+        before, value = value, _minimised(problem, again)
+        solve, change = again, abs(value / before - 1.0)
+        problem.progress(f"refine: {len(mesh.s)} nodes change what is minimised by {change:.2%}")
         if change < options.tolerance:
-            return solve, meshes + 1, change, iterations
-    return solve, options.max_meshes, change, iterations
+            return solve, meshes + 1, change
+    return solve, options.max_meshes, change
+
+
+def _minimised(problem: Problem, solve: Solve) -> float:
+    """The figure that the objective is about: the integral of kappa, its largest value, or the sum of mean and that."""
+    figures, objective = figures_of(problem, solve), problem.config.refine.objective
+    if objective == "integral":
+        return figures.kappa_integral
+    mean = figures.kappa_integral / problem.length if objective == "mixed" else 0.0
+    return mean + figures.kappa_max
 
 
 def _require_cap(config: Config, route: Route) -> None:

@@ -1,6 +1,7 @@
 """One solve of stage two: on a mesh, from a start, with an aim."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -18,8 +19,11 @@ from pipeline.refine.nlp import Setting, Start, build_program
 from pipeline.refine.result import Path
 from pipeline.refine.separation import find_separations
 from pipeline.refine.splines import DEGREE, fit
+from pipeline.route.metric import arc_length
 from pipeline.route.result import Route
 
+FROBENIUS, SCHATTEN = 2.0, 64.0
+"""Exponents of the smooth kappa: with 64 it is within 6 per cent of the true one, whatever the singular values."""
 _LOST = 0.5
 """A first pose farther than this (metres, radians) from the coarse path belongs to another assembly."""
 _LOOKS = 2_001
@@ -43,14 +47,23 @@ class Problem:
     progress: Progress
     verbose: bool
 
+    @property
+    def length(self) -> float:
+        """Length of the coarse path in the metric: means of kappa are taken over it."""
+        return float(arc_length(self.coarse.node_pose, self.steps)[-1])
+
+    @cached_property
+    def coarse_kappa_max(self) -> float:
+        """Largest kappa of the coarse path."""
+        s = np.linspace(0.0, 1.0, self.config.refine.check_points)
+        return float(sample_path(self.coarse, s).kappa.max())
+
 
 @dataclass(frozen=True)
 class Aim:
     """What a solve is to achieve, as in `nlp.Setting`, and how IPOPT goes about it."""
 
     exponent: float
-    weights: tuple[float, float]
-    kappa_max: tuple[float, float]
     evenness: float
     max_iterations: int
     manner: Manner
@@ -58,17 +71,12 @@ class Aim:
 
 @dataclass(frozen=True, eq=False)
 class Solve:
-    """The path that a solve gave, on which mesh, the integral as its smooth kappa saw it, and how it ended."""
+    """The path that a solve gave, on which mesh, the integral as its smooth kappa saw it, and iterations so far."""
 
     mesh: Mesh
     path: Path
-    solution: Solution
     integral: float
-
-    @property
-    def start(self) -> Start:
-        """Where another solve on the same mesh may start."""
-        return Start(self.path.node_pose, self.path.spline.c)
+    iterations: int
 
     @property
     def arrays(self) -> dict[str, object]:
@@ -81,14 +89,15 @@ class Solve:
         }
 
 
-def solve_on(problem: Problem, mesh: Mesh, start: Start, aim: Aim) -> Solve:
-    """Build and solve the program of a mesh.
+def solve_from(problem: Problem, begin: Solve, aim: Aim) -> Solve:
+    """Build and solve the program of a mesh, starting from a path on it.
 
     Raises
     ------
     NoSolutionError
         When IPOPT does not converge; its last path is in the `diagnosis`.
     """
+    mesh, start = begin.mesh, Start(begin.path.node_pose, begin.path.spline.c)
     options, what = problem.config.refine, f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
     problem.progress(f"{what}: building the program")
     q = BSpline(mesh.knots, start.coefficients, DEGREE)(mesh.s)
@@ -100,8 +109,6 @@ def solve_on(problem: Problem, mesh: Mesh, start: Start, aim: Aim) -> Solve:
         separations=find_separations(problem.machine, start.pose, q, options.clearance_margin_m, reach),
         steps=problem.steps,
         exponent=aim.exponent,
-        weights=aim.weights,
-        kappa_max=aim.kappa_max,
         directions=problem.directions,
         evenness=aim.evenness,
     )
@@ -111,9 +118,9 @@ def solve_on(problem: Problem, mesh: Mesh, start: Start, aim: Aim) -> Solve:
     )
     spline = BSpline(mesh.knots, program.spline_coefficients(solution.x), DEGREE)
     path = Path(problem.machine, spline, mesh.s, program.poses(solution.x))
-    solve = Solve(mesh, path, solution, float(program.integral(solution.x)))
+    solve = Solve(mesh, path, float(program.integral(solution.x)), begin.iterations + solution.iterations)
     if not solution.status.solved:
-        raise _failed(solve)
+        raise _failed(solve, solution)
     return solve
 
 
@@ -122,32 +129,32 @@ def figures_of(problem: Problem, solve: Solve) -> PathFigures:
     return measure(sample_path(solve.path, np.linspace(0.0, 1.0, _LOOKS)), problem.steps)
 
 
-def coarse_start(problem: Problem, mesh: Mesh) -> Start:
+def coarse_fit(problem: Problem, mesh: Mesh) -> Solve:
     """Fit splines to the coarse path; poses by forward kinematics from the coarse ones."""
     coarse = problem.coarse
     # Beside the nodes of the coarse path, enough samples for every coefficient to have some.
     samples = np.union1d(coarse.node_s, np.linspace(0.0, 1.0, 4 * mesh.coefficients))
-    return _start(coarse, mesh, fit(mesh.knots, samples, coarse.q(samples)))
+    return _near(coarse, mesh, fit(mesh.knots, samples, coarse.q(samples)), 0)
 
 
-def carried_start(solve: Solve, mesh: Mesh) -> Start:
+def carried(solve: Solve, mesh: Mesh) -> Solve:
     """Carry the path of a solve over to a finer mesh: the same curve, with more knots and nodes."""
     spline = solve.path.spline
     for knot in np.setdiff1d(mesh.knots, solve.mesh.knots):
         spline = spline.insert_knot(knot)
-    return _start(solve.path, mesh, spline.c)
+    return _near(solve.path, mesh, spline.c, solve.iterations)
 
 
-def _start(near_path: Path, mesh: Mesh, coefficients: FloatArray) -> Start:
+def _near(near_path: Path, mesh: Mesh, coefficients: FloatArray, iterations: int) -> Solve:
     near = np.stack([np.interp(mesh.s, near_path.node_s, column) for column in near_path.node_pose.T], axis=1)
-    pose, miss = newton(near_path.machine, BSpline(mesh.knots, coefficients, DEGREE)(mesh.s), near)
+    spline = BSpline(mesh.knots, coefficients, DEGREE)
+    pose, miss = newton(near_path.machine, spline(mesh.s), near)
     lost = ~(miss < 1e-6) | (np.abs(pose - near).max(axis=1) > _LOST)
     pose[lost] = near[lost]
-    return Start(pose, coefficients)
+    return Solve(mesh, Path(near_path.machine, spline, mesh.s, pose), np.nan, iterations)
 
 
-def _failed(solve: Solve) -> NoSolutionError:
-    solution = solve.solution
+def _failed(solve: Solve, solution: Solution) -> NoSolutionError:
     worst = sorted(solution.violations.items(), key=lambda item: -item[1])[:3]
     broken = ", ".join(f"{name} by {value:.2e}" for name, value in worst if value > 1e-9)
     state = f"most violated: {broken}" if broken else "all constraints hold, but kappa can still be lowered"

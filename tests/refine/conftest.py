@@ -32,7 +32,7 @@ def coarse(machine: Machine, route: Route, steps: np.ndarray) -> Path:
 def light_config(quick_config: Config) -> Config:
     """Make a configuration that is refined in a few seconds."""
     light = quick_config.refine.model_copy(
-        update={"surrogate": "frobenius", "nodes": 50, "coefficients": 22, "check_points": 2_000, "max_meshes": 1}
+        update={"nodes": 50, "coefficients": 22, "check_points": 2_000, "max_meshes": 1}
     )
     return quick_config.model_copy(update={"refine": light})
 

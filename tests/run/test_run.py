@@ -360,7 +360,7 @@ def test_stages_read_only_what_they_declare(quick_config: Config, machine: Machi
     from pipeline.refine import refine_path
     from pipeline.route import build_regions, plan_route
 
-    config = change(quick_config, refine__nodes=40, refine__coefficients=16, refine__surrogate="frobenius")
+    config = change(quick_config, refine__nodes=40, refine__coefficients=16)
     blind = replace(machine, velocity_mps=np.full(5, np.nan), acceleration_mps2=np.full(5, np.nan))
     results: list[Any] = []
     for stage, make in (

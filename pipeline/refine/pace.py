@@ -1,0 +1,103 @@
+"""How a path is run through while its largest kappa is brought down: even speed along s, and what its ends ask for."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.linalg import null_space
+from scipy.sparse import csr_array, diags_array, hstack
+
+from pipeline.machine.geometry import FloatArray, IntArray
+from pipeline.refine.iterate import Iterate, Looks
+from pipeline.refine.limits import Limit, of_actuators
+from pipeline.refine.nlp import END_SPEED, SPEED_RANGE
+from pipeline.refine.splines import DEGREE
+from pipeline.route.metric import CONTROLLED
+
+_SPEED_SLACK = 0.05
+"""Of the mean speed along s."""
+_EXACT = 1e-9
+
+
+def pace_limits(looks: Looks, directions: FloatArray, iterate: Iterate) -> Iterator[Limit]:
+    """Say what the speed along s has to keep, and the ends; `directions` (2, 5) as in `nlp.Setting`."""
+    by_chord, steps_of_s = chord_slopes(looks, iterate), np.diff(looks.s)
+    length = float(iterate.distances.sum())
+    yield _least_and_largest_speed(iterate.distances, steps_of_s, length, by_chord)
+    one = np.zeros(1)
+    yield Limit(one, one, one, 1.0, lambda _: _less_length(csr_array(by_chord.sum(axis=0)[None]), np.ones(1)))
+    yield from _ends(looks, directions, iterate)
+
+
+def chord_slopes(looks: Looks, iterate: Iterate) -> csr_array:
+    """Differentiate the distances from look to look by the unknowns of a step. Shape (k - 1, 5 n + 2)."""
+    towards = _towards(iterate)
+    return csr_array(sum(_scaled(towards[:, axis], _chord_slopes(looks, iterate, axis)) for axis in range(5)))
+
+
+def chord_curvature(looks: Looks, iterate: Iterate, weights: FloatArray) -> csr_array:
+    """Differentiate weights (k - 1,) . distances twice, the moves taken as linear: sum of w/d |across|^2. Square."""
+    towards, along = _towards(iterate), chord_slopes(looks, iterate)
+    scale = np.sqrt(weights / np.maximum(iterate.distances, 1e-12))
+    across = (_chord_slopes(looks, iterate, axis) - _scaled(towards[:, axis], along) for axis in range(5))
+    return csr_array(sum(rows.T @ rows for rows in (_scaled(scale, part) for part in across)))
+
+
+def _towards(iterate: Iterate) -> FloatArray:
+    unit: FloatArray = iterate.chords / np.maximum(iterate.distances, 1e-12)[:, None]
+    return unit
+
+
+def _chord_slopes(looks: Looks, iterate: Iterate, axis: int) -> csr_array:
+    """Differentiate one coordinate of the chords, in steps of the route. Shape (k - 1, 5 n + 2)."""
+    by_q = iterate.moves[:, CONTROLLED[axis]] / looks.steps[axis]
+    every = of_actuators(looks, np.arange(len(by_q)), by_q)
+    return csr_array(every[1:] - every[:-1])
+
+
+def _scaled(factor: FloatArray, rows: csr_array) -> csr_array:
+    return csr_array(diags_array(factor) @ rows)
+
+
+def _less_length(by_chord: csr_array, factor: FloatArray) -> csr_array:
+    """Take `factor` (m,) times the length, the last unknown, off rows (m, 5 n + 2)."""
+    width = by_chord.shape[1]
+    return csr_array(by_chord - hstack([csr_array((len(factor), width - 1)), csr_array(factor[:, None])]))
+
+
+def _least_and_largest_speed(distances: FloatArray, ds: FloatArray, length: float, by_chord: csr_array) -> Limit:
+    """Distance less a share of length * ds, in units of length * ds: not below zero, then not above."""
+    factor, scale = np.repeat(SPEED_RANGE, len(ds)), np.tile(length * ds, 2)
+    value = np.tile(distances, 2) / scale - factor
+    low = np.where(factor == SPEED_RANGE[0], 0.0, -np.inf)
+    high = np.where(factor == SPEED_RANGE[1], 0.0, np.inf)
+
+    def slope(rows: IntArray) -> csr_array:
+        by_step = _less_length(by_chord[rows % len(ds)], (factor * np.tile(ds, 2))[rows])
+        return _scaled(1.0 / scale[rows], by_step)
+
+    return Limit(value, low, high, _SPEED_SLACK, slope)
+
+
+def _ends(looks: Looks, directions: FloatArray, iterate: Iterate) -> Iterator[Limit]:
+    """Speed of the actuators at both ends, and the directions that they leave the start and come to the goal in."""
+    t, c, q, s = looks.knots, iterate.coefficients, iterate.q_m, looks.s
+    means = ((q[1] - q[0]) / (s[1] - s[0]), (q[-1] - q[-2]) / (s[-1] - s[-2]))
+    paces = (DEGREE / (t[DEGREE + 1] - t[0]), DEGREE / (t[-1] - t[-DEGREE - 2]))
+    for first, direction, mean, pace in zip((0, len(c) - 2), directions, means, paces, strict=True):
+        leg = c[first + 1] - c[first]
+        least = END_SPEED * float(np.linalg.norm(mean)) / pace
+        unit = leg / max(float(np.linalg.norm(leg)), 1e-12)
+        yield _along_leg(unit[None], first, leg, len(c), least, np.inf, max(0.1 * least, _EXACT))
+        if np.isfinite(direction).all():
+            yield _along_leg(null_space(direction[None]).T, first, leg, len(c), 0.0, 0.0, _EXACT)
+            yield _along_leg(direction[None], first, leg, len(c), 0.0, np.inf, _EXACT)
+
+
+def _along_leg(
+    axes: FloatArray, first: int, leg: FloatArray, coefficients: int, low: float, high: float, slack: float
+) -> Limit:
+    """Keep what a leg of the control polygon, from coefficient `first` on, has along axes (m, 5) within bounds."""
+    slope = np.zeros((len(axes), 5 * coefficients + 2))
+    slope[:, 5 * first : 5 * first + 10] = np.hstack([-axes, axes])
+    ones = np.ones(len(axes))
+    return Limit(axes @ leg, low * ones, high * ones, slack, lambda rows: csr_array(slope[rows]))
