@@ -67,15 +67,15 @@ def _less_length(by_chord: csr_array, factor: FloatArray) -> csr_array:
 def _least_and_largest_speed(distances: FloatArray, ds: FloatArray, length: float, by_chord: csr_array) -> Limit:
     """Distance less a share of length * ds, in units of length * ds: not below zero, then not above."""
     factor, scale = np.repeat(SPEED_RANGE, len(ds)), np.tile(length * ds, 2)
-    value = np.tile(distances, 2) / scale - factor
+    relative = np.tile(distances, 2) / scale
     low = np.where(factor == SPEED_RANGE[0], 0.0, -np.inf)
     high = np.where(factor == SPEED_RANGE[1], 0.0, np.inf)
 
     def slope(rows: IntArray) -> csr_array:
-        by_step = _less_length(by_chord[rows % len(ds)], (factor * np.tile(ds, 2))[rows])
+        by_step = _less_length(by_chord[rows % len(ds)], (relative * np.tile(ds, 2))[rows])
         return _scaled(1.0 / scale[rows], by_step)
 
-    return Limit(value, low, high, _SPEED_SLACK, slope)
+    return Limit(relative - factor, low, high, _SPEED_SLACK, slope)
 
 
 def _ends(looks: Looks, directions: FloatArray, iterate: Iterate) -> Iterator[Limit]:

@@ -5,7 +5,13 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.machine import Machine
+from pipeline.machine.clearance import link_pairs
 from pipeline.refine import Path, Refinement, coarse_path, refine_path
+from pipeline.refine.corridor import corridor
+from pipeline.refine.descent import Ground
+from pipeline.refine.iterate import Iterate, Looks, iterate_at
+from pipeline.refine.limits import Demands
+from pipeline.refine.splines import clamped_knots, fit
 from pipeline.route import Route, build_regions, plan_route
 from pipeline.route.metric import step_sizes
 
@@ -41,3 +47,40 @@ def light_config(quick_config: Config) -> Config:
 def refinement(light_config: Config, machine: Machine, route: Route) -> Refinement:
     """Refine the route of quick.yaml."""
     return refine_path(light_config, machine, route)
+
+
+@pytest.fixture(scope="session")
+def free() -> np.ndarray:
+    """Let both ends be reached from anywhere."""
+    return np.full((2, 5), np.nan)
+
+
+@pytest.fixture(scope="session")
+def ground(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray, free) -> Ground:
+    """Look at splines of sixteen coefficients in 61 places along the route."""
+    looks = Looks.at(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
+    wanted = np.full((61, len(link_pairs(machine))), machine.link_link_m)
+    demands = Demands(corridor(quick_config, route, coarse, looks.s), wanted, np.zeros((61, 0)))
+    return Ground(looks, demands, free, machine.actuator_limits_m)
+
+
+@pytest.fixture(scope="session")
+def looks(ground: Ground) -> Looks:
+    """Give the places."""
+    return ground.looks
+
+
+@pytest.fixture(scope="session")
+def iterate(looks: Looks, coarse: Path) -> Iterate:
+    """Fit the splines to the coarse path."""
+    found = iterate_at(looks, fit(looks.knots, coarse.node_s, coarse.q(coarse.node_s)), coarse.pose(looks.s))
+    assert found is not None
+    return found
+
+
+@pytest.fixture
+def direction(iterate: Iterate) -> np.ndarray:
+    """Give a random change of the coefficients that leaves both ends where they are."""
+    change = np.random.default_rng(2).normal(size=iterate.coefficients.shape)
+    change[[0, -1]] = 0.0
+    return change

@@ -39,8 +39,6 @@ def setting(quick_config: Config, machine: Machine, route: Route, coarse: Path, 
         separations,
         steps,
         2.0,
-        weights=(0.7, 0.3),
-        kappa_max=(1.0, 1e4),
         directions=np.full((2, 5), np.nan),
         evenness=3.0,
     )
@@ -74,9 +72,7 @@ def test_uneven_speed_costs_its_variance_times_the_length(setting, program: Prog
     length, ds = arc_length(start.pose, made.steps), np.diff(made.s)
     speed = np.diff(length) / ds / length[-1]
     expected = 3.0 * length[-1] * np.sum(ds * (speed - 1.0) ** 2)
-    # The last unknown is the largest kappa.
-    extra = _values(program, "f", program.start) - 0.7 * float(program.integral(program.start))
-    extra -= 0.3 * length[-1] * program.start[-1]
+    extra = _values(program, "f", program.start) - float(program.integral(program.start))
     assert extra == pytest.approx(expected, rel=1e-7)
 
 
