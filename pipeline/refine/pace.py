@@ -15,6 +15,8 @@ from pipeline.route.metric import CONTROLLED
 
 _SPEED_SLACK = 0.05
 """Of the mean speed along s."""
+_LEAST_END_SPEED = 0.1
+"""Of the mean speed of the actuators along s: with less than 0.07 a path counts as one that nearly stops."""
 _EXACT = 1e-9
 
 
@@ -83,9 +85,10 @@ def _ends(looks: Looks, directions: FloatArray, iterate: Iterate) -> Iterator[Li
     t, c, q, s = looks.knots, iterate.coefficients, iterate.q_m, looks.s
     means = ((q[1] - q[0]) / (s[1] - s[0]), (q[-1] - q[-2]) / (s[-1] - s[-2]))
     paces = (DEGREE / (t[DEGREE + 1] - t[0]), DEGREE / (t[-1] - t[-DEGREE - 2]))
+    travelled = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
     for first, direction, mean, pace in zip((0, len(c) - 2), directions, means, paces, strict=True):
         leg = c[first + 1] - c[first]
-        least = END_SPEED * float(np.linalg.norm(mean)) / pace
+        least = max(END_SPEED * float(np.linalg.norm(mean)), _LEAST_END_SPEED * travelled) / pace
         unit = leg / max(float(np.linalg.norm(leg)), 1e-12)
         yield _along_leg(unit[None], first, leg, len(c), least, np.inf, max(0.1 * least, _EXACT))
         if np.isfinite(direction).all():

@@ -12,7 +12,14 @@ from scipy.optimize import brentq
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine import InverseSolution, Machine, forward_kinematics, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import MODE_SIGNS, MODES, PRIMARY, FloatArray, link_vectors, rotation
-from pipeline.machine.kinematics import closure_jacobian, closure_residual, discriminants, full_pose, newton
+from pipeline.machine.kinematics import (
+    closure_jacobian,
+    closure_residual,
+    discriminants,
+    full_pose,
+    newton,
+    pose_jacobian,
+)
 
 seeds = st.integers(0, 2**32 - 1)
 kinds = st.sampled_from(["on axis", "off axis", "general"])
@@ -233,3 +240,14 @@ def test_kinematics_of_a_machine_with_moved_rails(machine: Machine, reference, r
     moved = replace(machine, rails_m=machine.rails_m + shift)
     solution = inverse_kinematics(moved, reference.controlled + np.array([0, *shift, 0, 0]), reference.modes)
     np.testing.assert_allclose(solution.q_m, reference_solution.q_m, atol=1e-12)
+
+
+@pytest.mark.parametrize("column", range(5))
+def test_the_pose_follows_the_actuators(machine: Machine, reference_solution: InverseSolution, column: int):
+    """Each column of the pose Jacobian against central differences of forward kinematics."""
+    pose, q = reference_solution.pose, reference_solution.q_m
+    step = np.where(np.arange(5) == column, 1e-6, 0.0)
+    ahead, behind = (forward_kinematics(machine, q + sign * step, pose) for sign in (1.0, -1.0))
+    expected = (ahead - behind) / 2e-6
+    found = pose_jacobian(machine, pose, q)[:, :, column]
+    np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
