@@ -14,6 +14,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import FloatArray
+from pipeline.machine.kinematics import pose_jacobian
 from pipeline.refine.corridor import corridor_excess
 from pipeline.refine.measure import PathSamples, merged, relative_speed, sample_path
 from pipeline.refine.result import Path
@@ -27,6 +28,8 @@ _HALVINGS = 12
 _LEAST_SPEED = 0.07
 """Least |q'(s)| relative to its mean: where actuators nearly stand still the path cannot be timed well."""
 
+_FAR, _UNEXPLAINED, _LEAST_JUMP = 20.0, 0.5, 1e-6
+"""How far a jump is in usual moves, its share that velocities do not explain, the least one (metres, radians)."""
 _TILTS = (("rx", 3), ("rz", 5))
 
 
@@ -62,7 +65,7 @@ def breaches(config: Config, route: Route, path: Path, coarse: Path) -> list[Bre
         return [Breach(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
     return [
         Breach(what, float(excess.max()), samples.s[excess > _ROUNDING], advice)
-        for what, excess, advice in _ways(samples) + _limits(config, path, samples, within)
+        for what, excess, advice in _ways(path, samples) + _limits(config, path, samples, within)
         if (excess > _ROUNDING).any()
     ]
 
@@ -88,11 +91,11 @@ Excess = tuple[str, FloatArray, str]
 """A promise, by how much it is broken at every sample (n,), negative where it is kept, and what would help."""
 
 
-def _ways(samples: PathSamples) -> list[Excess]:
+def _ways(path: Path, samples: PathSamples) -> list[Excess]:
     """What is wrong with the way itself."""
     return [
         ("det H changes sign", _sign_changes(samples.det_sign), "Raise refine.nodes."),
-        ("the pose jumps", _jumps(samples), "Raise refine.nodes."),
+        ("the pose jumps", _jumps(path, samples), "Raise refine.nodes."),
     ]
 
 
@@ -158,8 +161,17 @@ def _tilt_excess(config: Config, samples: PathSamples) -> FloatArray:
     return excess
 
 
-def _jumps(samples: PathSamples) -> FloatArray:
-    """Moves between neighbouring samples far beyond the usual: another branch of the forward kinematics."""
-    moves = np.abs(np.diff(samples.pose, axis=0, prepend=samples.pose[:1])).max(axis=1)
-    speed = moves / np.diff(samples.s, prepend=-1.0)
-    return np.where((speed > 20.0 * np.median(speed)) & (moves > 1e-6), moves, 0.0)
+def _jumps(path: Path, samples: PathSamples) -> FloatArray:
+    """Moves between neighbouring samples, far beyond the usual, that their velocities do not explain. Shape (n,).
+
+    They lead to another branch. A move along one branch is the mean of the velocities at both ends times the step, but
+    for its third order, however fast a coordinate changes that the speed along s does not count (ry).
+    """
+    step, rates = np.diff(samples.s), pose_jacobian(path.machine, samples.pose, samples.q_m)
+    rate = (rates @ path.q(samples.s, 1)[..., None])[..., 0]
+    moves = np.diff(samples.pose, axis=0)
+    size = np.abs(moves).max(axis=1)
+    missed = np.abs(moves - (rate[1:] + rate[:-1]) / 2.0 * step[:, None]).max(axis=1)
+    far = size > _FAR * np.median(size / step) * step
+    jumps: FloatArray = np.append(0.0, np.where(far & (missed > _UNEXPLAINED * size) & (size > _LEAST_JUMP), size, 0.0))
+    return jumps

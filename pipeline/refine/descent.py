@@ -152,7 +152,7 @@ class _Subproblem:
             low.append((limit.low - limit.value)[near])
             high.append((limit.high - limit.value)[near])
         self._A, self._low, self._high = _matrix(vstack(rows)), np.concatenate(low), np.concatenate(high)
-        self._gradient = wish.mean / wish.length * _integral_slope(looks, iterate, by_kappa) + wish.largest * largest
+        self._gradient = wish.mean / wish.length * integral_slope(looks, iterate, by_kappa) + wish.largest * largest
         # The squared change of the actuators, integrated over s: what a step is, whatever the knots.
         squared = looks.spread.T @ diags_array(np.repeat(np.gradient(looks.s), 5)) @ looks.spread
         weights = wish.mean / wish.length * (iterate.kappa[1:] + iterate.kappa[:-1]) / 2.0
@@ -190,8 +190,8 @@ class _Subproblem:
         return x[:-2].reshape(-1, 5), before - after
 
 
-def _integral_slope(looks: Looks, iterate: Iterate, by_kappa: csr_array) -> FloatArray:
-    """Differentiate the integral of kappa, by the trapezoidal rule, by the unknowns of a step."""
+def integral_slope(looks: Looks, iterate: Iterate, by_kappa: csr_array) -> FloatArray:
+    """Differentiate the integral of the smooth kappa by the unknowns of a step. Shape (5 n + 2,)."""
     distances, kappa = iterate.distances, iterate.kappa
     shares = (np.append(distances, 0.0) + np.append(0.0, distances)) / 2.0
     slope: FloatArray = by_kappa.T @ shares + chord_slopes(looks, iterate).T @ ((kappa[1:] + kappa[:-1]) / 2.0)

@@ -35,7 +35,7 @@ def lowered(problem: Problem, solve: Solve) -> Solve:
     NoSolutionError
         When `refine.max_iterations` steps were not enough; the last path is in its `diagnosis`.
     """
-    ground, iterate = _ground(problem, solve)
+    ground, iterate = ground_of(problem, solve)
     if iterate is None:
         return solve
     aim, cap = _aim_and_cap(problem, iterate)
@@ -66,7 +66,8 @@ def _solve_of(problem: Problem, ground: Ground, begun: Solve, descent: Descent) 
     return solve
 
 
-def _ground(problem: Problem, solve: Solve) -> tuple[Ground, Iterate | None]:
+def ground_of(problem: Problem, solve: Solve) -> tuple[Ground, Iterate | None]:
+    """Say where a descent from a solve's path looks, what it has to keep, and where it begins; None: it cannot."""
     config, machine, s = problem.config, problem.machine, _halved(solve.mesh.s)
     looks = Looks.at(machine, s, solve.mesh.knots, problem.steps, SCHATTEN)
     iterate = iterate_at(looks, solve.path.spline.c, solve.path.pose(s))

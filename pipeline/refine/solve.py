@@ -89,30 +89,35 @@ class Solve:
         }
 
 
+def setting_of(problem: Problem, begin: Solve, aim: Aim) -> Setting:
+    """Say what a solve from a path on a mesh is about."""
+    mesh, margin = begin.mesh, problem.config.refine.clearance_margin_m
+    q, reach = begin.path.q(mesh.s), float(problem.steps[:3].max())
+    return Setting(
+        s=mesh.s,
+        knots=mesh.knots,
+        corridor=corridor(problem.config, problem.route, problem.coarse, mesh.s),
+        separations=find_separations(problem.machine, begin.path.node_pose, q, margin, reach),
+        steps=problem.steps,
+        exponent=aim.exponent,
+        directions=problem.directions,
+        evenness=aim.evenness,
+    )
+
+
 def solve_from(problem: Problem, begin: Solve, aim: Aim) -> Solve:
-    """Build and solve the program of a mesh, starting from a path on it.
+    """Build and solve the program of a mesh, starting from a path on it that is known at the nodes.
 
     Raises
     ------
     NoSolutionError
         When IPOPT does not converge; its last path is in the `diagnosis`.
     """
-    mesh, start = begin.mesh, Start(begin.path.node_pose, begin.path.spline.c)
-    options, what = problem.config.refine, f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
+    mesh, options = begin.mesh, problem.config.refine
+    what = f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
     problem.progress(f"{what}: building the program")
-    q = BSpline(mesh.knots, start.coefficients, DEGREE)(mesh.s)
-    reach = float(problem.steps[:3].max())
-    setting = Setting(
-        s=mesh.s,
-        knots=mesh.knots,
-        corridor=corridor(problem.config, problem.route, problem.coarse, mesh.s),
-        separations=find_separations(problem.machine, start.pose, q, options.clearance_margin_m, reach),
-        steps=problem.steps,
-        exponent=aim.exponent,
-        directions=problem.directions,
-        evenness=aim.evenness,
-    )
-    program = build_program(problem.machine, setting, start)
+    start = Start(begin.path.node_pose, begin.path.spline.c)
+    program = build_program(problem.machine, setting_of(problem, begin, aim), start)
     solution = solve_program(
         program, aim.max_iterations, options.time_limit_s, problem.progress, what, problem.verbose, aim.manner
     )
