@@ -35,6 +35,11 @@ bench: $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
 	$(BIN)/python -m tests.benchmarks $(ARGS)
 
+# Stage two: meshes, other solvers and formulations, random tasks and machines: ten minutes.
+.PHONY: bench-refine
+bench-refine: $(READY)
+	$(BIN)/python -m tests.benchmarks.refining $(ARGS)
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"

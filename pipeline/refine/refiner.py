@@ -76,7 +76,7 @@ def _first_solve(problem: Problem) -> Solve:
     if options.objective == "maximum":
         return lowered(problem, begin)
     try:
-        solve = lowered(problem, _solve_by_ipopt(problem, begin))
+        solve = lowered(problem, solve_by_ipopt(problem, begin))
     except NoSolutionError as failure:
         problem.progress(f"refine: {failure.reason}; another start")
         return _other_start(problem, begin, failure)
@@ -86,7 +86,7 @@ def _first_solve(problem: Problem) -> Solve:
     return min(solve, other, key=lambda solve: figures_of(problem, solve).kappa_max)
 
 
-def _solve_by_ipopt(problem: Problem, begin: Solve) -> Solve:
+def solve_by_ipopt(problem: Problem, begin: Solve) -> Solve:
     """Solve with the Frobenius kappa at even speed, roughly, and from there with the Schatten kappa."""
     most = problem.config.refine.max_iterations
     rough = solve_from(problem, begin, Aim(FROBENIUS, _EVENNESS_FIRST, most, "rough"))

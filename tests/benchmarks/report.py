@@ -37,11 +37,11 @@ def _host(host: dict[str, Any]) -> str:
         ("versions", versions),
         ("date", f"{host['date']}, load {host['load_before']:.2f} before the start"),
     ]
-    return _table(("", "measured on"), rows)
+    return table(("", "measured on"), rows)
 
 
 def _cases(cases: Sequence[dict[str, Any]]) -> list[str]:
-    size = _table(
+    size = table(
         ("grid", "regions", "gates", "moves", "N", "nominal variables", "core regions", "core columns", "peak MB"),
         [
             (
@@ -52,7 +52,7 @@ def _cases(cases: Sequence[dict[str, Any]]) -> list[str]:
             for case in cases
         ],
     )
-    seconds = _table(
+    seconds = table(
         ("grid", "region table s", "times SVD", "moves s", "relaxation s", "core and solve s", "total s", "followed s"),
         [
             (
@@ -64,7 +64,7 @@ def _cases(cases: Sequence[dict[str, Any]]) -> list[str]:
             for case in cases
         ],
     )
-    optimum = _table(
+    optimum = table(
         ("grid", "optimum", "threshold", "gap", "with moves followed", "rounds", "how it ended"),
         [
             (
@@ -101,7 +101,7 @@ def _growth(growth: dict[str, Any]) -> list[str]:
     return [
         "Exponent e of seconds ~ n^e, n the regions; then seconds over n log n, as multiples of the smallest grid's: "
         "below 1 the cost grows more slowly than n log n.",
-        _table(("part", "e", *(f"n = {n:,.0f}" for n in regions)), rows),
+        table(("part", "e", *(f"n = {n:,.0f}" for n in regions)), rows),
     ]
 
 
@@ -129,7 +129,7 @@ def _side_by_side(results: dict[str, Any]) -> list[str]:
         "Dijkstra moves and shortest paths, too. *Detour*: from x 1.4 to 0.6, so that x binds. *Agree*: all that "
         "claim an optimum have the same within 1e-6, by a route that keeps every rule. CP-SAT works in millionths of "
         "kappa and of a step and uses all cores; the others work in floating point, on one.",
-        _table(head, rows),
+        table(head, rows),
         _headline(results["headline"]),
     ]
 
@@ -156,10 +156,10 @@ def _resolution(study: dict[str, Any]) -> list[str]:
     return [
         "The reference task, x and the step budget left out. *Sum times step* is in steps of 0.1 m, so that it "
         "compares between grids; *least largest kappa* is that of the best route for it.",
-        _table(("grid", "regions", "moves", "least sum of kappa", "sum times step", "least largest kappa"), reference),
+        table(("grid", "regions", "moves", "least sum of kappa", "sum times step", "least largest kappa"), reference),
         "The 3-DOF machine, both tilts locked, on moves that (14)-(17) and (38) alone admit: no limit on kappa, no "
         "clearance, any sign of det H. Its ways lead over singularities, which a grid jumps over.",
-        _table(("grid", "regions", "moves", "least largest kappa"), level),
+        table(("grid", "regions", "moves", "least largest kappa"), level),
         f"Least largest kappa ~ step^-e: e = {exponents[0]} with tilt, e = {exponents[1]} without. Near zero there is "
         "a way that does not depend on the grid; near one, kappa grows without bound as the grid gets finer: evidence, "
         "not proof, that there is no way at any resolution.",
@@ -196,6 +196,7 @@ def _seconds(figures: dict[str, Any], key: str) -> str:
     return f"{value:.3f}" if value < 1 else f"{value:.2f}" if value < 10 else f"{value:.1f}"
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Write a Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)

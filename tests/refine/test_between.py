@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 
 from pipeline.config import Config
 from pipeline.refine import Path, Refinement
@@ -85,3 +86,13 @@ def test_several_breaches_are_told_together_with_advice(check) -> None:
 def test_rails_count_only_where_the_machine_asks_for_it(check) -> None:
     """Without a rail clearance a link may touch a rail's line."""
     assert check(lambda samples: {"rail_distance_m": 0.0 * samples.rail_distance_m}) == []
+
+
+def test_a_move_that_is_fast_is_no_jump(light_config: Config, route: Route, refinement: Refinement) -> None:
+    """The same curve, run through thirty times as fast at its end as half-way, is all on one branch."""
+    s = np.linspace(0.0, 1.0, 400)
+    path = refinement.path
+    slow = Path(path.machine, make_interp_spline(s, path.q(s**6), k=5), s, path.pose(s**6))
+    found = [breach.what for breach in breaches(light_config, route, slow, refinement.coarse)]
+    assert "the pose jumps" not in found
+    assert any("nearly stop" in what for what in found)
