@@ -7,16 +7,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pipeline.artifacts.path_file import load_path, save_path
     from pipeline.config import Config
     from pipeline.config_file import load_config
     from pipeline.machine import Machine, build_machine
-    from pipeline.refine import Path, Refinement, pose_derivatives, pose_spline, refine_path
+    from pipeline.refine import Path, Refinement, kappa_along, pose_derivatives, pose_spline, refine_path
     from pipeline.retime import Trajectory, retime_path, sample
     from pipeline.route import RegionTable, Route, build_regions, plan_route, plan_routes
 
 _HOME = {
     "Config": "config",
     "load_config": "config_file",
+    "load_path": "artifacts.path_file",
+    "save_path": "artifacts.path_file",
     "Machine": "machine",
     "build_machine": "machine",
     "RegionTable": "route",
@@ -26,6 +29,7 @@ _HOME = {
     "plan_routes": "route",
     "Path": "refine",
     "Refinement": "refine",
+    "kappa_along": "refine",
     "pose_derivatives": "refine",
     "pose_spline": "refine",
     "refine_path": "refine",
@@ -44,7 +48,9 @@ __all__ = [
     "Trajectory",
     "build_machine",
     "build_regions",
+    "kappa_along",
     "load_config",
+    "load_path",
     "plan_route",
     "plan_routes",
     "pose_derivatives",
@@ -52,6 +58,7 @@ __all__ = [
     "refine_path",
     "retime_path",
     "sample",
+    "save_path",
 ]
 
 

@@ -123,8 +123,8 @@ def unpack_route(arrays: Arrays) -> Route:
 def pack_refinement(refinement: Refinement) -> dict[str, object]:
     """Arrays of the refined path, those of the coarse one with the prefix `coarse_`, and how they were found."""
     return {
-        **_pack_path(refinement.path, ""),
-        **_pack_path(refinement.coarse, "coarse_"),
+        **pack_path(refinement.path, ""),
+        **pack_path(refinement.coarse, "coarse_"),
         "status": str(refinement.status),
         "iterations": refinement.iterations,
         "rounds": refinement.rounds,
@@ -138,8 +138,8 @@ def pack_refinement(refinement: Refinement) -> dict[str, object]:
 def unpack_refinement(arrays: Arrays, machine: Machine) -> Refinement:
     """Rebuild both paths for the machine they were made for."""
     return Refinement(
-        path=_unpack_path(arrays, "", machine),
-        coarse=_unpack_path(arrays, "coarse_", machine),
+        path=unpack_path(arrays, "", machine),
+        coarse=unpack_path(arrays, "coarse_", machine),
         status=Status(arrays["status"].item()),
         iterations=arrays["iterations"].item(),
         rounds=arrays["rounds"].item(),
@@ -160,7 +160,8 @@ def unpack_trajectory(arrays: Arrays, path: Path) -> Trajectory:
     return Trajectory.from_breakpoints(path, **{name: arrays[name] for name in ("t_s", "s", "sd", "sdd")})
 
 
-def _pack_path(path: Path, prefix: str) -> dict[str, object]:
+def pack_path(path: Path, prefix: str) -> dict[str, object]:
+    """Arrays of a path, their names with a prefix."""
     return {
         f"{prefix}degree": path.spline.k,
         f"{prefix}knots": path.spline.t,
@@ -170,7 +171,8 @@ def _pack_path(path: Path, prefix: str) -> dict[str, object]:
     }
 
 
-def _unpack_path(arrays: Arrays, prefix: str, machine: Machine) -> Path:
+def unpack_path(arrays: Arrays, prefix: str, machine: Machine) -> Path:
+    """Rebuild a path for the machine it was made for."""
     spline = BSpline(arrays[f"{prefix}knots"], arrays[f"{prefix}coefficients"], arrays[f"{prefix}degree"].item())
     return Path(machine, spline, arrays[f"{prefix}node_s"], arrays[f"{prefix}node_pose"])
 

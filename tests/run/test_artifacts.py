@@ -34,7 +34,8 @@ from pipeline.artifacts import (
     write_whole,
 )
 from pipeline.artifacts import files as files_module
-from pipeline.artifacts.pack import npz_bytes, read_npz
+from pipeline.artifacts.pack import npz_bytes, pack_refinement, read_npz
+from pipeline.artifacts.path_file import load_path, save_path
 from pipeline.artifacts.results import (
     failure_files,
     figure_files,
@@ -237,6 +238,21 @@ class TestResults:
             assert np.array_equal(ours.q(s), theirs.q(s))
             assert np.array_equal(ours.q(s, 1), theirs.q(s, 1))
             assert np.array_equal(ours.pose(s), theirs.pose(s))
+
+    def test_a_path_of_its_own(self, tmp_path: Path, machine: Machine, make: Make) -> None:
+        """What is saved is loaded, and so is the refined path of a run."""
+        refinement = make["refinement"](machine)
+        save_path(tmp_path / "one.npz", refinement.path)
+        s = np.linspace(0.0, 1.0, 21)
+        (tmp_path / "run.npz").write_bytes(npz_bytes(pack_refinement(refinement)))
+        for name in ("one.npz", "run.npz"):
+            loaded = load_path(tmp_path / name, machine)
+            for order in range(4):
+                np.testing.assert_array_equal(loaded.q(s, order), refinement.path.q(s, order))
+            np.testing.assert_array_equal(loaded.pose(s), refinement.path.pose(s))
+        (tmp_path / "one.npz").write_bytes(b"nonsense")
+        with pytest.raises(UsageError, match=r"one\.npz"):
+            load_path(tmp_path / "one.npz", machine)
 
     def test_path_files_follow_the_contract(self, machine: Machine, make: Make) -> None:
         """The splines can be rebuilt from degree, knots and coefficients; the table has the contract's columns."""
