@@ -142,7 +142,6 @@ def certificate_facts(config: Config, seconds: float) -> Section:
     """What a certificate's file says of how it came about."""
     return {
         "settings": config.certify.model_dump(mode="json"),
-        "config_sha256": config_sha256(config),
         "versions": _versions(),
         "seconds": seconds,
     }

@@ -84,12 +84,20 @@ class Closure(Generic[N]):
 
     def jacobian(self) -> list[list[N]]:
         """Rows f_l' by (x, y, z, rx, ry, rz)."""
-        return [[*self.vectors[k], *(dot(axis, self.moments[k]) for axis in self.axes)] for k in range(_LINKS)]
+        rows: list[list[N]] = []
+        for link in range(_LINKS):
+            turns: list[N] = [dot(axis, self.moments[link]) for axis in self.axes]
+            rows.append(self.vectors[link] + turns)
+        return rows
 
     def statics(self) -> list[list[N]]:
         """H', row l being [v_l ; m_l] / len_l; on the closures these are unit vectors and their moments."""
-        inverses = [1 / length for length in self.lengths]
-        return [[x * inverses[k] for x in (*self.vectors[k], *self.moments[k])] for k in range(_LINKS)]
+        rows: list[list[N]] = []
+        for link in range(_LINKS):
+            inverse: N = 1 / self.lengths[link]
+            row: list[N] = [entry * inverse for entry in self.vectors[link] + self.moments[link]]
+            rows.append(row)
+        return rows
 
 
 _HALF = arb(0.5)

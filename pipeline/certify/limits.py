@@ -20,7 +20,13 @@ _TILTS = (("rx", 3), ("rz", 5))
 _SHARP_ENOUGH = 1e-5
 """Boxes are not halved below this width only to bound kappa more sharply."""
 ROUNDING = 1e-6
-"""Metres and radians by which a proven bound may pass a limit that the path was made to touch."""
+"""Metres and radians by which a bound of actuators or tilt may pass a limit that the path was made to touch."""
+MARGIN = 3e-4
+"""What bounds of kappa are weakened by, relatively, so that other arithmetic can verify them."""
+GAP_M = 5e-5
+"""What bounds of distances are weakened by."""
+SLIP = 1e-5
+"""Metres and radians that bounds of actuators and tilts are weakened by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,14 +103,14 @@ def _examine(
 ) -> tuple[Facts, str]:
     kappa = kappa_bound(balls, series, inclusion.image)
     facts = Facts(
-        kappa=kappa.kappa,
+        kappa=kappa.kappa * (1.0 + MARGIN),
         det_sign=kappa.det_sign,
-        distances_m=distance_bounds(balls, pairs, series, inclusion.image),
-        actuators_m=_actuators(piece, inclusion, series.half),
-        tilt_rad=_tilts(inclusion, series.half),
+        distances_m=np.maximum(distance_bounds(balls, pairs, series, inclusion.image) - GAP_M, 0.0),
+        actuators_m=_actuators(piece, inclusion, series.half) + [-SLIP, SLIP],
+        tilt_rad=_tilts(inclusion, series.half) + SLIP,
     )
     width = inclusion.box.last - inclusion.box.first
-    if kappa.kappa > limits.kappa_goal and width > _SHARP_ENOUGH:
+    if facts.kappa > limits.kappa_goal and width > _SHARP_ENOUGH:
         return facts, f"kappa is not proven below {limits.kappa_goal:.4g}"
     return facts, _breach(pairs, limits, facts)
 
@@ -120,11 +126,11 @@ def _breach(pairs: Pairs, limits: Limits, facts: Facts) -> str:
     excess = np.maximum(
         limits.actuators_m[:, 0] - facts.actuators_m[:, 0], facts.actuators_m[:, 1] - limits.actuators_m[:, 1]
     )
-    if excess.max() > ROUNDING:
+    if excess.max() > ROUNDING + SLIP:
         worst = int(excess.argmax())
         return f"{ACTUATORS[worst]} is not proven to stay within its limits (beyond by {excess[worst]:.3g} m)"
     over = facts.tilt_rad - limits.tilt_rad
-    if over.max() > ROUNDING:
+    if over.max() > ROUNDING + SLIP:
         name = _TILTS[int(over.argmax())][0]
         return f"{name} is not proven to stay within its limit (beyond by {np.rad2deg(over.max()):.3g} degrees)"
     return ""

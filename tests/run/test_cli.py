@@ -107,7 +107,8 @@ class TestRun:
         [
             ("route", ["regions", "route"]),
             ("refine", ["regions", "route", "refine"]),
-            ("retime", ["regions", "route", "refine", "retime"]),
+            ("certify", ["regions", "route", "refine", "certify"]),
+            ("retime", ["regions", "route", "refine", "certify", "retime"]),
         ],
     )
     def test_stage_commands(
@@ -129,7 +130,7 @@ class TestRun:
         assert call("run", config_file, "--to", "refine").exit_code == 0
         assert stages.taken() == ["regions", "route", "refine"]
         assert call("run", config_file, "--from", "refine", "--to", "retime").exit_code == 0
-        assert stages.calls == ["refine", "retime"]
+        assert stages.calls == ["refine", "certify", "retime"]
 
     def test_verbose(self, call: Call, config_file: Path, stages: Any) -> None:
         """-v lets the solvers talk."""
@@ -327,7 +328,7 @@ class TestCheck:
     def test_schema(self, call: Call, tmp_path: Path) -> None:
         """The schema is pure JSON, names every key, and refuses unknown ones."""
         schema = json.loads(call("check", "--schema").stdout)
-        assert set(schema["properties"]) == {"name", "machine", "task", "route", "refine", "retime"}
+        assert set(schema["properties"]) == {"name", "machine", "task", "route", "refine", "certify", "retime"}
         assert schema["additionalProperties"] is False
         assert "$defs" in schema
 
@@ -422,7 +423,7 @@ class TestLooks:
 class TestHelp:
     """Help texts."""
 
-    @pytest.mark.parametrize("command", ["run", "route", "refine", "retime", "check", "compare", "export"])
+    @pytest.mark.parametrize("command", ["run", "route", "refine", "certify", "retime", "check", "compare", "export"])
     def test_examples(self, call: Call, command: str) -> None:
         """The help of every command has an example that names it."""
         result = call(command, "--help")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.certify.guess import point_box
-from pipeline.certify.limits import ROUNDING, Limits, pair_name
+from pipeline.certify.limits import ROUNDING, SLIP, Limits, pair_name
 from pipeline.certify.recheck.bounds import actuator_ranges, distance_bounds, end_misses, kappa_bounds, tilt_bounds
 from pipeline.certify.recheck.inclusion import Boxes, Inclusions, build_boxes, holds, include
 from pipeline.certify.result import Bounds, ProvenChain, path_sha256
@@ -14,8 +14,8 @@ from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 from pipeline.route.ends import End
 
-_SLACK = 1e-6
-"""Relative, and in metres or radians: how far two enclosures of one quantity may be apart."""
+_ENDS = 1e-9
+"""Metres and radians: how far two enclosures of an end may be apart."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +80,7 @@ def _chain_claims(
 def _bound_claims(machine: Machine, limits: Limits, bounds: Bounds, boxes: Boxes, found: Inclusions) -> Iterator[Claim]:
     kappa, sign = kappa_bounds(machine, boxes, found.image)
     worst = float(kappa.max())
-    yield Claim(
-        "kappa stays below its bound", worst <= min(bounds.kappa * (1.0 + _SLACK), limits.kappa_max), f"{worst:.6g}"
-    )
+    yield Claim("kappa stays below its bound", worst <= min(bounds.kappa, limits.kappa_max), f"{worst:.6g}")
     yield Claim(
         "det H keeps its sign", bool((sign == bounds.det_sign).all() and bounds.det_sign), f"{bounds.det_sign:+d}"
     )
@@ -90,16 +88,16 @@ def _bound_claims(machine: Machine, limits: Limits, bounds: Bounds, boxes: Boxes
     least = distances.min(axis=1)
     limit = np.array([limits.link_link_m] * len(pairs.links) + [limits.link_rail_m] * len(pairs.rails))
     names = tuple(pair_name(pairs, pair) for pair in range(len(least)))
-    kept = names == bounds.pairs and bool((least >= np.maximum(bounds.distances_m - _SLACK, limit)).all())
+    kept = names == bounds.pairs and bool((least >= np.maximum(bounds.distances_m, limit)).all())
     yield Claim("axes keep their distances", kept, f"{least.min(initial=np.inf):.6g} m")
     actuators, tilt = actuator_ranges(boxes), tilt_bounds(boxes, found.image)
-    low = np.maximum(bounds.actuators_m[:, 0] - _SLACK, limits.actuators_m[:, 0] - ROUNDING)
-    high = np.minimum(bounds.actuators_m[:, 1] + _SLACK, limits.actuators_m[:, 1] + ROUNDING)
+    low = np.maximum(bounds.actuators_m[:, 0], limits.actuators_m[:, 0] - ROUNDING - SLIP)
+    high = np.minimum(bounds.actuators_m[:, 1], limits.actuators_m[:, 1] + ROUNDING + SLIP)
     within = bool((actuators[:, 0] >= low).all() and (actuators[:, 1] <= high).all())
     yield Claim(
         "carts and telescopes stay within their bounds", within, f"{actuators.min():.6g} to {actuators.max():.6g} m"
     )
-    tilted = bool((tilt <= np.minimum(bounds.tilt_rad + _SLACK, limits.tilt_rad + ROUNDING)).all())
+    tilted = bool((tilt <= np.minimum(bounds.tilt_rad, limits.tilt_rad + ROUNDING + SLIP)).all())
     yield Claim("tilts stay within their bounds", tilted, f"{np.rad2deg(tilt.max()):.6g} degrees")
 
 
@@ -109,5 +107,5 @@ def _end_claims(
     misses, assembled = end_misses(machine, joints, met, ends)
     claimed = (bounds.start_miss, bounds.goal_miss)
     for name, miss, most, right in zip(("start", "goal"), misses, claimed, assembled, strict=True):
-        near = miss <= most + 1e-9 and miss <= ROUNDING
+        near = miss <= most + _ENDS and miss <= ROUNDING
         yield Claim(f"the {name} is the task's, in its working mode and branch", near and right, f"off by {miss:.2g}")
