@@ -43,16 +43,19 @@ def sine_cosine(angle: Enclosure) -> tuple[Enclosure, Enclosure]:
 
 
 def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
-    """Taylor series at zero, for angles up to four; their rest is at most the first term left out."""
+    """Taylor series at zero, for angles up to four; their rest is at most the first term left out.
+
+    Of larger angles no more is said than that sine and cosine are at most one.
+    """
     square = x * x
     sine, cosine = (
         _horner(square, [(-1.0) ** k / factorial(2 * k + odd) for k in range(_SINE_TERMS)]) for odd in (1, 0)
     )
-    rest = np.where(
-        x.magnitude <= _LARGEST_ANGLE, 2.0 * _LARGEST_ANGLE ** (2 * _SINE_TERMS) / factorial(2 * _SINE_TERMS), np.inf
-    )
     sine = sine * x
-    return Enclosure(sine.mid, sine.rad + 2.0 * rest), Enclosure(cosine.mid, cosine.rad + 2.0 * rest)
+    rest = 2.0 * _LARGEST_ANGLE ** (2 * _SINE_TERMS) / factorial(2 * _SINE_TERMS)
+    near = x.magnitude <= _LARGEST_ANGLE
+    parts = [Enclosure(np.where(near, part.mid, 0.0), np.where(near, part.rad + rest, 1.0)) for part in (sine, cosine)]
+    return parts[0], parts[1]
 
 
 def _horner(x: Enclosure, coefficients: list[float]) -> Enclosure:
