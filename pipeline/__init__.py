@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pipeline.certify import Certificate, certify_path
     from pipeline.config import Config
     from pipeline.config_file import load_config
     from pipeline.machine import Machine, build_machine
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from pipeline.route import RegionTable, Route, build_regions, plan_route, plan_routes
 
 _HOME = {
+    "Certificate": "certify",
+    "certify_path": "certify",
     "Config": "config",
     "load_config": "config_file",
     "Machine": "machine",
@@ -35,6 +38,7 @@ _HOME = {
 }
 
 __all__ = [
+    "Certificate",
     "Config",
     "Machine",
     "Path",
@@ -44,6 +48,7 @@ __all__ = [
     "Trajectory",
     "build_machine",
     "build_regions",
+    "certify_path",
     "load_config",
     "plan_route",
     "plan_routes",

@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeline.artifacts.files import plain
 from pipeline.artifacts.pack import readable
+from pipeline.certify.guess import point_box
 from pipeline.certify.inclusion import Box
 from pipeline.certify.result import CERTIFIED, Bounds, Certificate, ProvenChain, Tolerance
 from pipeline.certify.uncertainty import Uncertainty
@@ -119,16 +120,19 @@ def _read_chains(data: list[Mapping[str, Any]]) -> list[ProvenChain]:
     return [
         ProvenChain(
             uncertainty=Uncertainty(**chain["uncertainty"]),
-            boxes=tuple(
-                Box(first, last, np.array(pose), np.array(radius))
-                for first, last, pose, radius in zip(
-                    chain["s"][:-1], chain["s"][1:], chain["pose"], chain["radius"], strict=True
-                )
+            boxes=_read_boxes(chain["s"][:-1], chain["s"][1:], chain["pose"], chain["radius"]),
+            joints=tuple(
+                point_box(s, np.array(pose), np.array(radius))
+                for s, pose, radius in zip(chain["s"], chain["joint_pose"], chain["joint_radius"], strict=True)
             ),
-            joint_pose=np.array(chain["joint_pose"]),
         )
         for chain in data
     ]
+
+
+def _read_boxes(first: list[float], last: list[float], pose: list[Any], radius: list[Any]) -> tuple[Box, ...]:
+    columns = zip(first, last, pose, radius, strict=True)
+    return tuple(Box(a, b, np.array(x), np.array(r)) for a, b, x, r in columns)
 
 
 def _tolerance_dict(tolerance: Tolerance | None) -> dict[str, Any] | None:
@@ -148,5 +152,6 @@ def _chain_dict(chain: ProvenChain) -> dict[str, Any]:
         "s": [box.first for box in chain.boxes] + [box.last for box in chain.boxes[-1:]],
         "pose": [box.pose.tolist() for box in chain.boxes],
         "radius": [box.radius.tolist() for box in chain.boxes],
-        "joint_pose": chain.joint_pose.tolist(),
+        "joint_pose": [joint.pose[0].tolist() for joint in chain.joints],
+        "joint_radius": [joint.radius.tolist() for joint in chain.joints],
     }

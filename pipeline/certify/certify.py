@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from pipeline.certify.chain import JUMP, NO_INCLUSION, NO_POSE, Break, Chain, close_chain, stored
+from pipeline.certify.chain import JUMP, NO_INCLUSION, NO_POSE, Break, Chain, close_chain
 from pipeline.certify.clearance import build_pairs
 from pipeline.certify.closure import Geometry, geometry, working_precision
 from pipeline.certify.ends import check_end
 from pipeline.certify.limits import Facts, build_limits, examiner, pair_name
 from pipeline.certify.pieces import Piece, pieces
-from pipeline.certify.result import Bounds, Certificate, ProvenChain, path_sha256
+from pipeline.certify.result import Bounds, Certificate, path_sha256, proven_chain
 from pipeline.certify.tolerance import search_tolerances
 from pipeline.certify.uncertainty import CERTAIN
 from pipeline.config import Config
@@ -64,11 +64,10 @@ def prove_path(
     broken, misses = chain.broken, (np.inf, np.inf)
     if broken is None:
         misses, broken = _check_ends(machine, balls, exact_pieces, chain, ends)
-    boxes, joint_pose = stored(chain)
     return Certificate(
         path_sha256=path_sha256(path),
         precision_bits=config.certify.precision_bits,
-        chain=ProvenChain(CERTAIN, tuple(boxes), joint_pose),
+        chain=proven_chain(chain, CERTAIN),
         bounds=_bounds(machine, chain, misses) if chain.facts else None,
         broken=broken,
     )

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Generic, TypeVar
 
-import numpy as np
 from flint import arb, arb_poly
 
 from pipeline.certify.closure import Geometry
 from pipeline.certify.guess import guess_box, point_box
 from pipeline.certify.inclusion import (
+    SLACK,
     Box,
     Inclusion,
     Piecewise,
@@ -28,7 +28,6 @@ from pipeline.certify.inclusion import (
 from pipeline.certify.pieces import Piece, exact, middle
 from pipeline.certify.uncertainty import CERTAIN, Uncertainty
 from pipeline.errors import ForwardKinematicsError
-from pipeline.machine.geometry import FloatArray
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path
 
@@ -165,7 +164,7 @@ def holds(inclusion: Inclusion, joint: Inclusion) -> bool:
     if any(e > 0 for e in joint.residual_change):
         reach = added(reach, times(magnitudes(C - ball_matrix(joint.inverse[0])), joint.residual_change))
         reach = added(reach, times(magnitudes(C), times(inclusion.jacobian_change, apart)))
-    return all(far < arb(r) for far, r in zip(reach, inclusion.box.radius.tolist(), strict=True))
+    return all(far < arb(r) * SLACK for far, r in zip(reach, inclusion.box.radius.tolist(), strict=True))
 
 
 def _apart(box: Box, joint: Box) -> list[arb]:
@@ -186,8 +185,3 @@ def _discontinuity(pieces: list[Piece]) -> float | None:
         if [q[:1] for q in before.taylor(after.first)] != [q[:1] for q in after.taylor(after.first)]:
             return after.first
     return None
-
-
-def stored(chain: Chain[F]) -> tuple[list[Box], FloatArray]:
-    """What a certificate keeps of a chain: its boxes, and the poses (n + 1, 6) at their ends."""
-    return [inclusion.box for inclusion in chain.inclusions], np.array([joint.box.pose[0] for joint in chain.joints])

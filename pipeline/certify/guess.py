@@ -11,6 +11,7 @@ from pipeline.refine.result import Path
 _TERMS = 4
 _NODES = np.cos(np.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
 """Chebyshev nodes."""
+_THINNEST = np.full(6, LEAST_RADIUS)
 _INTERPOLATE = np.linalg.inv(np.vander(_NODES, _TERMS, increasing=True))
 
 
@@ -21,13 +22,9 @@ def guess_box(path: Path, first: float, last: float) -> Box | None:
         poses = path.pose(centre + half * _NODES)
     except ForwardKinematicsError:
         return None
-    return _box(first, last, (_INTERPOLATE @ poses) / half ** np.arange(_TERMS)[:, None])
+    return Box(first, last, (_INTERPOLATE @ poses) / half ** np.arange(_TERMS)[:, None], _THINNEST)
 
 
-def point_box(s: float, pose: FloatArray) -> Box:
+def point_box(s: float, pose: FloatArray, radius: FloatArray = _THINNEST) -> Box:
     """Make the box of a single s about a pose (6,)."""
-    return _box(s, s, np.vstack([pose, np.zeros((_TERMS - 1, 6))]))
-
-
-def _box(first: float, last: float, pose: FloatArray) -> Box:
-    return Box(first, last, pose, np.full(6, LEAST_RADIUS))
+    return Box(s, s, np.vstack([pose, np.zeros((_TERMS - 1, 6))]), radius)

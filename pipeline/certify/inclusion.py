@@ -37,6 +37,8 @@ from pipeline.machine.geometry import FloatArray
 _SIZE = 6
 _ATTEMPTS = 3
 _INFLATION = 1.5
+SLACK = arb(0.95)
+"""Part of a radius that is to do: other arithmetic, which encloses a little more, can verify the same boxes then."""
 LEAST_RADIUS = 1e-6
 """Metres and radians: boxes are never thinner, so that neighbours overlap whatever rounding does."""
 
@@ -130,7 +132,7 @@ def include(
         hull = _hull(machine, series, reach)
         D = jacobian_change(machine, hull, uncertainty)
         image = _image(C_over, C_abs, second_derivatives(hull), (miss, rest, E, moved, D), radius, uncertainty.any)
-        if all(k < r for k, r in zip(image, radius, strict=True)):
+        if all(k < r * SLACK for k, r in zip(image, radius, strict=True)):
             return Inclusion(box, inverse, image, E, D)
         if not all(k.is_finite() and k < 1 for k in image):
             return None

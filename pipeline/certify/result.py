@@ -2,14 +2,17 @@
 
 import hashlib
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from pipeline.certify.chain import Break
+from pipeline.certify.chain import Break, Chain
 from pipeline.certify.inclusion import Box
 from pipeline.certify.uncertainty import Uncertainty
 from pipeline.machine.geometry import FloatArray
 from pipeline.refine.result import Path
+
+F = TypeVar("F")
 
 CERTIFIED = "certified"
 NOT_CERTIFIED = "not certified"
@@ -25,13 +28,13 @@ class ProvenChain:
         What may be wrong about the machine.
     boxes : n boxes
         In order.
-    joint_pose : (n + 1, 6)
-        Poses near the ends of the boxes, about which the boxes are proven to meet.
+    joints : n + 1 boxes
+        Each of a single s: where the boxes begin and end, and are proven to meet.
     """
 
     uncertainty: Uncertainty
     boxes: tuple[Box, ...]
-    joint_pose: FloatArray
+    joints: tuple[Box, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +126,12 @@ class Certificate:
     def verdict(self) -> str:
         """Say whether the path is certified."""
         return CERTIFIED if self.broken is None else NOT_CERTIFIED
+
+
+def proven_chain(chain: Chain[F], uncertainty: Uncertainty) -> ProvenChain:
+    """Keep of a chain what it takes to verify it again."""
+    boxes, joints = (tuple(proven.box for proven in part) for part in (chain.inclusions, chain.joints))
+    return ProvenChain(uncertainty, boxes, joints)
 
 
 def path_sha256(path: Path) -> str:

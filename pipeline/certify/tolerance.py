@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from pipeline.certify.chain import close_chain, examine_nothing, stored
+from pipeline.certify.chain import close_chain, examine_nothing
 from pipeline.certify.closure import geometry
 from pipeline.certify.failure import failing_eps
 from pipeline.certify.pieces import pieces
-from pipeline.certify.result import Certificate, ProvenChain, Tolerance
+from pipeline.certify.result import Certificate, ProvenChain, Tolerance, proven_chain
 from pipeline.certify.uncertainty import Uncertainty
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
@@ -46,10 +46,7 @@ def largest_tolerance(
         progress(f"trying an error of {1e3 * eps:.4g} mm")
         uncertainty = kind(eps)
         chain = close_chain(balls, path, exact_pieces, _LEAST_WIDTH, examine_nothing, uncertainty)
-        if chain.broken is not None:
-            return None
-        boxes, joint_pose = stored(chain)
-        return ProvenChain(uncertainty, tuple(boxes), joint_pose)
+        return proven_chain(chain, uncertainty) if chain.broken is None else None
 
     good, bad, proof, eps = 0.0, float("inf"), None, _FIRST_M
     while eps > _LEAST_M and bad > (1.0 + config.certify.tolerance_resolution) * good:

@@ -30,7 +30,7 @@ def test_a_regular_path_is_certified(machine: Machine, line: Path, prove: Prove)
     assert certificate.verdict == "certified"
     assert (boxes[0].first, boxes[-1].last) == (0.0, 1.0)
     assert all(box.last == after.first for box, after in pairwise(boxes))
-    assert len(certificate.chain.joint_pose) == len(boxes) + 1
+    assert len(certificate.chain.joints) == len(boxes) + 1
     assert certificate.bounds is not None
     assert certificate.bounds.goal_miss < 1e-9
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from scipy.interpolate import make_interp_spline
 
 from pipeline.certify import Bounds, Certificate, ProvenChain, Tolerance, Uncertainty, path_sha256
+from pipeline.certify.guess import point_box
 from pipeline.certify.inclusion import Box
 from pipeline.config import Config
 from pipeline.config_file import parse_config
@@ -116,7 +117,8 @@ def make_certificate(path: Path) -> Certificate:
     """Make a certificate of one box, and of another for machines that are a little wrong."""
     pose = path.pose(np.array([0.0, 0.5, 1.0]))
     box = Box(0.0, 1.0, np.vstack([pose[1], pose[2] - pose[0], np.zeros((2, 6))]), np.full(6, 0.1))
-    proofs = [ProvenChain(Uncertainty(eps), (box,), pose[[0, 2]]) for eps in (0.0, 1e-4)]
+    joints = (point_box(0.0, pose[0]), point_box(1.0, pose[2]))
+    proofs = [ProvenChain(Uncertainty(eps), (box,), joints) for eps in (0.0, 1e-4)]
     bounds = Bounds(
         kappa=31.0,
         kappa_s=0.5,

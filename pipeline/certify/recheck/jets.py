@@ -5,7 +5,7 @@ from math import comb, factorial
 
 import numpy as np
 
-from pipeline.certify.recheck.enclosure import Enclosure, exactly, stacked
+from pipeline.certify.recheck.enclosure import Enclosure, exactly, stacked, total
 from pipeline.machine.geometry import FloatArray, IntArray
 
 TERMS = 5
@@ -43,18 +43,23 @@ def sine_cosine(angle: Enclosure) -> tuple[Enclosure, Enclosure]:
 
 
 def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
-    """Taylor series at zero, for angles up to four; their rest is at most the first term left out.
+    """Taylor series at zero in the middles of the angles, up to four; |sin(m + d) - sin m| <= |d cos m| + d^2 / 2.
 
-    Of larger angles no more is said than that sine and cosine are at most one.
+    The rest of a series is at most the first term left out. Of larger angles no more is said than that sine and
+    cosine are at most one.
     """
-    square = x * x
+    middle = exactly(x.mid)
+    square = middle * middle
     sine, cosine = (
         _horner(square, [(-1.0) ** k / factorial(2 * k + odd) for k in range(_SINE_TERMS)]) for odd in (1, 0)
     )
-    sine = sine * x
-    rest = 2.0 * _LARGEST_ANGLE ** (2 * _SINE_TERMS) / factorial(2 * _SINE_TERMS)
-    near = x.magnitude <= _LARGEST_ANGLE
-    parts = [Enclosure(np.where(near, part.mid, 0.0), np.where(near, part.rad + rest, 1.0)) for part in (sine, cosine)]
+    sine = sine * middle
+    rest = np.full_like(x.rad, 2.0 * _LARGEST_ANGLE ** (2 * _SINE_TERMS) / factorial(2 * _SINE_TERMS))
+    near = np.abs(x.mid) <= _LARGEST_ANGLE
+    parts = []
+    for part, slope in ((sine, cosine), (cosine, sine)):
+        spread = total(part.rad, rest, slope.magnitude * x.rad, rest * x.rad, 0.5 * x.rad * x.rad)
+        parts.append(Enclosure(np.where(near, part.mid, 0.0), np.where(near, spread, 1.0)))
     return parts[0], parts[1]
 
 

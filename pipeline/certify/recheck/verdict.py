@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.certify.guess import point_box
 from pipeline.certify.limits import ROUNDING, SLIP, Limits, pair_name
 from pipeline.certify.recheck.bounds import actuator_ranges, distance_bounds, end_misses, kappa_bounds, tilt_bounds
 from pipeline.certify.recheck.inclusion import Boxes, Inclusions, build_boxes, holds, include
@@ -57,9 +56,7 @@ def verify(
 
 def _include(machine: Machine, path: Path, chain: ProvenChain) -> tuple[Boxes, Inclusions, Boxes, Inclusions]:
     boxes = build_boxes(machine, path, chain.boxes)
-    s = np.append(boxes.first, boxes.last[-1])
-    points = tuple(point_box(at, pose) for at, pose in zip(s.tolist(), chain.joint_pose, strict=True))
-    joints = build_boxes(machine, path, points)
+    joints = build_boxes(machine, path, chain.joints)
     return boxes, include(machine, boxes, chain.uncertainty), joints, include(machine, joints, chain.uncertainty)
 
 
@@ -76,9 +73,11 @@ def _chain_claims(
     yield Claim(
         f"{of}: each holds one pose, and is regular", bool(found.proven.all()), f"{int(found.proven.sum())} of {n}"
     )
+    ends = np.append(boxes.first, boxes.last[-1])
+    single = bool((joints.first == joints.last).all()) and np.array_equal(joints.first, ends)
     linked = holds(boxes, found, joints, met, at_end=False) & holds(boxes, found, joints, met, at_end=True)
     linked &= met.proven[1:] & met.proven[:-1]
-    yield Claim(f"{of}: neighbours hold the same branch", bool(linked.all()), f"{int(linked.sum())} of {n}")
+    yield Claim(f"{of}: neighbours hold the same branch", single and bool(linked.all()), f"{int(linked.sum())} of {n}")
 
 
 def _bound_claims(machine: Machine, limits: Limits, bounds: Bounds, boxes: Boxes, found: Inclusions) -> Iterator[Claim]:

@@ -76,10 +76,10 @@ CHAINS: dict[str, Callable[[ProvenChain], ProvenChain]] = {
     "no radius": lambda chain: _one_box(chain, radius=np.zeros(6)),
     "a radius that is no number": lambda chain: _one_box(chain, radius=np.full(6, np.nan)),
     "a cubic beside the path": lambda chain: _one_box(chain, pose=chain.boxes[0].pose),
-    "a box left out": lambda chain: replace(chain, boxes=chain.boxes[1:], joint_pose=chain.joint_pose[1:]),
-    "the last box left out": lambda chain: replace(chain, boxes=chain.boxes[:-1], joint_pose=chain.joint_pose[:-1]),
+    "a box left out": lambda chain: replace(chain, boxes=chain.boxes[1:], joints=chain.joints[1:]),
+    "the last box left out": lambda chain: replace(chain, boxes=chain.boxes[:-1], joints=chain.joints[:-1]),
     "a gap": lambda chain: _one_box(chain, last=chain.boxes[len(chain.boxes) // 2].last - 1e-9),
-    "a joint elsewhere": lambda chain: replace(chain, joint_pose=chain.joint_pose[::-1]),
+    "a joint elsewhere": lambda chain: replace(chain, joints=chain.joints[::-1]),
 }
 
 
