@@ -22,6 +22,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from pipeline.certify.closure import (
+    TERMS,
     Closure,
     Geometry,
     Vector,
@@ -144,13 +145,12 @@ def include(
 def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
     """|C(t) f(x(t), t)|."""
     at, over = series.at.residuals(), series.over.residuals()
-    terms = len(at[0].coeffs()) and 5
-    table = [[at[link][n] if n + 1 < terms else over[link][n] for n in range(terms)] for link in range(_SIZE)]
+    table = [[at[link][n] if n + 1 < TERMS else over[link][n] for n in range(TERMS)] for link in range(_SIZE)]
     f = arb_mat(table)
     bound = [arb(0)] * _SIZE
     for power, product in enumerate((C[0] * f, C[1] * f)):
         for i in range(_SIZE):
-            for n in range(terms):
+            for n in range(TERMS):
                 bound[i] += product[i, n].abs_upper() * h ** (n + power)
     return bound
 

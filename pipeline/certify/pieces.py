@@ -35,7 +35,7 @@ class Piece:
     def taylor(self, s: float) -> list[list[fmpq]]:
         """Taylor coefficients of each actuator about s, exactly: q_k(s + t) = sum of taylor[k][n] t^n."""
         shift = fmpq_poly([exact(s) - exact(self.first), fmpq(1)])
-        return [polynomial(shift).coeffs() for polynomial in self.polynomials]
+        return [polynomial(shift).coeffs() or [fmpq(0)] for polynomial in self.polynomials]
 
 
 def exact(value: float) -> fmpq:
