@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from pipeline.artifacts.path_file import load_path, save_path
+    from pipeline.certify import Certificate, certify_path
     from pipeline.config import Config
     from pipeline.config_file import load_config
     from pipeline.machine import Machine, build_machine
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from pipeline.route import RegionTable, Route, build_regions, plan_route, plan_routes
 
 _HOME = {
+    "Certificate": "certify",
+    "certify_path": "certify",
     "Config": "config",
     "load_config": "config_file",
     "load_path": "artifacts.path_file",
@@ -39,6 +42,7 @@ _HOME = {
 }
 
 __all__ = [
+    "Certificate",
     "Config",
     "Machine",
     "Path",
@@ -48,6 +52,7 @@ __all__ = [
     "Trajectory",
     "build_machine",
     "build_regions",
+    "certify_path",
     "kappa_along",
     "load_config",
     "load_path",

@@ -9,6 +9,7 @@ class Stage(StrEnum):
     REGIONS = "regions"
     ROUTE = "route"
     REFINE = "refine"
+    CERTIFY = "certify"
     RETIME = "retime"
     FIGURES = "figures"
 

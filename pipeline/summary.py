@@ -6,10 +6,13 @@ from collections.abc import Mapping
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pipeline.config import Config
 from pipeline.config_file import config_sha256
 
 if TYPE_CHECKING:
+    from pipeline.certify import Certificate
     from pipeline.refine.measure import PathFigures
     from pipeline.refine.result import Refinement
     from pipeline.retime import TrajectoryFigures
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
 
 PACKAGE = "gantry-tau"
 SKIPPED = "skipped"
-_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "matplotlib")
+_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib")
 _TERMS = 13
 """Variables of the paper's model per step beside one binary for each region."""
 
@@ -44,14 +47,14 @@ def summarise(config: Config, sections: Mapping[str, Section]) -> Section:
     Parameters
     ----------
     sections : mapping
-        Any of `regions`, `route`, `path`, `trajectory`, `figures`, each with its `seconds`.
+        Any of `regions`, `route`, `path`, `certificate`, `trajectory`, `figures`, each with its `seconds`.
     """
     return {
         "name": config.name,
         "config_sha256": config_sha256(config),
         "versions": _versions(),
         **{name: sections.get(name, {"status": SKIPPED}) for name in ("regions", "route", "path")},
-        "certificate": {"verdict": SKIPPED},
+        "certificate": _with_verdict(sections.get("certificate", skipped_certificate())),
         **{name: sections.get(name, {"status": SKIPPED}) for name in ("trajectory", "figures")},
     }
 
@@ -113,6 +116,45 @@ def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "Path
         "max_tilt_deg": refined.max_tilt_deg,
         "det_sign_constant": refined.det_sign_constant,
     }
+
+
+def certificate_section(certificate: "Certificate") -> Section:
+    """Verdict and bounds of the proof; tolerances are null where they were not searched."""
+    bounds, lengths, coordinates = certificate.bounds, certificate.link_length, certificate.coordinates
+    assert bounds is not None, "a certified path has boxes"
+    return {
+        "status": "done",
+        "verdict": certificate.verdict,
+        "boxes": len(certificate.chain.boxes),
+        "kappa_bound": bounds.kappa,
+        "det_sign": bounds.det_sign,
+        "min_distance_bound_m": min(bounds.distances_m.tolist(), default=None),
+        "max_tilt_bound_deg": float(np.rad2deg(bounds.tilt_rad.max())),
+        "goal_miss": bounds.goal_miss,
+        "tolerance_m": None if lengths is None else lengths.eps_m,
+        "tolerance_fails_m": None if lengths is None else lengths.fails_m,
+        "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
+        "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
+    }
+
+
+def certificate_facts(config: Config, seconds: float) -> Section:
+    """What a certificate's file says of how it came about."""
+    return {
+        "settings": config.certify.model_dump(mode="json"),
+        "versions": _versions(),
+        "seconds": seconds,
+    }
+
+
+def skipped_certificate() -> Section:
+    """Say that nothing was proven."""
+    return {"status": SKIPPED, "verdict": SKIPPED}
+
+
+def _with_verdict(section: Section) -> Section:
+    """A proof that failed has no verdict of its own: the path is not certified."""
+    return {"verdict": "not certified", **section}
 
 
 def trajectory_section(figures: "TrajectoryFigures") -> Section:

@@ -16,6 +16,7 @@ ROUTE_NPZ = "route.npz"
 ROUTE_CSV = "route.csv"
 PATH_NPZ = "path.npz"
 PATH_CSV = "path.csv"
+CERTIFICATE_JSON = "certificate.json"
 TRAJECTORY_NPZ = "trajectory.npz"
 TRAJECTORY_CSV = "trajectory.csv"
 TRAJECTORY_JSON = "trajectory.json"
@@ -24,6 +25,7 @@ RESULT = {
     Stage.REGIONS: REGIONS_NPZ,
     Stage.ROUTE: ROUTE_NPZ,
     Stage.REFINE: PATH_NPZ,
+    Stage.CERTIFY: CERTIFICATE_JSON,
     Stage.RETIME: TRAJECTORY_NPZ,
 }
 """The file each stage's result is loaded back from, exactly."""
@@ -32,6 +34,7 @@ _FIXED = {
     Stage.REGIONS: (REGIONS_NPZ,),
     Stage.ROUTE: (ROUTE_NPZ, ROUTE_CSV),
     Stage.REFINE: (PATH_NPZ, PATH_CSV),
+    Stage.CERTIFY: (CERTIFICATE_JSON,),
     Stage.RETIME: (TRAJECTORY_NPZ, TRAJECTORY_CSV, TRAJECTORY_JSON),
     Stage.FIGURES: (),
 }
@@ -41,6 +44,7 @@ _SIGHTS = {
     Stage.REGIONS: ((REGIONS_NPZ, "the region table, one array per column"),),
     Stage.ROUTE: ((ROUTE_CSV, "the route, one row per step"),),
     Stage.REFINE: ((PATH_NPZ, "the path as splines"), (PATH_CSV, "the path, densely sampled")),
+    Stage.CERTIFY: ((CERTIFICATE_JSON, "the proof that the path is free of singularities, and its bounds"),),
     Stage.RETIME: ((TRAJECTORY_CSV, "for the controller: one row per period"),),
     Stage.FIGURES: ((_FIGURES, "pictures: the route, kappa, clearance, motion over time"),),
 }

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from pipeline.artifacts.files import json_bytes
 from pipeline.artifacts.layout import (
+    CERTIFICATE_JSON,
     PATH_CSV,
     PATH_NPZ,
     REGIONS_NPZ,
@@ -48,6 +49,8 @@ from pipeline.stage import Stage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from pipeline.certify.result import Certificate
 
 Files = dict[str, bytes]
 
@@ -98,6 +101,13 @@ def load_refinement(folder: pathlib.Path, machine: Machine) -> Refinement:
     """Load both paths of a run, for the machine they were made for."""
     with readable(folder / PATH_NPZ):
         return unpack_refinement(read_npz(folder / PATH_NPZ), machine)
+
+
+def certificate_files(certificate: "Certificate", facts: Mapping[str, Any]) -> Files:
+    """Write the certificate: its verdict and bounds, and the boxes with which it can be verified again."""
+    from pipeline.artifacts.certificate import certificate_bytes
+
+    return {CERTIFICATE_JSON: certificate_bytes(certificate, facts)}
 
 
 def trajectory_files(trajectory: Trajectory, samples: TrajectorySamples, sidecar: Mapping[str, Any]) -> Files:

@@ -116,6 +116,41 @@ def refine(
     _run(config, out, None, Stage.REFINE, force, verbose)
 
 
+def certify(
+    config: Annotated[
+        Path | None, typer.Argument(metavar="CONFIG", help="The YAML file of machine, task and options.")
+    ] = None,
+    out: OutOption = None,
+    force: ForceOption = False,
+    verbose: VerboseOption = False,
+    tolerance: Annotated[
+        bool,
+        typer.Option("--tolerance", help="Search the calibration errors the path is proven to bear, too."),
+    ] = False,
+    check: Annotated[
+        Path | None,
+        typer.Option("--check", metavar="FILE", help="Verify the boxes of a certificate again, and search nothing."),
+    ] = None,
+) -> None:
+    """Prove that the whole path is one motion free of singularities, and within every limit.
+
+    Runs stages one and two before, unless their results in DIR are up to
+    date. A certificate is verified again with --check by other code in other
+    arithmetic; the run's config.yaml and path.npz have to be beside it.
+    """
+    if check is not None:
+        if config is not None or out is not None or force or tolerance:
+            raise UsageError("--check FILE goes alone: the configuration is the one beside the certificate")
+        from pipeline.cli.verification import verify_file
+
+        verify_file(check, results_console())
+        return
+    if config is None:
+        raise UsageError("certify needs a CONFIG, or --check FILE")
+    changes = {"what": "tolerances"} if tolerance else {}
+    _run(config, out, None, Stage.CERTIFY, force, verbose, certify_changes=changes)
+
+
 def retime(
     config: ConfigArgument, out: OutOption = None, force: ForceOption = False, verbose: VerboseOption = False
 ) -> None:
@@ -136,12 +171,13 @@ def _run(
     verbose: bool,
     route_changes: dict[str, str] | None = None,
     why_not: bool = True,
+    certify_changes: dict[str, str] | None = None,
 ) -> None:
     from pipeline.artifacts import sights
     from pipeline.cli.stage_table import stage_table
     from pipeline.run import run_pipeline
 
-    config = _with_route(load(path), route_changes or {})
+    config = _with_changes(_with_route(load(path), route_changes or {}), "certify", certify_changes or {})
     folder = out or _RESULTS / config.name
     with make_reporter(messages_console(), verbose) as reporter:
         report = run_pipeline(config, folder, first, last, force, reporter, verbose, why_not)
@@ -157,7 +193,14 @@ def _run(
 
 def _with_route(config: "Config", changes: dict[str, str]) -> "Config":
     """Apply options of the command line to the route section."""
-    return config.model_copy(update={"route": config.route.model_copy(update=changes)}) if changes else config
+    return _with_changes(config, "route", changes)
+
+
+def _with_changes(config: "Config", section: str, changes: dict[str, str]) -> "Config":
+    """Apply options of the command line to a section."""
+    if not changes:
+        return config
+    return config.model_copy(update={section: getattr(config, section).model_copy(update=changes)})
 
 
 def load(path: Path) -> "Config":
@@ -210,6 +253,14 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         ),
     ),
     (refine, ("gantry-tau refine configs/quick.yaml",)),
+    (
+        certify,
+        (
+            "gantry-tau certify configs/agder.yaml",
+            "gantry-tau certify configs/agder.yaml --tolerance    (half a minute more)",
+            "gantry-tau certify --check results/agder/certificate.json",
+        ),
+    ),
     (retime, ("gantry-tau retime configs/quick.yaml",)),
 )
 """Every command with its examples."""

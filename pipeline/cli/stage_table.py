@@ -49,6 +49,24 @@ def _path(section: dict[str, Any]) -> str:
     )
 
 
+def _certificate(section: dict[str, Any]) -> str:
+    if section["verdict"] != "certified":
+        return str(section["verdict"])
+    tolerance = section["tolerance_m"]
+    found = (
+        ""
+        if tolerance is None
+        else (
+            f"; link lengths may be wrong by {1e3 * tolerance:.2f} mm, every coordinate by "
+            f"{1e3 * section['coordinates_tolerance_m']:.3f} mm"
+        )
+    )
+    return (
+        f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
+        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"
+    )
+
+
 def _trajectory(section: dict[str, Any]) -> str:
     usage = section["usage"]
     return (
@@ -65,6 +83,7 @@ _TELL = {
     Stage.REGIONS: _regions,
     Stage.ROUTE: _route,
     Stage.REFINE: _path,
+    Stage.CERTIFY: _certificate,
     Stage.RETIME: _trajectory,
     Stage.FIGURES: _figures,
 }

@@ -6,6 +6,7 @@ found there and what is allowed. `config_file.load_config` reads a file; `Config
 
 from pydantic import Field
 
+from pipeline.config.certify import CertifyConfig
 from pipeline.config.machine import (
     ActuatorLimitsConfig,
     ClearanceConfig,
@@ -41,6 +42,7 @@ __all__ = [
     "AxisConfig",
     "BoxConfig",
     "BudgetConfig",
+    "CertifyConfig",
     "ClearanceConfig",
     "Config",
     "FixedLinkConfig",
@@ -70,4 +72,5 @@ class Config(Section):
     task: TaskConfig
     route: RouteConfig
     refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
+    certify: CertifyConfig = Field(default_factory=lambda: CertifyConfig())
     retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())

@@ -35,6 +35,7 @@ _SECTION = {
     Stage.REGIONS: "regions",
     Stage.ROUTE: "route",
     Stage.REFINE: "path",
+    Stage.CERTIFY: "certificate",
     Stage.RETIME: "trajectory",
     Stage.FIGURES: "figures",
 }

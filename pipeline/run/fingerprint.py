@@ -15,6 +15,7 @@ UPSTREAM: dict[Stage, tuple[Stage, ...]] = {
     Stage.REGIONS: (),
     Stage.ROUTE: (Stage.REGIONS,),
     Stage.REFINE: (Stage.ROUTE,),
+    Stage.CERTIFY: (Stage.REFINE,),
     Stage.RETIME: (Stage.REFINE,),
     Stage.FIGURES: (Stage.ROUTE, Stage.REFINE, Stage.RETIME),
 }
@@ -24,6 +25,7 @@ _CODE = {
     Stage.REGIONS: ("artifacts", "machine", "route"),
     Stage.ROUTE: ("artifacts", "machine", "route"),
     Stage.REFINE: ("artifacts", "machine", "route", "refine"),
+    Stage.CERTIFY: ("artifacts", "machine", "route", "refine", "certify"),
     Stage.RETIME: ("artifacts", "machine", "refine", "retime", "export"),
     Stage.FIGURES: ("artifacts", "machine", "route", "refine", "retime", "compare"),
 }
@@ -49,6 +51,8 @@ def config_part(config: Config, stage: Stage) -> dict[str, Any]:
         return {**space, "route": whole["route"]}
     if stage is Stage.REFINE:
         return {**space, "route": whole["route"], "refine": whole["refine"]}
+    if stage is Stage.CERTIFY:
+        return {**space, **{key: whole[key] for key in ("route", "refine", "certify")}}
     return whole
 
 

@@ -4,6 +4,7 @@ The stages' packages are imported when a stage runs: solvers and plotting take l
 should take to appear.
 """
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -135,6 +136,20 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     return Product(path_files(results.refinement, refined), section)
 
 
+def make_certificate(results: Results, progress: Progress, verbose: bool) -> Product:
+    """Prove that the path is one motion free of singularities and within its limits."""
+    from pipeline.artifacts.results import certificate_files
+    from pipeline.certify import certify_path
+    from pipeline.summary import certificate_facts, certificate_section, skipped_certificate
+
+    if results.config.certify.what == "nothing":
+        return Product({}, skipped_certificate())
+    began = time.perf_counter()
+    certificate = certify_path(results.config, results.machine, results.refinement.path, progress)
+    facts = certificate_facts(results.config, time.perf_counter() - began)
+    return Product(certificate_files(certificate, facts), certificate_section(certificate))
+
+
 def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Product:
     """Time the path, and sample it for the controller."""
     from pipeline.artifacts.results import trajectory_files
@@ -166,6 +181,7 @@ MAKE: dict[Stage, Callable[[Results, Progress, bool], Product]] = {
     Stage.REGIONS: make_regions,
     Stage.ROUTE: make_route,
     Stage.REFINE: make_path,
+    Stage.CERTIFY: make_certificate,
     Stage.RETIME: make_trajectory,
     Stage.FIGURES: make_figures,
 }

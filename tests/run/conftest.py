@@ -10,6 +10,9 @@ import pytest
 from matplotlib.figure import Figure
 from scipy.interpolate import make_interp_spline
 
+from pipeline.certify import Bounds, Certificate, ProvenChain, Tolerance, Uncertainty, path_sha256
+from pipeline.certify.guess import point_box
+from pipeline.certify.inclusion import Box
 from pipeline.config import Config
 from pipeline.config_file import parse_config
 from pipeline.machine import Machine, inverse_kinematics
@@ -110,6 +113,27 @@ def make_refinement(machine: Machine) -> Refinement:
     )
 
 
+def make_certificate(path: Path) -> Certificate:
+    """Make a certificate of one box, and of another for machines that are a little wrong."""
+    pose = path.pose(np.array([0.0, 0.5, 1.0]))
+    box = Box(0.0, 1.0, np.vstack([pose[1], pose[2] - pose[0], np.zeros((2, 6))]), np.full(6, 0.1))
+    joints = (point_box(0.0, pose[0]), point_box(1.0, pose[2]))
+    proofs = [ProvenChain(Uncertainty(eps), (box,), joints) for eps in (0.0, 1e-4)]
+    bounds = Bounds(
+        kappa=31.0,
+        kappa_s=0.5,
+        det_sign=1,
+        pairs=("links 1 and 2a",),
+        distances_m=np.array([0.1]),
+        actuators_m=np.array([[0.5, 1.5]] * 5),
+        tilt_rad=np.array([0.1, 0.05]),
+        start_miss=1e-11,
+        goal_miss=2e-11,
+    )
+    tolerance = Tolerance(1e-4, 1.1e-4, np.inf, proofs[1])
+    return Certificate(path_sha256(path), 64, proofs[0], bounds, None, tolerance, tolerance)
+
+
 def make_trajectory(path: Path) -> Trajectory:
     """Speed up for a second, slow down for a second."""
     points = ([0.0, 1.0, 2.0], [0.0, 0.5, 1.0], [0.0, 1.0, 0.0], [1.0, -1.0, 0.0])
@@ -176,6 +200,10 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
         fake.enter("refine", progress)
         return make_refinement(machine)
 
+    def certify_path(config: Config, machine: Machine, path: Path, progress: Progress = silent) -> Certificate:
+        fake.enter("certify", progress)
+        return make_certificate(path)
+
     def retime_path(config: Config, path: Path, progress: Progress = silent) -> Trajectory:
         fake.enter("retime", progress)
         return make_trajectory(path)
@@ -188,6 +216,7 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
     monkeypatch.setattr("pipeline.route.build_regions", build_regions, raising=False)
     monkeypatch.setattr("pipeline.route.plan_route", plan_route, raising=False)
     monkeypatch.setattr("pipeline.refine.refine_path", refine_path, raising=False)
+    monkeypatch.setattr("pipeline.certify.certify_path", certify_path)
     monkeypatch.setattr("pipeline.retime.retime_path", retime_path)
     monkeypatch.setattr("pipeline.compare.all_figures", all_figures)
     return fake
@@ -200,6 +229,7 @@ def make() -> dict[str, Callable[..., Any]]:
         "regions": make_regions,
         "route": make_route,
         "refinement": make_refinement,
+        "certificate": make_certificate,
         "trajectory": make_trajectory,
         "path": make_path,
     }

@@ -465,7 +465,7 @@ class TestLayout:
     def test_order(self) -> None:
         """Every stage knows what is before and after it."""
         assert Stage.REGIONS.earlier == ()
-        assert Stage.ROUTE.later == (Stage.REFINE, Stage.RETIME, Stage.FIGURES)
+        assert Stage.ROUTE.later == (Stage.REFINE, Stage.CERTIFY, Stage.RETIME, Stage.FIGURES)
         assert all((*stage.earlier, stage, *stage.later) == STAGES for stage in STAGES)
 
     def test_files_of_a_stage(self, tmp_path: Path) -> None:

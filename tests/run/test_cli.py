@@ -107,7 +107,8 @@ class TestRun:
         [
             ("route", ["regions", "route"]),
             ("refine", ["regions", "route", "refine"]),
-            ("retime", ["regions", "route", "refine", "retime"]),
+            ("certify", ["regions", "route", "refine", "certify"]),
+            ("retime", ["regions", "route", "refine", "certify", "retime"]),
         ],
     )
     def test_stage_commands(
@@ -129,7 +130,7 @@ class TestRun:
         assert call("run", config_file, "--to", "refine").exit_code == 0
         assert stages.taken() == ["regions", "route", "refine"]
         assert call("run", config_file, "--from", "refine", "--to", "retime").exit_code == 0
-        assert stages.calls == ["refine", "retime"]
+        assert stages.calls == ["refine", "certify", "retime"]
 
     def test_verbose(self, call: Call, config_file: Path, stages: Any) -> None:
         """-v lets the solvers talk."""
@@ -190,6 +191,57 @@ class TestRun:
         result = call("run", edit(config_file, name=name))
         assert result.exit_code == 2
         assert stages.calls == []
+
+
+class TestCertify:
+    """The proof on the command line; the stages are fakes, and so is their certificate."""
+
+    def test_a_refused_path_ends_the_run(self, call: Call, config_file: Path, stages: Any, tmp_path: Path) -> None:
+        """Exit 1, the path kept, no trajectory, and a verdict that cannot be missed."""
+        stages.failures["certify"] = NoSolutionError(
+            "certify", "no way at s = 0.3", "widen", {"status": "not certified"}
+        )
+        result = call("run", config_file, "--out", tmp_path / "out")
+        assert result.exit_code == 1
+        assert "no way at s = 0.3" in result.stderr
+        told = json.loads((tmp_path / "out" / "summary.json").read_text())
+        assert told["certificate"]["verdict"] == "not certified"
+        assert told["trajectory"] == {"status": "skipped"}
+        assert (tmp_path / "out" / "path.npz").exists()
+        assert (tmp_path / "out" / "failed" / "certify.json").exists()
+        assert not (tmp_path / "out" / "certificate.json").exists()
+
+    def test_tolerances_are_asked_for(self, call: Call, config_file: Path, stages: Any, tmp_path: Path) -> None:
+        """The option is the key of the configuration, and is kept with the results."""
+        result = call("certify", config_file, "--tolerance", "--out", tmp_path / "out")
+        assert result.exit_code == 0
+        assert "link lengths may be wrong by 0.10 mm" in result.stdout
+        assert load_config(tmp_path / "out" / "config.yaml").certify.what == "tolerances"
+
+    def test_nothing_is_proven_where_nothing_is_asked(
+        self, call: Call, config_file: Path, stages: Any, tmp_path: Path
+    ) -> None:
+        """The summary says so."""
+        config = yaml.safe_load(config_file.read_text())
+        config_file.write_text(yaml.safe_dump({**config, "certify": {"what": "nothing"}}))
+        assert call("certify", config_file, "--out", tmp_path / "out").exit_code == 0
+        told = json.loads((tmp_path / "out" / "summary.json").read_text())
+        assert told["certificate"]["verdict"] == "skipped"
+        assert "certify" not in stages.calls
+
+    def test_a_certificate_that_does_not_hold(self, call: Call, config_file: Path, stages: Any, tmp_path: Path) -> None:
+        """What was not verified is told, with exit code 1."""
+        call("certify", config_file, "--out", tmp_path / "out")
+        result = call("certify", "--check", tmp_path / "out" / "certificate.json")
+        assert result.exit_code == 1
+        assert "NO" in result.stdout
+        assert "does not hold" in result.stderr
+
+    def test_options_that_exclude_each_other(self, call: Call, config_file: Path, tmp_path: Path) -> None:
+        """Verifying searches nothing, and proving needs a configuration."""
+        assert call("certify").exit_code == 2
+        assert call("certify", config_file, "--check", tmp_path / "certificate.json").exit_code == 2
+        assert call("certify", "--check", tmp_path / "certificate.json").exit_code == 2
 
 
 class TestBadInput:
@@ -327,7 +379,7 @@ class TestCheck:
     def test_schema(self, call: Call, tmp_path: Path) -> None:
         """The schema is pure JSON, names every key, and refuses unknown ones."""
         schema = json.loads(call("check", "--schema").stdout)
-        assert set(schema["properties"]) == {"name", "machine", "task", "route", "refine", "retime"}
+        assert set(schema["properties"]) == {"name", "machine", "task", "route", "refine", "certify", "retime"}
         assert schema["additionalProperties"] is False
         assert "$defs" in schema
 
@@ -422,7 +474,7 @@ class TestLooks:
 class TestHelp:
     """Help texts."""
 
-    @pytest.mark.parametrize("command", ["run", "route", "refine", "retime", "check", "compare", "export"])
+    @pytest.mark.parametrize("command", ["run", "route", "refine", "certify", "retime", "check", "compare", "export"])
     def test_examples(self, call: Call, command: str) -> None:
         """The help of every command has an example that names it."""
         result = call(command, "--help")

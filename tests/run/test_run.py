@@ -18,13 +18,14 @@ from pipeline.run import Quiet, RunReport, Stage, run_pipeline
 from pipeline.run.fingerprint import UPSTREAM, config_part, fingerprint
 from pipeline.run.reading import open_results, with_period
 
-ALL = ["regions", "route", "refine", "retime", "figures"]
+ALL = ["regions", "route", "refine", "certify", "retime", "figures"]
 RESULT_FILES = {
     "regions.npz",
     "route.npz",
     "route.csv",
     "path.npz",
     "path.csv",
+    "certificate.json",
     "trajectory.npz",
     "trajectory.csv",
     "trajectory.json",
@@ -64,7 +65,7 @@ class TestWhole:
         report = run_pipeline(fast_config, tmp_path / "a" / "b")
         assert stages.calls == ALL
         assert files(tmp_path / "a" / "b") == RESULT_FILES | BOOKS
-        assert [outcome.outcome for outcome in report.outcomes] == ["done"] * 5
+        assert [outcome.outcome for outcome in report.outcomes] == ["done"] * 6
         assert load_config(tmp_path / "a" / "b" / "config.yaml") == fast_config
 
     def test_summary(self, tmp_path: Path, fast_config: Config, stages: Any, machine: Machine, make: Any) -> None:
@@ -99,7 +100,10 @@ class TestWhole:
         assert path["status"] == "converged"
         assert path["kappa_integral"] == pytest.approx(path["coarse_kappa_integral"], rel=1e-3)
         assert path["det_sign_constant"] is True
-        assert told["certificate"] == {"verdict": "skipped"}
+        certificate = told["certificate"]
+        assert certificate["verdict"] == "certified"
+        assert (certificate["boxes"], certificate["kappa_bound"], certificate["tolerance_m"]) == (1, 31.0, 1e-4)
+        assert certificate["min_distance_bound_m"] == 0.1
         trajectory = told["trajectory"]
         assert trajectory["duration_s"] == 2.0
         assert trajectory["samples"] == 201
@@ -166,26 +170,26 @@ class TestCaching:
         report = run_pipeline(fast_config, tmp_path)
         assert stages.calls == []
         assert content(tmp_path) == before
-        assert [outcome.outcome for outcome in report.outcomes] == ["unchanged"] * 5
+        assert [outcome.outcome for outcome in report.outcomes] == ["unchanged"] * 6
 
     @pytest.mark.parametrize(
         ("key", "value", "again"),
         [
             ("name", "other", ["retime", "figures"]),
-            ("machine__links__l1__length_m", 1.1, ["regions", "route", "refine"]),
-            ("machine__clearance__link_link_m", 0.02, ["regions", "route", "refine"]),
+            ("machine__links__l1__length_m", 1.1, ["regions", "route", "refine", "certify"]),
+            ("machine__clearance__link_link_m", 0.02, ["regions", "route", "refine", "certify"]),
             ("machine__limits__carts__velocity_mps", 0.4, []),
-            ("task__goal__z_m", 0.91, ["regions", "route", "refine"]),
-            ("task__tilt_max_deg", 25.0, ["regions", "route", "refine"]),
-            ("task__locked_axes", ["rz"], ["regions", "route", "refine"]),
-            ("task__budget__travel_m", 9.0, ["route", "refine"]),
-            ("route__grid__y_m__step", 0.2, ["regions", "route", "refine"]),
-            ("route__kappa_max", 90.0, ["regions", "route", "refine"]),
-            ("route__x_step_m", 0.2, ["route", "refine"]),
-            ("route__step_budget", 24, ["route", "refine"]),
-            ("route__follow__max_samples", 32, ["route", "refine"]),
-            ("refine__nodes", 90, ["refine"]),
-            ("refine__check_points", 1_001, ["refine"]),
+            ("task__goal__z_m", 0.91, ["regions", "route", "refine", "certify"]),
+            ("task__tilt_max_deg", 25.0, ["regions", "route", "refine", "certify"]),
+            ("task__locked_axes", ["rz"], ["regions", "route", "refine", "certify"]),
+            ("task__budget__travel_m", 9.0, ["route", "refine", "certify"]),
+            ("route__grid__y_m__step", 0.2, ["regions", "route", "refine", "certify"]),
+            ("route__kappa_max", 90.0, ["regions", "route", "refine", "certify"]),
+            ("route__x_step_m", 0.2, ["route", "refine", "certify"]),
+            ("route__step_budget", 24, ["route", "refine", "certify"]),
+            ("route__follow__max_samples", 32, ["route", "refine", "certify"]),
+            ("refine__nodes", 90, ["refine", "certify"]),
+            ("refine__check_points", 1_001, ["refine", "certify"]),
             ("retime__period_s", 0.02, []),
         ],
     )
@@ -223,7 +227,7 @@ class TestCaching:
         assert stages.taken() == ["route"]
         assert files(tmp_path) & RESULT_FILES == {"regions.npz", "route.npz", "route.csv"}
         run_pipeline(fast_config, tmp_path)
-        assert stages.calls == ["refine", "retime", "figures"]
+        assert stages.calls == ["refine", "certify", "retime", "figures"]
 
     def test_same_result_stops_the_chain(self, tmp_path: Path, fast_config: Config, stages: Any) -> None:
         """When a stage run again comes out the same, what builds on it stays good."""
@@ -414,7 +418,7 @@ class TestRange:
         run_pipeline(fast_config, tmp_path)
         stages.taken()
         run_pipeline(fast_config, tmp_path, first=Stage.REFINE)
-        assert stages.calls == ["refine", "retime", "figures"]
+        assert stages.calls == ["refine", "certify", "retime", "figures"]
 
     def test_from_without_earlier_results(self, tmp_path: Path, fast_config: Config, stages: Any) -> None:
         """Without a folder to build on, the user is told, and none is made."""
@@ -510,7 +514,7 @@ class TestFailure:
         assert stages.taken() == ["regions", "route", "route"]
         stages.failures.clear()
         run_pipeline(fast_config, tmp_path)
-        assert stages.calls == ["route", "refine", "retime", "figures"]
+        assert stages.calls == ["route", "refine", "certify", "retime", "figures"]
         current = {name for name in files(tmp_path) if not name.startswith("superseded/")}
         assert current == RESULT_FILES | BOOKS
         assert any(name.endswith("failed/route.json") for name in files(tmp_path))
@@ -550,7 +554,7 @@ class TestFailure:
         stages.failures.clear()
         stages.taken()
         run_pipeline(fast_config, tmp_path)
-        assert stages.calls == ["refine", "retime", "figures"]
+        assert stages.calls == ["refine", "certify", "retime", "figures"]
 
     @pytest.mark.parametrize(
         "changes",

@@ -1,0 +1,16 @@
+"""The proof: a certificate that the whole continuous path is one motion free of singularities."""
+
+from pipeline.certify.certify import certify_path, prove_path
+from pipeline.certify.result import Bounds, Certificate, ProvenChain, Tolerance, path_sha256
+from pipeline.certify.uncertainty import Uncertainty
+
+__all__ = [
+    "Bounds",
+    "Certificate",
+    "ProvenChain",
+    "Tolerance",
+    "Uncertainty",
+    "certify_path",
+    "path_sha256",
+    "prove_path",
+]

@@ -1,0 +1,30 @@
+"""Where boxes are put: cubics through poses found by Newton's method. Nothing of it is part of the proof."""
+
+import numpy as np
+
+from pipeline.certify.inclusion import LEAST_RADIUS, Box
+from pipeline.certify.pieces import middle
+from pipeline.errors import ForwardKinematicsError
+from pipeline.machine.geometry import FloatArray
+from pipeline.refine.result import Path
+
+_TERMS = 4
+_NODES = np.cos(np.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
+"""Chebyshev nodes."""
+_THINNEST = np.full(6, LEAST_RADIUS)
+_INTERPOLATE = np.linalg.inv(np.vander(_NODES, _TERMS, increasing=True))
+
+
+def guess_box(path: Path, first: float, last: float) -> Box | None:
+    """Put a cubic through four poses within an interval of s; None where the closures have no solution."""
+    centre, half = middle(first, last)
+    try:
+        poses = path.pose(centre + half * _NODES)
+    except ForwardKinematicsError:
+        return None
+    return Box(first, last, (_INTERPOLATE @ poses) / half ** np.arange(_TERMS)[:, None], _THINNEST)
+
+
+def point_box(s: float, pose: FloatArray, radius: FloatArray = _THINNEST) -> Box:
+    """Make the box of a single s about a pose (6,)."""
+    return Box(s, s, np.vstack([pose, np.zeros((_TERMS - 1, 6))]), radius)

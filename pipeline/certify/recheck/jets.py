@@ -1,0 +1,124 @@
+"""Power series in s for many boxes at once: arrays of enclosures whose first axis is the order."""
+
+from collections.abc import Callable
+from math import comb, factorial
+
+import numpy as np
+
+from pipeline.certify.recheck.enclosure import Enclosure, exactly, stacked, total
+from pipeline.machine.geometry import FloatArray, IntArray
+
+TERMS = 5
+_SINE_TERMS = 20
+_LARGEST_ANGLE = 4.0
+
+
+def product(multiply: Callable[[Enclosure, Enclosure], Enclosure], a: Enclosure, b: Enclosure) -> Enclosure:
+    """Multiply two series, their terms by `multiply`."""
+    orders = []
+    for n in range(TERMS):
+        result = multiply(a[0], b[n])
+        for k in range(1, n + 1):
+            result = result + multiply(a[k], b[n - k])
+        orders.append(result)
+    return stacked(orders)
+
+
+def sine_cosine(angle: Enclosure) -> tuple[Enclosure, Enclosure]:
+    """Sine and cosine of a series: n s_n = sum k a_k c_(n-k), n c_n = -sum k a_k s_(n-k)."""
+    first = _sine_cosine(angle[0])
+    sine, cosine = [first[0]], [first[1]]
+    for n in range(1, TERMS):
+        s, c = None, None
+        for k in range(1, n + 1):
+            slope = angle[k] * exactly(np.full(angle.mid.shape[1:], float(k)))
+            ds, dc = slope * cosine[n - k], slope * sine[n - k]
+            s, c = (ds, dc) if s is None or c is None else (s + ds, c + dc)
+        assert s is not None
+        assert c is not None
+        share = exactly(float(n)).inverse()
+        sine.append(s * share)
+        cosine.append(-(c * share))
+    return stacked(sine), stacked(cosine)
+
+
+def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
+    """Taylor series at zero in the middles of the angles, up to four; |sin(m + d) - sin m| <= |d cos m| + d^2 / 2.
+
+    The rest of a series is at most the first term left out. Of larger angles no more is said than that sine and
+    cosine are at most one.
+    """
+    middle = exactly(x.mid)
+    square = middle * middle
+    sine, cosine = (
+        _horner(square, [(-1.0) ** k / factorial(2 * k + odd) for k in range(_SINE_TERMS)]) for odd in (1, 0)
+    )
+    sine = sine * middle
+    rest = np.full_like(x.rad, 2.0 * _LARGEST_ANGLE ** (2 * _SINE_TERMS) / factorial(2 * _SINE_TERMS))
+    near = np.abs(x.mid) <= _LARGEST_ANGLE
+    parts = []
+    for part, slope in ((sine, cosine), (cosine, sine)):
+        spread = total(part.rad, rest, slope.magnitude * x.rad, rest * x.rad, 0.5 * x.rad * x.rad)
+        parts.append(Enclosure(np.where(near, part.mid, 0.0), np.where(near, spread, 1.0)))
+    return parts[0], parts[1]
+
+
+def _horner(x: Enclosure, coefficients: list[float]) -> Enclosure:
+    """Evaluate a polynomial whose coefficients are floats right to the last bit."""
+    slack = 2.0**-52
+    result = exactly(np.zeros_like(x.mid))
+    for value in reversed(coefficients):
+        result = result * x + Enclosure(np.full_like(x.mid, value), np.full_like(x.mid, abs(value) * slack))
+    return result
+
+
+def moved(coefficients: Enclosure, at: Enclosure, terms: int = TERMS) -> Enclosure:
+    """Series of so many terms about t = at (n,) of polynomials with coefficients (orders, ..., n)."""
+    orders = len(coefficients.mid)
+    powers = [exactly(np.ones_like(at.mid))]
+    for _ in range(orders - 1):
+        powers.append(powers[-1] * at)
+    result = []
+    for k in range(terms):
+        parts = [coefficients[j] * (exactly(float(comb(j, k))) * powers[j - k]) for j in range(k, orders)]
+        value = parts[0] if parts else exactly(np.zeros_like(coefficients.mid[0]))
+        for part in parts[1:]:
+            value = value + part
+        result.append(value)
+    return stacked(result)
+
+
+def spline_taylor(
+    knots: FloatArray, coefficients: FloatArray, degree: int, first: FloatArray, centre: FloatArray
+) -> Enclosure:
+    """Taylor coefficients (degree + 1, 5, n) of a spline about centres (n,), on the pieces that hold `first` (n,).
+
+    Control points of the r-th derivative are differences of those before, r-th derivatives follow by de Boor's scheme.
+    """
+    span = np.searchsorted(knots, first, side="right") - 1
+    points = [exactly(coefficients[span - degree + i].T) for i in range(degree + 1)]
+    result = []
+    for r in range(degree + 1):
+        value = _de_boor(knots, points, degree - r, span, centre)
+        result.append(value * exactly(float(factorial(r))).inverse())
+        order = degree - r
+        points = [
+            (points[i + 1] - points[i])
+            * exactly(float(order))
+            * (exactly(knots[span + 1 + i]) - exactly(knots[span - order + 1 + i])).inverse()
+            for i in range(order)
+        ]
+    return stacked(result)
+
+
+def _de_boor(knots: FloatArray, points: list[Enclosure], degree: int, span: IntArray, s: FloatArray) -> Enclosure:
+    at = exactly(s)
+    for level in range(1, degree + 1):
+        count = degree - level + 1
+        blended = []
+        for i in range(count):
+            left, right = exactly(knots[span - degree + level + i]), exactly(knots[span + 1 + i])
+            share = (right - left).inverse()
+            blended.append(((right - at) * share) * points[i] + ((at - left) * share) * points[i + 1])
+        points = blended
+    return points[0]

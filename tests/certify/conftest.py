@@ -1,0 +1,47 @@
+"""Short paths with known answers, and a function that proves them."""
+
+from collections.abc import Callable
+
+import pytest
+from scipy.optimize import brentq
+
+from pipeline.certify import Certificate, prove_path
+from pipeline.certify.closure import working_precision
+from pipeline.config import Config
+from pipeline.machine import Machine
+from pipeline.refine import Path
+from tests.certify.paths import determinant, ends_of, line_path
+
+
+@pytest.fixture(scope="session")
+def singular_at(machine: Machine) -> float:
+    """Find where on the line det H is zero."""
+    return float(brentq(lambda along: determinant(machine, along), 0.2, 0.9, xtol=1e-14))
+
+
+@pytest.fixture(scope="session")
+def line(machine: Machine) -> Path:
+    """Make the short regular path."""
+    return line_path(machine)
+
+
+@pytest.fixture(scope="session")
+def wide(agder_config: Config) -> Config:
+    """Take the reference task with limits that no path of the tests meets, unless they are set."""
+    machine = agder_config.machine
+    machine = machine.model_copy(update={"clearance": machine.clearance.model_copy(update={"link_link_m": 0.0})})
+    route = agder_config.route.model_copy(update={"kappa_max": 1e9})
+    task = agder_config.task.model_copy(update={"tilt_max_deg": 85.0})
+    return agder_config.model_copy(update={"machine": machine, "route": route, "task": task})
+
+
+@pytest.fixture(scope="session")
+def prove(wide: Config) -> Callable[..., Certificate]:
+    """Give a function that proves a path between its own ends."""
+
+    def run(machine: Machine, path: Path, modes: tuple[int, int] = (0, 0), **certify: object) -> Certificate:
+        config = wide.model_copy(update={"certify": wide.certify.model_copy(update=certify)})
+        with working_precision(config.certify.precision_bits):
+            return prove_path(config, machine, path, ends_of(machine, path, modes))
+
+    return run

@@ -1,0 +1,59 @@
+"""Series for many boxes: sines and cosines, shifted polynomials, splines."""
+
+import numpy as np
+import pytest
+from flint import arb, arb_series, ctx
+from scipy.interpolate import BSpline, make_interp_spline
+
+from pipeline.certify.pieces import pieces
+from pipeline.certify.recheck.enclosure import Enclosure, exactly, within
+from pipeline.certify.recheck.jets import TERMS, moved, sine_cosine, spline_taylor
+
+
+@pytest.mark.parametrize("angle", [-3.9, -1.0, 0.0, 1e-9, 0.7, 3.2])
+def test_sine_and_cosine_hold_those_of_ball_arithmetic(angle: float) -> None:
+    """Of a series, to all orders."""
+    coefficients = [angle, 0.5, -0.25, 0.125, 2.0]
+    sine, cosine = sine_cosine(exactly(np.array(coefficients)[:, None]))
+    with ctx.workprec(200):
+        series = arb_series([arb(c) for c in coefficients], prec=TERMS)
+        for found, exact in ((sine, series.sin()), (cosine, series.cos())):
+            for n in range(TERMS):
+                off = abs(exact[n] - arb(float(found.mid[n, 0])))
+                assert off < arb(float(found.rad[n, 0]))
+                assert found.rad[n, 0] < 1e-13
+
+
+def test_angles_beyond_the_series_are_enclosed_coarsely() -> None:
+    """Rather a weak statement than a wrong one."""
+    sine, _ = sine_cosine(exactly(np.array([[4.5], [0.0], [0.0], [0.0], [0.0]])))
+    assert (sine.mid[0, 0], sine.rad[0, 0]) == (0.0, 1.0)
+
+
+def test_shifted_polynomials_hold_every_value() -> None:
+    """About a whole interval the constant term holds all values of the polynomial on it."""
+    random = np.random.default_rng(0)
+    coefficients, half = random.normal(size=(6, 3, 4)), np.full(4, 0.3)
+    over = moved(exactly(coefficients), within(half))[0]
+    for t in np.linspace(-0.3, 0.3, 13):
+        value = np.einsum("kin,k->in", coefficients, t ** np.arange(6))
+        assert (np.abs(value - over.mid) <= over.rad + 1e-14).all()
+
+
+@pytest.mark.parametrize("degree", [1, 5])
+def test_splines_agree_with_rational_arithmetic(degree: int) -> None:
+    """Taylor coefficients about the middle of every piece, with knots that are not evenly spaced."""
+    s = np.linspace(0.0, 1.0, 12) ** 1.5
+    spline: BSpline = make_interp_spline(s, np.sin(3.0 * s[:, None] + np.arange(5)), k=degree)
+    parts = pieces(spline)
+    first, last = np.array([part.first for part in parts]), np.array([part.last for part in parts])
+    centre = (first + last) / 2.0
+    taylor = spline_taylor(spline.t, spline.c, degree, first, centre)
+    for n, part in enumerate(parts):
+        for k, exact in enumerate(part.taylor(float(centre[n]))):
+            for order, value in enumerate(exact):
+                found = Enclosure(taylor.mid[order, k, n], taylor.rad[order, k, n])
+                assert abs(int(value.p) / int(value.q) - found.mid) <= found.rad + 1e-16 * abs(found.mid)
+                np.testing.assert_allclose(
+                    found.mid, spline(centre[n], nu=order)[k] / [1, 1, 2, 6, 24, 120][order], rtol=1e-8, atol=1e-8
+                )

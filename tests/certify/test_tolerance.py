@@ -1,0 +1,75 @@
+"""How wrong the machine may be: proven by a chain, and below what was seen to fail."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.certify import Certificate, Uncertainty
+from pipeline.certify.closure import working_precision
+from pipeline.certify.failure import failing_eps
+from pipeline.certify.tolerance import largest_tolerance, search_tolerances
+from pipeline.config import Config
+from pipeline.machine import Machine
+from pipeline.refine import Path
+from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, pose_path
+
+
+def lengths(eps: float) -> Uncertainty:
+    """Take lengths for uncertain."""
+    return Uncertainty(length_m=eps)
+
+
+@pytest.fixture(scope="module")
+def hasty(wide: Config) -> Config:
+    """Bisect coarsely, and draw few machines."""
+    certify = wide.certify.model_copy(update={"tolerance_resolution": 0.3, "monte_carlo_samples": 3})
+    return wide.model_copy(update={"certify": certify})
+
+
+@pytest.mark.slow
+def test_the_proven_tolerance_is_below_what_fails(
+    hasty: Config, machine: Machine, line: Path, prove: Callable[..., Certificate]
+) -> None:
+    """And every coordinate at once bears less than lengths alone."""
+    certificate = prove(machine, line)
+    with working_precision(64):
+        found = search_tolerances(hasty, machine, line, certificate)
+    assert found.link_length is not None
+    assert found.coordinates is not None
+    for tolerance in (found.link_length, found.coordinates):
+        assert 0.0 < tolerance.eps_m < tolerance.refuted_m <= 1.3 * tolerance.eps_m
+        assert tolerance.eps_m < tolerance.fails_m
+        assert tolerance.chain is not None
+        assert tolerance.chain.uncertainty.length_m == tolerance.eps_m
+    assert found.coordinates.eps_m < found.link_length.eps_m
+
+
+@pytest.mark.slow
+def test_a_path_near_a_singularity_bears_little(
+    hasty: Config, machine: Machine, line: Path, singular_at: float
+) -> None:
+    """The nearer it comes, the smaller the errors that it bears, proven and seen."""
+    s = np.linspace(0.0, 1.0, 41)[:, None]
+    path = pose_path(machine, START + 0.97 * singular_at * s * TOWARDS_SINGULARITY, RLL)
+    with working_precision(64):
+        near, far = (largest_tolerance(hasty, machine, one, lengths) for one in (path, line))
+    assert near.eps_m < 0.2 * far.eps_m
+    assert near.fails_m < far.fails_m
+    assert near.eps_m < near.fails_m
+
+
+def test_a_machine_that_fails_does_so_at_its_eps(machine: Machine, singular_at: float) -> None:
+    """More draws find no larger eps, and the failure lies beyond a hundredth of it."""
+    s = np.linspace(0.0, 1.0, 41)[:, None]
+    path = pose_path(machine, START + 0.97 * singular_at * s * TOWARDS_SINGULARITY, RLL)
+    few, more = (failing_eps(machine, path, lengths, samples) for samples in (0, 4))
+    assert 1e-6 < more <= few < 0.05
+
+
+def test_uncertainty_says_whether_there_is_any() -> None:
+    """Of lengths, or of coordinates."""
+    assert not Uncertainty().any
+    assert Uncertainty(length_m=1e-6).any
+    assert replace(Uncertainty(), coordinate_m=1e-6).any
