@@ -19,6 +19,8 @@ PATH_CSV = "path.csv"
 TRAJECTORY_NPZ = "trajectory.npz"
 TRAJECTORY_CSV = "trajectory.csv"
 TRAJECTORY_JSON = "trajectory.json"
+BACK_CSV = "trajectory_back.csv"
+BACK_JSON = "trajectory_back.json"
 
 RESULT = {
     Stage.REGIONS: REGIONS_NPZ,
@@ -32,7 +34,7 @@ _FIXED = {
     Stage.REGIONS: (REGIONS_NPZ,),
     Stage.ROUTE: (ROUTE_NPZ, ROUTE_CSV),
     Stage.REFINE: (PATH_NPZ, PATH_CSV),
-    Stage.RETIME: (TRAJECTORY_NPZ, TRAJECTORY_CSV, TRAJECTORY_JSON),
+    Stage.RETIME: (TRAJECTORY_NPZ, TRAJECTORY_CSV, TRAJECTORY_JSON, BACK_CSV, BACK_JSON),
     Stage.FIGURES: (),
 }
 _FIGURES = "figures"
@@ -41,7 +43,10 @@ _SIGHTS = {
     Stage.REGIONS: ((REGIONS_NPZ, "the region table, one array per column"),),
     Stage.ROUTE: ((ROUTE_CSV, "the route, one row per step"),),
     Stage.REFINE: ((PATH_NPZ, "the path as splines"), (PATH_CSV, "the path, densely sampled")),
-    Stage.RETIME: ((TRAJECTORY_CSV, "for the controller: one row per period"),),
+    Stage.RETIME: (
+        (TRAJECTORY_CSV, "for the controller: one row per period"),
+        (BACK_CSV, "the same for the way back"),
+    ),
     Stage.FIGURES: ((_FIGURES, "pictures: the route, kappa, clearance, motion over time"),),
 }
 

@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 from pipeline.artifacts.files import json_bytes
 from pipeline.artifacts.layout import (
+    BACK_CSV,
+    BACK_JSON,
     PATH_CSV,
     PATH_NPZ,
     REGIONS_NPZ,
@@ -107,6 +109,11 @@ def trajectory_files(trajectory: Trajectory, samples: TrajectorySamples, sidecar
         TRAJECTORY_CSV: _csv(trajectory_columns(samples)),
         TRAJECTORY_JSON: json_bytes(sidecar),
     }
+
+
+def back_files(samples: TrajectorySamples, sidecar: Mapping[str, Any]) -> Files:
+    """Write the trajectory of the way back: sampled for controllers, and what its columns mean."""
+    return {BACK_CSV: _csv(trajectory_columns(samples)), BACK_JSON: json_bytes(sidecar)}
 
 
 def load_trajectory(folder: pathlib.Path, path: Path) -> Trajectory:
