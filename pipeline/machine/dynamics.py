@@ -32,8 +32,9 @@ class Forces:
 
 def carried_cart_masses(masses: Masses) -> FloatArray:
     """Mass of each cart with the halves of its links. Shape (3,)."""
-    carried: FloatArray = masses.cart_kg + np.bincount(ARM_OF_LINK, weights=masses.link_kg / 2.0)
-    return carried
+    halves = np.zeros(3)
+    np.add.at(halves, ARM_OF_LINK, masses.link_kg / 2.0)
+    return masses.cart_kg + halves
 
 
 def inverse_dynamics(
@@ -103,4 +104,5 @@ def angular_motion(
 
 
 def _times(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
-    return np.einsum("nij,nj->ni", matrices, vectors)
+    product: FloatArray = np.einsum("nij,nj->ni", matrices, vectors)
+    return product

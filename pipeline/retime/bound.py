@@ -8,9 +8,9 @@ keep what follows from weighting a limit with t = (s - s_k) / D, and with 1 - t,
     a_k     (m_k - X_k) / (2 D)     + b_t m_k  <=  1 / 2 - c_t + e
 
 (by parts; b_t, c_t are means of t b, t c and of (1 - t) b, (1 - t) c; e makes up for taking the mean of a product for
-the product of means). With
-Jensen's inequality the duration is at least the sum of D m_k^(-1/2), and every tangent of that is below it. So the least
-value of a linear program, which only knows tangents, is a lower bound for all motions, not only for those of one mesh.
+the product of means). With Jensen's inequality the duration is at least the sum of D m_k^(-1/2), and every tangent of
+that is below it. So the least value of a linear program, which only knows tangents, is a lower bound for all motions,
+not only for those of one mesh. How much coefficients vary within a cell is read off its ends and its middle.
 """
 
 from dataclasses import dataclass
@@ -70,13 +70,13 @@ def build_bound(table: TermsTable, s: FloatArray) -> BoundProgram:
     cap = (left.cap**2 + 4.0 * middles.cap**2 + right.cap**2) / 6.0
     top_mean = np.minimum(cap, np.maximum(np.maximum(top[1:], top[:-1]), largest_speed(middles) ** 2))
     steepest = np.minimum.reduce([_steepest(rows, top_mean) for rows in (left, middles, right)])[:, None]
-    # |x - m| is at most steepest D / 2 in the mean, and the weights t b and (t a)' stray from their means by b / 2 and a'.
+    # |x - m| is at most steepest D / 2 in the mean; t b and (t a)' stray from their means by b / 2 and a' D.
     b = np.maximum(np.maximum(np.abs(left.b), np.abs(right.b)), np.abs(middles.b))
     slack = (np.abs(right.a - left.a) + b * D) * steepest / 4.0
     reach = np.maximum(np.abs(left.a), np.abs(right.a)) * steepest
     reach += np.maximum(np.maximum(left.b, right.b), middles.b).clip(0.0) * top_mean[:, None]
     reach += np.maximum(np.maximum(left.c, right.c), middles.c)
-    cell, row = np.nonzero(reach > 1.0)
+    cell, row = np.nonzero((reach > 1.0) & np.isfinite(slack))
     entries, limit = [], []
     for side, end, sign in ((right, 1, 1.0), (left, 0, -1.0)):
         by_end = sign * side.a / (2.0 * D)

@@ -17,7 +17,7 @@ from pipeline.retime.pieces import Pieces, quartic
 from pipeline.retime.rows import limit_rows
 from pipeline.retime.terms import Terms, TermsTable
 
-_NEAR = 0.4
+_NEAR = 0.6
 """Fraction of a limit in the law before from which on the limit is looked at."""
 _SLOPE_STEP = 1e-6
 """Difference in s for the slopes of coefficients."""
@@ -29,7 +29,7 @@ _HELD = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Checks:
-    """Points within pieces where limits have to hold, too: the piece's number and the elapsed part of it. Shapes (p,)."""
+    """Points within pieces where limits have to hold, too: number of the piece, elapsed part of it. Shapes (p,)."""
 
     piece: IntArray
     part: FloatArray
@@ -48,7 +48,7 @@ class Program:
     before: Pieces
     scale: FloatArray
 
-    def pieces(self, x: FloatArray) -> Pieces:
+    def pieces(self, x: ca.DM) -> Pieces:
         """Turn unknowns into a time law."""
         n = len(self.before.s)
         v, w, j, h = np.split(np.asarray(x, dtype=float).ravel(), [n, 2 * n, 3 * n])

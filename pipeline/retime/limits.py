@@ -42,9 +42,13 @@ def kind_named(name: str) -> Kind:
 
 
 def limits(machine: Machine) -> dict[str, FloatArray]:
-    """Limits by the names of `KINDS`, one for each subject; infinite where there is none."""
+    """Limits by the names of `KINDS`, one for each subject; infinite where there is none.
+
+    An actuator whose velocity limit is zero is locked: that it does not move is seen to before all planning, and it
+    limits nothing.
+    """
     return {
-        "velocity": machine.velocity_mps,
+        "velocity": np.where(machine.velocity_mps > 0.0, machine.velocity_mps, np.inf),
         "acceleration": machine.acceleration_mps2,
         "jerk": machine.jerk_mps3,
         "force": machine.force_n,

@@ -54,8 +54,7 @@ def halved(law: Pieces, those: BoolArray) -> Pieces:
     """Split some of the pieces (n,) in the middle of their time; the law stays the same."""
     which = np.flatnonzero(those)
     middle = law.state(which, 0.5)
-    parts = (
-        np.insert(part, which + 1, value) for part, value in zip((law.s, law.v, law.w, law.j), middle, strict=True)
-    )
+    states = zip((law.s, law.v, law.w, law.j), middle, strict=True)
+    s, v, w, j = (np.insert(part, which + 1, value) for part, value in states)
     h = np.where(those, law.h / 2.0, law.h)
-    return Pieces(*parts, np.insert(h, which + 1, h[which]))
+    return Pieces(s, v, w, j, np.insert(h, which + 1, h[which]))

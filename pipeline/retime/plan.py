@@ -1,7 +1,7 @@
 """TOPP-RA on the spline itself: the fastest time law within the limits at the points of a grid, jerk left aside.
 
 The planner sees s in [0, 1] and time in units of a rough guess of the duration; limits are rows of fractions, computed
-once for the whole grid: its tolerances are absolute, and this keeps all that it compares near one, whatever the machine.
+once for the whole grid. Its tolerances are absolute, and this keeps all it compares near one, whatever the machine.
 """
 
 import logging

@@ -99,8 +99,8 @@ def require_standing(path: Path, terms: Terms) -> None:
         "retime",
         f"{kind.subjects[subject]} needs {abs(force):.4g} N just to hold the machine at s = {place:.4f}, "
         f"{fractions[row, subject]:.1%} of its {kind.words} limit of {limit:g} N, at {pose_words(path, place)}",
-        "Raise machine.limits, lighten machine.dynamics (load_kg, platform), or keep away from singularities: a smaller "
-        "refine.kappa_max.",
+        "Raise machine.limits, lighten machine.dynamics (load_kg, platform), or keep farther away from singularities "
+        "with a smaller refine.kappa_max.",
         {"actuator": kind.subjects[subject], "limit": name, "force_n": force, "limit_n": limit, "s": place},
     )
 

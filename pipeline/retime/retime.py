@@ -3,8 +3,6 @@
 import math
 from dataclasses import replace
 
-import numpy as np
-
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Progress, silent
@@ -127,7 +125,8 @@ def _within_limits(trajectory: Trajectory, usage: Usage) -> Trajectory:
     if factor > _MOST_STRETCH:
         raise NoSolutionError(
             "retime",
-            f"limits are exceeded between the points of the program: time would have to be stretched by {factor - 1:.2%}",
+            f"limits are exceeded between the points of the program: time would have to be stretched by "
+            f"{factor - 1.0:.2%}",
             "Give more retime.jerk_pieces, or ask for a smoother path (fewer refine.coefficients).",
             {"stretch": factor},
         )

@@ -9,7 +9,7 @@ from pipeline.retime.limits import kind_named, limits
 from pipeline.retime.terms import Terms
 
 _TCP_SIDES = 32
-"""Sides of half the polygon that stands for the circle of TCP accelerations: 0.12 % are given away where a side is nearest."""
+"""Sides of half the polygon that stands for the circle of TCP accelerations: 0.12 % are given away at each side."""
 
 _DRIVES_LINKS = (slice(0, 5), slice(5, 11))
 """Where the coefficients of drives and of links are among those of all forces."""
@@ -56,9 +56,9 @@ def limit_rows(terms: Terms) -> Rows:
 
 def speed_cap(terms: Terms) -> FloatArray:
     """Largest sd within the velocity limits of actuators and TCP, infinite where nothing moves. Shape (n,)."""
-    machine = terms.machine
+    limit = limits(terms.machine)
     speeds = np.concatenate([np.abs(terms.q1), np.linalg.norm(terms.tcp1, axis=1, keepdims=True)], axis=1)
-    allowed = np.append(machine.velocity_mps, machine.tcp_speed_mps)
+    allowed = np.concatenate([limit["velocity"], limit["tcp_speed"]])
     with np.errstate(divide="ignore", invalid="ignore"):
         caps = np.where(speeds > 0.0, allowed / speeds, np.inf)
     cap: FloatArray = caps.min(axis=1)

@@ -1,7 +1,7 @@
 """A first guess with bounded jerk: the fastest law, blurred in time, on breakpoints where jerk will need them."""
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import BSpline, make_interp_spline
 
 from pipeline.machine.geometry import FloatArray
 from pipeline.retime.limits import limits
@@ -41,7 +41,7 @@ def first_guess(table: TermsTable, fastest: Trajectory, count: int) -> Pieces:
     return _pieces(law, np.interp(np.linspace(0.0, passed[-1], count + 1), passed, t))
 
 
-def _blurred(fastest: Trajectory, width_s: float) -> tuple[FloatArray, object]:
+def _blurred(fastest: Trajectory, width_s: float) -> tuple[FloatArray, BSpline]:
     """Average s(t) over a width three times; instants (n,), and the law as a spline.
 
     The motion lasts three widths longer, and reaches velocities and accelerations no larger than before, though at
@@ -59,13 +59,13 @@ def _blurred(fastest: Trajectory, width_s: float) -> tuple[FloatArray, object]:
     s = np.convolve(np.concatenate([np.zeros(around), inner, np.ones(around)]), kernel, mode="valid")
     moving = np.flatnonzero((s > _LEAST) & (s < 1.0 - _LEAST))
     s = s[moving[0] - 1 : moving[-1] + 2]
-    t = dt * np.arange(len(s))
+    t: FloatArray = dt * np.arange(len(s), dtype=float)
     return t, make_interp_spline(t, s, k=5)
 
 
-def _pieces(law: object, t: FloatArray) -> Pieces:
+def _pieces(law: BSpline, t: FloatArray) -> Pieces:
     """Take the law's state at instants t; at both ends nothing moves, and s ascends from 0 to 1."""
-    s, v, w, j = (law(t, nu=order) for order in range(4))  # type: ignore[operator]  # scipy has no types
+    s, v, w, j = (law(t, nu=order) for order in range(4))
     s[[0, -1]] = 0.0, 1.0
     for derivative in (v, w, j):
         derivative[[0, -1]] = 0.0

@@ -1,4 +1,4 @@
-"""What a time law makes of a path: every limited quantity as a polynomial in the path's speed, evaluated once per place.
+"""What a time law makes of a path: every limited quantity as a polynomial in the derivatives of s(t).
 
 At a place s, with sd, sdd, sddd for the derivatives of s by time and dashes for those by s:
 
@@ -34,7 +34,7 @@ class Terms:
     q1, q2, q3 : (n, 5)
         First three derivatives of the actuators' positions by s.
     tcp1, tcp2 : (n, 3)
-        First two derivatives of the TCP's position by s.
+        First two derivatives of the TCP's position by s; no columns where nothing asks for them.
     a, b, c : (n, 11)
         Coefficients of the forces of drives and links, without friction; no columns where the machine has no masses.
     """
@@ -53,17 +53,18 @@ class Terms:
     def values(self, sd: FloatArray, sdd: FloatArray, sddd: FloatArray) -> dict[str, FloatArray]:
         """Every quantity for derivatives of s (n,) at these places, (n, subjects) each, by the names in `limits`.
 
-        Quantities of the TCP are magnitudes, all others have a sign; forces are there with masses only. A machine
-        that stands has no friction to overcome.
+        Quantities of the TCP are magnitudes, all others have a sign; forces are there with masses only, the TCP's
+        with masses or limits of its own. A machine that stands has no friction to overcome.
         """
         v, w, j = sd[:, None], sdd[:, None], sddd[:, None]
         found = {
             "velocity": self.q1 * v,
             "acceleration": self.q1 * w + self.q2 * v**2,
             "jerk": self.q1 * j + 3.0 * self.q2 * v * w + self.q3 * v**3,
-            "tcp_speed": np.linalg.norm(self.tcp1 * v, axis=1, keepdims=True),
-            "tcp_acceleration": np.linalg.norm(self.tcp1 * w + self.tcp2 * v**2, axis=1, keepdims=True),
         }
+        if self.tcp1.size:
+            found["tcp_speed"] = np.linalg.norm(self.tcp1 * v, axis=1, keepdims=True)
+            found["tcp_acceleration"] = np.linalg.norm(self.tcp1 * w + self.tcp2 * v**2, axis=1, keepdims=True)
         if self.machine.masses is not None:
             force = self.a * w + self.b * v**2 + self.c
             moving = (v != 0.0) | (w != 0.0)
@@ -86,11 +87,13 @@ class TermsTable:
 
     path: Path
     grid: Terms
-    between: CubicSpline
+    between: CubicSpline | None
 
     def at(self, s: FloatArray) -> Terms:
         """Terms at s (n,)."""
-        parts = np.split(self.between(s), np.cumsum([getattr(self.grid, name).shape[1] for name in _FORCES])[:-1], 1)
+        widths = [getattr(self.grid, name).shape[1] for name in _FORCES]
+        values = np.zeros((len(s), 0)) if self.between is None else self.between(s)
+        parts = np.split(values, np.cumsum(widths)[:-1], axis=1)
         return Terms(self.path.machine, s, *_derivatives(self.path, s), *parts)
 
 
@@ -102,8 +105,9 @@ def grid(points: int) -> FloatArray:
 
 def terms_table(path: Path, s: FloatArray) -> TermsTable:
     """Evaluate path and dynamics on the grid s (n,), ascending from 0 to 1."""
-    grid = path_terms(path, s)
-    return TermsTable(path, grid, CubicSpline(s, np.concatenate([getattr(grid, name) for name in _FORCES], axis=1)))
+    evaluated = path_terms(path, s)
+    columns = np.concatenate([getattr(evaluated, name) for name in _FORCES], axis=1)
+    return TermsTable(path, evaluated, CubicSpline(s, columns) if columns.size else None)
 
 
 def path_terms(path: Path, s: FloatArray) -> Terms:
@@ -116,8 +120,10 @@ def path_terms(path: Path, s: FloatArray) -> Terms:
     """
     machine, masses = path.machine, path.machine.masses
     q1, q2, q3 = _derivatives(path, s)
-    pose, first, second, _ = pose_derivatives(path, s)
-    a = b = c = np.zeros((len(s), 0))
+    tcp1 = tcp2 = a = b = c = np.zeros((len(s), 0))
+    if needs_kinematics(machine):
+        pose, first, second, _ = pose_derivatives(path, s)
+        tcp1, tcp2 = first[:, :3], second[:, :3]
     if masses is not None:
         carts = path.q(s)[:, :3]
 
@@ -129,7 +135,12 @@ def path_terms(path: Path, s: FloatArray) -> Terms:
         c = forces(still, still, carts_still)
         a = forces(still, first, q1[:, :3]) - c
         b = forces(first, second, q2[:, :3]) - c
-    return Terms(machine, s, q1, q2, q3, first[:, :3], second[:, :3], a, b, c)
+    return Terms(machine, s, q1, q2, q3, tcp1, tcp2, a, b, c)
+
+
+def needs_kinematics(machine: Machine) -> bool:
+    """Tell whether limits are of more than the actuators' own motion: of forces or of the TCP."""
+    return machine.masses is not None or bool(np.isfinite([machine.tcp_speed_mps, machine.tcp_acceleration_mps2]).any())
 
 
 def _derivatives(path: Path, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
