@@ -209,7 +209,10 @@ def test_a_rule_between_keys_names_the_key_to_look_at(data: dict[str, Any], mess
         ("task.start.mode", "is missing; allowed is three letters L or R, one per arm, such as LLL"),
         ("machine.rails.0.y_m", "is missing; allowed is a number from -20 to 20"),
         ("machine.links.l2b.stroke_m", "is missing; allowed is a list of 2 numbers above 0, at most 20"),
-        ("machine", "is missing; allowed is a section with the keys rails, links, triangle_branch, clearance, limits, dynamics"),
+        (
+            "machine",
+            "is missing; allowed is a section with the keys rails, links, triangle_branch, clearance, limits, dynamics",
+        ),
     ],
 )
 def test_a_missing_key_is_named(path: str, message: str):

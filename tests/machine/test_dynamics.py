@@ -46,8 +46,8 @@ def _energy(machine: Machine, masses: Masses, pose: np.ndarray, q: np.ndarray, h
     The platform's own inertia is made of six points on its principal axes.
     """
     R = rotation(pose[:, 3], pose[:, 4], pose[:, 5])
-    I = np.diag(masses.platform_inertia_kgm2)
-    radii = np.sqrt((I.sum() / 2.0 - I) / (2.0 * masses.platform_kg / 6.0))
+    moments = np.diag(masses.platform_inertia_kgm2)
+    radii = np.sqrt((moments.sum() / 2.0 - moments) / (2.0 * masses.platform_kg / 6.0))
     body = np.concatenate([radii * np.eye(3), -radii * np.eye(3)]) + masses.platform_centre_m
     points = [(masses.platform_kg / 6.0, pose[:, :3] + R @ point) for point in body]
     points.append((masses.load_kg, pose[:, :3]))
@@ -91,7 +91,9 @@ def test_forces_at_rest_are_the_slope_of_potential_energy(machine: Machine, mass
     assert forces.drive_n[0] == pytest.approx((potential[:5] - potential[5:]) / (2.0 * step), abs=1e-4)
 
 
-def test_everything_that_is_accelerated_along_the_rails_is_pushed_by_the_carts(machine: Machine, masses: Masses) -> None:
+def test_everything_that_is_accelerated_along_the_rails_is_pushed_by_the_carts(
+    machine: Machine, masses: Masses
+) -> None:
     """Moving as one block along X at 1 m/s^2, the carts' forces sum up to the mass of all of it."""
     pose, q = _motion(machine, np.zeros(3), CONTROLLED[0], 1)
     still, along = np.zeros((3, 6)), np.eye(6)[[0]] * np.ones((3, 1))

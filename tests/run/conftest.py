@@ -176,7 +176,7 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
         fake.enter("refine", progress)
         return make_refinement(machine)
 
-    def retime_path(config: Config, path: Path, progress: Progress = silent) -> Trajectory:
+    def retime_path(config: Config, path: Path, progress: Progress = silent, verbose: bool = False) -> Trajectory:
         fake.enter("retime", progress)
         return make_trajectory(path)
 
