@@ -27,7 +27,7 @@ from pipeline.retime.terms import TermsTable
 _ROUNDS = 10
 _TOLERANCE = 1e-5
 """Relative rise of the bound that is no longer worth another linear program."""
-_LEAST = 1e-6
+_LEAST = 1e-9
 """Least mean of x, relative to the largest possible, at which a tangent is taken."""
 
 
@@ -83,7 +83,10 @@ def build_bound(table: TermsTable, s: FloatArray) -> BoundProgram:
         by_mean = middles.b / 3.0 + side.b / 6.0 - by_end
         entries += [(by_end[cell, row], cell + end), (by_mean[cell, row], len(s) + cell)]
         limit.append((0.5 - middles.c / 3.0 - side.c / 6.0 + slack)[cell, row])
-    top[[0, -1]] = 0.0
+    # From rest to rest nothing is faster than what the steepest rise and fall of x allow, which keeps scales right.
+    rise = np.concatenate([[0.0], np.cumsum(2.0 * steepest[:, 0] * D[:, 0])])
+    top = np.minimum(top, np.minimum(rise, rise[-1] - rise))
+    top_mean = np.minimum(top_mean, np.maximum(top[1:], top[:-1]) + steepest[:, 0] * D[:, 0])
     scale = np.concatenate([top, top_mean])
     count = len(cell)
     rows = np.concatenate([np.arange(count)] * 2 + [count + np.arange(count)] * 2)

@@ -22,6 +22,8 @@ _CHECKED = 1.0002
 """Fraction from which on a place is checked in the next round."""
 _HALVED = 1.01
 """Fraction from which on, in the first round, a piece and its neighbours are halved."""
+_SETTLED = 1e-3
+"""Relative gain in time by a round from which on another one is worth it: seconds change within bounds in each."""
 _ROUNDS = 12
 _ITERATIONS = 500
 _SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
@@ -52,7 +54,7 @@ def limit_jerk(
     """
     law = first_guess(table, fastest, pieces)
     checks = _middles(law)
-    iterations = 0
+    iterations, before = 0, np.inf
     for number in range(_ROUNDS):
         progress(f"limiting jerk: {len(law.h)} pieces, {len(checks.piece)} checks within")
         law, status, took = solve_program(build_program(table, law, checks), _ITERATIONS, verbose)
@@ -65,10 +67,11 @@ def limit_jerk(
                 "Give other retime.jerk_pieces, or retime.jerk: off for a motion whose accelerations jump.",
                 {"status": status, "pieces": len(law.h)},
             )
-        largest = _fractions(table, law)
-        if largest.max() <= _HELD:
+        largest, settled = _fractions(table, law), law.h.sum() > before * (1.0 - _SETTLED)
+        if largest.max() <= _HELD and settled:
             break
-        if number == 0:
+        before = law.h.sum()
+        if number == 0 and largest.max() > _HALVED:
             law = halved(law, _and_neighbours(largest.max(axis=1) > _HALVED))
             checks = _middles(law)
         else:

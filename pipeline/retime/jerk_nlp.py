@@ -21,7 +21,7 @@ _NEAR = 0.6
 """Fraction of a limit in the law before from which on the limit is looked at."""
 _SLOPE_STEP = 1e-6
 """Difference in s for the slopes of coefficients."""
-_SHORTEST, _LONGEST = 0.5, 3.0
+_SHORTEST, _LONGEST = 0.3, 3.0
 """Bounds on a piece's seconds, relative to those of the law before."""
 _HELD = 1e-8
 """Absolute tolerance of constraints, in fractions of limits."""
@@ -194,7 +194,8 @@ def _near(here: _Fractions, before: _State, beside: _Fractions | None = None) ->
     others = here.orders if beside is None else beside.orders
     for order, other, monomials in zip(here.orders, others, _monomials(before), strict=True):
         fraction = sum(part * number[:, None] for part, number in zip(order, monomials, strict=True))
-        point, row = np.nonzero(fraction > _NEAR)
+        # Path jerks are free to jump from one breakpoint to the next, whatever they were before.
+        point, row = np.nonzero(fraction > (-np.inf if beside is None and order is here.third else _NEAR))
         near.points.append(point)
         near.coefficients.append([part[point, row] for part in order])
         near.slopes.append([(b[point, row] - a[point, row]) / _SLOPE_STEP for a, b in zip(order, other, strict=True)])

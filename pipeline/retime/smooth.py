@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
+from scipy.ndimage import uniform_filter1d
 
 from pipeline.machine.geometry import FloatArray
 from pipeline.retime.limits import limits
@@ -16,7 +17,8 @@ _WIDTHS = 2.0
 _SAMPLES = 4_096
 """Instants at which the blurred law is computed, at least; where averages are short, more."""
 _MOST_SAMPLES = 65_536
-_LEAST_TAPS = 9
+_TAPS = 9
+"""Instants that an average is taken over, at least."""
 _LEAST = 1e-12
 """Least rise of s between two breakpoints."""
 _MOST_CURVED = 5.0
@@ -30,8 +32,10 @@ def first_guess(table: TermsTable, fastest: Trajectory, count: int) -> Pieces:
     """
     machine = table.path.machine
     finite = np.isfinite(machine.jerk_mps3)
-    ramps = machine.acceleration_mps2[finite] / machine.jerk_mps3[finite]
-    t, law = _blurred(fastest, _WIDTHS * float(ramps.max()))
+    ramp_s = float((machine.acceleration_mps2[finite] / machine.jerk_mps3[finite]).max())
+    # A motion too short for its accelerations to build up takes about the cube root of what jerk makes of it.
+    width_s = min(_WIDTHS * ramp_s, float(np.cbrt(ramp_s * fastest.motion_s**2)))
+    t, law = _blurred(fastest, width_s)
     s, v, w = (law(t, nu=order) for order in range(3))
     terms, jerk = table.at(s.clip(0.0, 1.0)), limits(machine)["jerk"]
     bent = np.abs(3.0 * terms.q2 * (v * w)[:, None]) / jerk
@@ -48,19 +52,18 @@ def _blurred(fastest: Trajectory, width_s: float) -> tuple[FloatArray, BSpline]:
     other places.
     """
     duration = fastest.motion_s
-    samples = int(np.clip(_LEAST_TAPS * duration / width_s, _SAMPLES, _MOST_SAMPLES))
-    dt = duration / samples
-    taps = max(_LEAST_TAPS, round(width_s / dt)) | 1
-    kernel = np.ones(1)
+    samples = int(np.clip(_TAPS * duration / width_s, _SAMPLES, _MOST_SAMPLES))
+    dt = max(duration / samples, width_s / _MOST_SAMPLES)
+    taps = max(_TAPS, round(width_s / dt)) | 1
+    around = dt * np.arange(1, _PASSES * taps)
+    t = np.concatenate([-around[::-1], np.arange(0.0, duration, dt), duration + around])
+    s = fastest.s(t + fastest.dwell_s[0])
     for _ in range(_PASSES):
-        kernel = np.convolve(kernel, np.full(taps, 1.0 / taps))
-    around = len(kernel) - 1
-    inner = fastest.time_law(np.linspace(0.0, duration, samples + 1)).clip(0.0, 1.0)
-    s = np.convolve(np.concatenate([np.zeros(around), inner, np.ones(around)]), kernel, mode="valid")
+        s = uniform_filter1d(s, taps, mode="nearest")
     moving = np.flatnonzero((s > _LEAST) & (s < 1.0 - _LEAST))
     s = s[moving[0] - 1 : moving[-1] + 2]
-    t: FloatArray = dt * np.arange(len(s), dtype=float)
-    return t, make_interp_spline(t, s, k=5)
+    passed: FloatArray = dt * np.arange(len(s), dtype=float)
+    return passed, make_interp_spline(passed, s, k=5)
 
 
 def _pieces(law: BSpline, t: FloatArray) -> Pieces:
