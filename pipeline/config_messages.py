@@ -8,12 +8,14 @@ from typing import Any
 from pydantic_core import ErrorDetails
 
 from pipeline.config import MODE_PATTERN, NAME_PATTERN, Config
+from pipeline.config.export import JOINT_PATTERN
 from pipeline.errors import ConfigIssue
 
 _Schema = dict[str, Any]
 
 _PATTERNS = {
     MODE_PATTERN: "three letters L or R, one per arm, such as LLL",
+    JOINT_PATTERN: "letters, digits, '_', '/', '-' and '.', the first a letter or '_'",
     NAME_PATTERN: "letters, digits, '_', '-' and '.', the first a letter, a digit or '_'",
 }
 _KINDS = {"number": "a number", "integer": "a whole number", "boolean": "on or off", "null": "null"}

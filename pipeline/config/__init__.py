@@ -6,6 +6,7 @@ found there and what is allowed. `config_file.load_config` reads a file; `Config
 
 from pydantic import Field
 
+from pipeline.config.export import ExportConfig
 from pipeline.config.machine import (
     ActuatorLimitsConfig,
     ClearanceConfig,
@@ -48,6 +49,7 @@ __all__ = [
     "ClearanceConfig",
     "Config",
     "DynamicsConfig",
+    "ExportConfig",
     "FixedLinkConfig",
     "FollowConfig",
     "FrictionConfig",
@@ -79,3 +81,4 @@ class Config(Section):
     route: RouteConfig
     refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
     retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
+    export: ExportConfig = Field(default_factory=lambda: ExportConfig())

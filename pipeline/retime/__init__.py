@@ -1,6 +1,6 @@
 """Stage three: the path in time, as fast as the limits of actuators, links and TCP allow."""
 
-from pipeline.retime.result import Quality, Trajectory, TrajectorySamples, stretched
+from pipeline.retime.result import Quality, Trajectory, TrajectorySamples, slowed, stretched
 from pipeline.retime.retime import retime_path, way_back
 from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import sample
@@ -17,6 +17,7 @@ __all__ = [
     "require_limits",
     "retime_path",
     "sample",
+    "slowed",
     "stretched",
     "time_reversed",
     "way_back",

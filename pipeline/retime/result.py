@@ -164,6 +164,11 @@ def stretched(trajectory: Trajectory, duration_s: float) -> Trajectory:
     return replace(trajectory, time_law=PPoly(law.c / factor ** powers[:, None], t))
 
 
+def slowed(trajectory: Trajectory, speed: float) -> Trajectory:
+    """Drive at a part of the speed (0 to 1), dwelling as long as before."""
+    return stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s / speed)
+
+
 @dataclass(frozen=True, eq=False)
 class TrajectorySamples:
     """A trajectory once per period: row k is at k times the period, the last row is the goal at rest.

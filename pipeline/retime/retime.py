@@ -9,7 +9,7 @@ from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path
 from pipeline.retime.limits import JERK, limited
 from pipeline.retime.possible import require_motion, require_smooth, require_standing
-from pipeline.retime.result import Quality, Trajectory, stretched
+from pipeline.retime.result import Quality, Trajectory, slowed, stretched
 from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import whole_periods
 from pipeline.retime.terms import TermsTable, grid, terms_table
@@ -42,8 +42,7 @@ def retime_path(config: Config, path: Path, progress: Progress = silent, verbose
     options = config.retime
     dwell = tuple(math.ceil(wait / options.period_s - 1e-9) * options.period_s for wait in options.dwell_s)
     waiting = replace(law, dwell_s=(dwell[0], dwell[1]))
-    scaled = stretched(waiting, sum(dwell) + law.motion_s / options.speed)
-    trajectory = whole_periods(scaled, options.period_s)
+    trajectory = whole_periods(slowed(waiting, options.speed), options.period_s)
     require_limits(trajectory, options.period_s, table)
     return trajectory
 

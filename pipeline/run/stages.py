@@ -153,7 +153,7 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
         **trajectory_files(
             results.trajectory, there_samples, sidecar(config, machine, there_samples, there_figures.usage)
         ),
-        **back_files(back_samples, sidecar(config, machine, back_samples, back_figures.usage)),
+        **back_files(machine, back_samples, sidecar(config, machine, back_samples, back_figures.usage)),
     }
     return Product(files, trajectory_section(there_figures, back_figures))
 

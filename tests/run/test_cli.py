@@ -327,7 +327,7 @@ class TestCheck:
     def test_schema(self, call: Call, tmp_path: Path) -> None:
         """The schema is pure JSON, names every key, and refuses unknown ones."""
         schema = json.loads(call("check", "--schema").stdout)
-        assert set(schema["properties"]) == {"name", "machine", "task", "route", "refine", "retime"}
+        assert set(schema["properties"]) == {"name", "machine", "task", "route", "refine", "retime", "export"}
         assert schema["additionalProperties"] is False
         assert "$defs" in schema
 
