@@ -106,30 +106,29 @@ def solve_bound(program: BoundProgram) -> float:
     """
     cells, columns = len(program.width), len(program.scale)
     top = program.scale[-cells:]
-    share = program.width / np.sqrt(top)
-    matrix, mean = program.matrix.tocsr(), np.ones(cells)
+    if not (top > 0.0).all():
+        raise _no_motion()
+    share, matrix, mean = program.width / np.sqrt(top), program.matrix.tocsr(), np.ones(cells)
     best = 0.0
     for _ in range(_ROUNDS):
-        # Per cell, one tangent at a time suffices where more x is better everywhere; the last one decides.
         slope = 0.5 * share * mean**-1.5
-        found = linprog(
-            np.concatenate([np.zeros(columns - cells), -slope]),
-            A_ub=matrix,
-            b_ub=program.limit,
-            bounds=(0.0, 1.0),
-            method="highs",
-        )
+        cost = np.concatenate([np.zeros(columns - cells), -slope])
+        found = linprog(cost, A_ub=matrix, b_ub=program.limit, bounds=(0.0, 1.0), method="highs")
         if found.x is None:
-            raise NoSolutionError(
-                "retime",
-                "no motion along the path keeps all limits: the bound's linear program has no solution",
-                "Raise the limits that gravity or the path's curvature use up.",
-            )
-        bound = float((1.5 * share * mean**-0.5).sum() + found.fun)
-        if bound < best * (1.0 + _TOLERANCE):
+            raise _no_motion()
+        before, best = best, max(best, float((1.5 * share * mean**-0.5).sum() + found.fun))
+        if best < before * (1.0 + _TOLERANCE):
             break
-        best, mean = bound, np.maximum(found.x[-cells:], _LEAST)
-    return max(best, bound)
+        mean = np.maximum(found.x[-cells:], _LEAST)
+    return best
+
+
+def _no_motion() -> NoSolutionError:
+    return NoSolutionError(
+        "retime",
+        "no motion along the path keeps all limits: the program that bounds the duration has no solution",
+        "Raise the limits that gravity, or the path's curvature, uses up.",
+    )
 
 
 def _part(rows: Rows, those: slice) -> Rows:

@@ -17,6 +17,7 @@ from toppra.interpolator import AbstractGeometricPath
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray
 from pipeline.refine.result import Path
+from pipeline.retime.limits import limits
 from pipeline.retime.result import Trajectory
 from pipeline.retime.rows import Rows, limit_rows
 from pipeline.retime.terms import grid, path_terms
@@ -94,8 +95,9 @@ def plan_rows(path: Path, s: FloatArray, rows: Rows) -> Trajectory:
 def _rough_duration(path: Path) -> float:
     """Guess the duration in seconds: at the velocity limits throughout, plus for getting that far at all."""
     rates = np.abs(path.q(np.linspace(0.0, 1.0, _GUESS_POINTS), 1))
-    cruising = (rates / path.machine.velocity_mps).max(axis=1).mean()
-    starting = np.sqrt((rates.mean(axis=0) / path.machine.acceleration_mps2).max())
+    allowed = limits(path.machine)
+    cruising = (rates / allowed["velocity"]).max(axis=1).mean()
+    starting = np.sqrt((rates.mean(axis=0) / allowed["acceleration"]).max())
     return float(cruising + starting)
 
 

@@ -58,7 +58,8 @@ def way_back(config: Config, trajectory: Trajectory) -> Trajectory:
     back = time_reversed(trajectory)
     table = terms_table(back.path, grid(TABLE_POINTS))
     require_standing(back.path, table.grid)
-    back = _within_limits(back, measure_usage(back, config.retime.period_s, table))
+    slower = measure_usage(back, config.retime.period_s, table).stretch
+    back = stretched(back, sum(back.dwell_s) + back.motion_s * slower)
     back = whole_periods(back, config.retime.period_s)
     require_limits(back, config.retime.period_s, table)
     return back
@@ -111,7 +112,7 @@ def _fastest(table: TermsTable, points: int, progress: Progress) -> tuple[Trajec
 
 
 def _within_limits(trajectory: Trajectory, usage: Usage) -> Trajectory:
-    """Stretch time by what a usage asks for.
+    """Stretch time by what a usage asks for, for nothing to be above its limit.
 
     Raises
     ------
