@@ -167,7 +167,7 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     progress("drawing")
     coarse, refined = results.samples
     samples = sample(results.trajectory, results.config.retime.period_s)
-    figures = all_figures(results.config, results.machine, results.route, coarse, refined, samples)
+    figures = all_figures(results.config, results.machine, results.route, coarse, refined, samples, results.trajectory)
     return Product(figure_files(figures), {"status": "done", "count": len(figures)})
 
 
