@@ -61,5 +61,5 @@ def with_retime(config: Config, period_s: float | None = None, speed: float | No
         return config
     data = config.model_dump(mode="json")
     data["retime"].update(changes)
-    words = {"period_s": f"a period of {period_s} s", "speed": f"a speed of {speed}"}
-    return parse_config(data, source=" and ".join(words[key] for key in changes))
+    words = {"period_s": "a period of {:g} s", "speed": "a speed of {:g}"}
+    return parse_config(data, source=" and ".join(words[key].format(value) for key, value in changes.items()))

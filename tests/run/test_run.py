@@ -191,6 +191,9 @@ class TestCaching:
             ("refine__nodes", 90, ["refine"]),
             ("refine__check_points", 1_001, ["refine"]),
             ("retime__period_s", 0.02, []),
+            ("retime__jerk", False, []),
+            ("machine__dynamics", None, []),
+            ("machine__limits__tcp__speed_mps", 0.3, []),
         ],
     )
     def test_what_runs_again(
