@@ -11,7 +11,7 @@ from tests.benchmarks.retiming import markdown, study
 
 
 def test_a_small_study_has_every_figure_and_well_formed_tables(path: Path) -> None:
-    """Finer grids are nearer to the bound, every bound is below every plan, and nothing along the path is faster than ours."""
+    """Finer grids are nearer to the bound, every bound is below every plan, no profile is faster."""
     s = np.linspace(0.0, 1.0, 6)
     found = study(path, path.q(s), grids=(100, 400), pieces=(80,))
     coarse, fine = found["grids"]
