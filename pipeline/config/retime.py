@@ -29,7 +29,7 @@ class RetimeConfig(Section):
         description="pieces of the law with limited jerk, at first; halved where that is too coarse",
     )
     bound_points: int = Field(
-        2_000, ge=50, le=50_000, description="grid of the lower bound on the duration; the finer, the nearer it comes"
+        1_000, ge=50, le=50_000, description="grid of the lower bound on the duration; the finer, the nearer it comes"
     )
     speed: float = Field(1.0, gt=0.0, le=1.0, description="part of the full speed: 0.3 takes 1 / 0.3 times as long")
     dwell_s: tuple[Wait, Wait] = Field(

@@ -70,9 +70,11 @@ def build_bound(table: TermsTable, s: FloatArray) -> BoundProgram:
     cap = (left.cap**2 + 4.0 * middles.cap**2 + right.cap**2) / 6.0
     top_mean = np.minimum(cap, np.maximum(np.maximum(top[1:], top[:-1]), largest_speed(middles) ** 2))
     steepest = np.minimum.reduce([_steepest(rows, top_mean) for rows in (left, middles, right)])[:, None]
-    # |x - m| is at most steepest D / 2 in the mean; t b and (t a)' stray from their means by b / 2 and a' D.
-    b = np.maximum(np.maximum(np.abs(left.b), np.abs(right.b)), np.abs(middles.b))
-    slack = (np.abs(right.a - left.a) + b * D) * steepest / 4.0
+    # By parts x has the weights t b - (t a)' / 2 and the like: they stray from their means by (b - a') (t - 1 / 2), and
+    # what x does about m, rising by no more than 2 steepest, makes at most steepest D / 6 of that.
+    slope = (right.a - left.a) / D
+    strayed = np.maximum.reduce([np.abs(part.b - slope) for part in (left, middles, right)])
+    slack = strayed * steepest * D / 6.0
     reach = np.maximum(np.abs(left.a), np.abs(right.a)) * steepest
     reach += np.maximum(np.maximum(left.b, right.b), middles.b).clip(0.0) * top_mean[:, None]
     reach += np.maximum(np.maximum(left.c, right.c), middles.c)
