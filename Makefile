@@ -40,6 +40,12 @@ bench: $(READY)
 bench-refine: $(READY)
 	$(BIN)/python -m tests.benchmarks.refining $(ARGS)
 
+# Stage three: grids, lower bound, limited jerk, and what one would use instead: a minute.
+.PHONY: bench-retime
+bench-retime: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
+	$(BIN)/python -m tests.benchmarks.retiming $(ARGS)
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"

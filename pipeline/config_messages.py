@@ -8,20 +8,23 @@ from typing import Any
 from pydantic_core import ErrorDetails
 
 from pipeline.config import MODE_PATTERN, NAME_PATTERN, Config
+from pipeline.config.export import JOINT_PATTERN
 from pipeline.errors import ConfigIssue
 
 _Schema = dict[str, Any]
 
 _PATTERNS = {
     MODE_PATTERN: "three letters L or R, one per arm, such as LLL",
+    JOINT_PATTERN: "letters, digits, '_', '/', '-' and '.', the first a letter or '_'",
     NAME_PATTERN: "letters, digits, '_', '-' and '.', the first a letter, a digit or '_'",
 }
-_KINDS = {"number": "a number", "integer": "a whole number", "null": "null"}
+_KINDS = {"number": "a number", "integer": "a whole number", "boolean": "on or off", "null": "null"}
 _UNITS = {
     "m": ("metres", "millimetres"),
     "s": ("seconds", "milliseconds"),
     "mps": ("metres per second", "millimetres per second"),
     "mps2": ("metres per second squared", "millimetres per second squared"),
+    "mps3": ("metres per second cubed", "millimetres per second cubed"),
 }
 
 
@@ -117,7 +120,7 @@ def _unit_hint(location: tuple[int | str, ...], value: object, schema: _Schema) 
     """Guess that a value too large by a factor of a thousand was given in the wrong unit."""
     if not isinstance(value, int | float) or not abs(value) > schema.get("maximum", abs(value)):
         return ""
-    names = [re.search(r"_(m|s|mps|mps2)$", str(part)) for part in location]
+    names = [re.search(r"_(m|s|mps|mps2|mps3)$", str(part)) for part in location]
     units = [_UNITS[match[1]] for match in names if match]
     if not units or abs(value) > 1000.0 * schema["maximum"]:
         return ""

@@ -15,13 +15,14 @@ if TYPE_CHECKING:
     from pipeline.certify import Certificate
     from pipeline.refine.measure import PathFigures
     from pipeline.refine.result import Refinement
-    from pipeline.retime import TrajectoryFigures
+    from pipeline.retime import TrajectoryFigures, Usage
     from pipeline.route.regions import RegionTable
     from pipeline.route.result import Route
 
 PACKAGE = "gantry-tau"
 SKIPPED = "skipped"
 _LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib")
+_QUANTITIES = ("velocity", "acceleration", "jerk", "force", "link_force", "tcp_speed", "tcp_acceleration")
 _TERMS = 13
 """Variables of the paper's model per step beside one binary for each region."""
 
@@ -157,20 +158,42 @@ def _with_verdict(section: Section) -> Section:
     return {"verdict": "not certified", **section}
 
 
-def trajectory_section(figures: "TrajectoryFigures") -> Section:
-    """Duration, rows of the sampled trajectory, and the largest fraction of each limit per actuator."""
-    return {
+def trajectory_section(figures: "TrajectoryFigures", back: "TrajectoryFigures | None" = None) -> Section:
+    """Duration, how near it is to the shortest possible one, and the largest fraction of each limit.
+
+    `usage` has a number per actuator (link forces: per link; TCP: one), `peak` the largest magnitudes in SI units
+    whether or not there is a limit; "skipped" stands where there is no limit, or no masses to compute forces from.
+    """
+    section = {
         "status": "done",
         "duration_s": figures.duration_s,
         "period_s": figures.period_s,
         "samples": figures.samples,
-        "usage": {
-            "velocity": figures.usage.velocity,
-            "acceleration": figures.usage.acceleration,
-            "jerk": SKIPPED,
-            "force": SKIPPED,
-        },
+        "dwell_s": figures.dwell_s,
+        "usage": _usage(figures.usage),
+        "peak": {name: figures.usage.peaks.get(name, SKIPPED) for name in _QUANTITIES},
     }
+    if (quality := figures.quality) is not None:
+        section |= {
+            "jerk": "limited" if quality.jerk_limited else "not limited",
+            "motion_s": quality.motion_s,
+            "duration_without_jerk_s": quality.fastest_s,
+            "duration_bound_s": quality.bound_s,
+            "gap": quality.gap,
+            "jerk_cost": quality.jerk_cost,
+            "grid_points": quality.grid_points,
+            "jerk_pieces": quality.pieces,
+            "jerk_rounds": quality.rounds,
+            "jerk_iterations": quality.iterations,
+        }
+    if back is not None:
+        section["back"] = {"duration_s": back.duration_s, "samples": back.samples, "usage": _usage(back.usage)}
+    return section
+
+
+def _usage(usage: "Usage") -> Section:
+    values = {name: getattr(usage, name) for name in _QUANTITIES}
+    return {name: SKIPPED if value is None else value for name, value in values.items()}
 
 
 def failure_section(reason: str, advice: str, status: str = "failed") -> Section:

@@ -81,7 +81,7 @@ def messages(data: dict[str, Any]) -> list[str]:
         ),
         ("task.start.x_m", 1e9, f"is 1000000000.0; allowed is {METRES}"),
         # negative, zero and out of range
-        ("machine.limits.carts.velocity_mps", -0.5, f"is -0.5; allowed is {POSITIVE}"),
+        ("machine.limits.carts.velocity_mps", -0.5, "is -0.5; allowed is a number from 0 to 20"),
         ("machine.limits.carts.acceleration_mps2", 0, "is 0; allowed is a number above 0, at most 500"),
         ("machine.links.l2a.length_m", -1.09, f"is -1.09; allowed is {POSITIVE}"),
         ("machine.links.l3c.length_m", 0.0, f"is 0.0; allowed is {POSITIVE} or null"),
@@ -208,7 +208,10 @@ def test_a_rule_between_keys_names_the_key_to_look_at(data: dict[str, Any], mess
         ("task.start.mode", "is missing; allowed is three letters L or R, one per arm, such as LLL"),
         ("machine.rails.0.y_m", "is missing; allowed is a number from -20 to 20"),
         ("machine.links.l2b.stroke_m", "is missing; allowed is a list of 2 numbers above 0, at most 20"),
-        ("machine", "is missing; allowed is a section with the keys rails, links, triangle_branch, clearance, limits"),
+        (
+            "machine",
+            "is missing; allowed is a section with the keys rails, links, triangle_branch, clearance, limits, dynamics",
+        ),
     ],
 )
 def test_a_missing_key_is_named(path: str, message: str):
@@ -325,3 +328,38 @@ def test_the_schema_describes_every_key():
     assert schema["additionalProperties"] is False
     assert schema["required"] == ["machine", "task", "route"]
     assert schema["$defs"]["RailConfig"]["properties"]["y_m"]["description"]
+
+
+@pytest.mark.parametrize(("text", "expected"), [("on", True), ("off", False), ("yes", True), ("false", False)])
+def test_jerk_is_a_switch(text: str, expected: bool) -> None:
+    """YAML's words for true and false turn it on and off; on is the default."""
+    assert parse_config(with_value("retime.jerk", yaml.safe_load(text))).retime.jerk is expected
+    assert parse_config(AGDER).retime.jerk is True
+
+
+@pytest.mark.parametrize("value", [1, 0, "often", None, [True]])
+def test_a_switch_takes_nothing_but_on_and_off(value: object) -> None:
+    """Numbers are no truth values here, and truth values are none elsewhere."""
+    assert messages(with_value("retime.jerk", value))[0].startswith("retime.jerk: is")
+    assert "allowed is on or off" in messages(with_value("retime.jerk", value))[0]
+    assert "allowed is a number" in messages(with_value("retime.speed", True))[0]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("machine.limits.carts.jerk_mps3", -40.0, "is -40.0; allowed is a number above 0, at most 100000 or null"),
+        ("machine.limits.carts.force_n", 0, "is 0; allowed is a number above 0, at most 1e+06 or null"),
+        ("machine.limits.tcp.speed_mps", -1, "is -1; allowed is a number above 0, at most 20 or null"),
+        ("machine.dynamics.platform.inertia_kgm2", [0.1, 0.1, 0.3], "allowed is none larger than the sum of the other"),
+        ("machine.dynamics.platform.mass_kg", 0, "is 0; allowed is a number above 0"),
+        ("machine.dynamics.friction.carts_n", -2, "is -2; allowed is a number from 0"),
+        ("retime.speed", 1.2, "is 1.2; allowed is a number above 0, at most 1"),
+        ("retime.dwell_s", [1.0], "[1]: is missing; allowed is a number from 0 to 3600"),
+        ("export.joint_names", ["a", "a", "b", "c", "d"], "allowed are five different names"),
+        ("export.joint_names", ["a b", "a", "b", "c", "d"], "allowed is letters, digits"),
+    ],
+)
+def test_keys_of_motion_are_checked(path: str, value: object, message: str) -> None:
+    """Limits, masses, speed and joint names are told like all others."""
+    assert message in messages(with_value(path, value))[0]

@@ -20,6 +20,8 @@ CERTIFICATE_JSON = "certificate.json"
 TRAJECTORY_NPZ = "trajectory.npz"
 TRAJECTORY_CSV = "trajectory.csv"
 TRAJECTORY_JSON = "trajectory.json"
+BACK_CSV = "trajectory_back.csv"
+BACK_JSON = "trajectory_back.json"
 
 RESULT = {
     Stage.REGIONS: REGIONS_NPZ,
@@ -35,7 +37,7 @@ _FIXED = {
     Stage.ROUTE: (ROUTE_NPZ, ROUTE_CSV),
     Stage.REFINE: (PATH_NPZ, PATH_CSV),
     Stage.CERTIFY: (CERTIFICATE_JSON,),
-    Stage.RETIME: (TRAJECTORY_NPZ, TRAJECTORY_CSV, TRAJECTORY_JSON),
+    Stage.RETIME: (TRAJECTORY_NPZ, TRAJECTORY_CSV, TRAJECTORY_JSON, BACK_CSV, BACK_JSON),
     Stage.FIGURES: (),
 }
 _FIGURES = "figures"
@@ -45,7 +47,10 @@ _SIGHTS = {
     Stage.ROUTE: ((ROUTE_CSV, "the route, one row per step"),),
     Stage.REFINE: ((PATH_NPZ, "the path as splines"), (PATH_CSV, "the path, densely sampled")),
     Stage.CERTIFY: ((CERTIFICATE_JSON, "the proof that the path is free of singularities, and its bounds"),),
-    Stage.RETIME: ((TRAJECTORY_CSV, "for the controller: one row per period"),),
+    Stage.RETIME: (
+        (TRAJECTORY_CSV, "for the controller: one row per period"),
+        (BACK_CSV, "the same for the way back"),
+    ),
     Stage.FIGURES: ((_FIGURES, "pictures: the route, kappa, clearance, motion over time"),),
 }
 

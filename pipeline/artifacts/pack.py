@@ -5,18 +5,18 @@ import io
 import pathlib
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import BSpline
+from scipy.interpolate import BSpline, PPoly
 
 from pipeline.errors import UsageError
 from pipeline.export.columns import PER_ACTUATOR
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path, Refinement
-from pipeline.retime.result import Trajectory
+from pipeline.retime.result import Quality, Trajectory
 from pipeline.route.regions import RegionTable
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
@@ -151,13 +151,22 @@ def unpack_refinement(arrays: Arrays, machine: Machine) -> Refinement:
 
 
 def pack_trajectory(trajectory: Trajectory) -> dict[str, object]:
-    """Breakpoints of the time law; the path it runs along is saved with the refinement."""
-    return dict(trajectory.breakpoints())
+    """Breakpoints (n + 1,) and coefficients (degree + 1, n) of the time law, highest power first, and how it was found.
+
+    The path it runs along is saved with the refinement.
+    """
+    quality = trajectory.quality
+    how = {} if quality is None else {f"quality_{name}": value for name, value in asdict(quality).items()}
+    law = trajectory.time_law
+    return {"t_s": law.x, "coefficients": law.c, "dwell_s": trajectory.dwell_s, **how}
 
 
 def unpack_trajectory(arrays: Arrays, path: Path) -> Trajectory:
     """Rebuild the time law along its path."""
-    return Trajectory.from_breakpoints(path, **{name: arrays[name] for name in ("t_s", "s", "sd", "sdd")})
+    how = {name.removeprefix("quality_"): array.item() for name, array in arrays.items() if name.startswith("quality_")}
+    start, goal = arrays["dwell_s"].tolist()
+    law = PPoly(arrays["coefficients"], arrays["t_s"])
+    return Trajectory(path, law, (start, goal), Quality(**how) if how else None)
 
 
 def pack_path(path: Path, prefix: str) -> dict[str, object]:

@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 from pipeline.artifacts.files import json_bytes
 from pipeline.artifacts.layout import (
+    BACK_CSV,
+    BACK_JSON,
     CERTIFICATE_JSON,
     PATH_CSV,
     PATH_NPZ,
@@ -38,7 +40,8 @@ from pipeline.artifacts.pack import (
     unpack_trajectory,
 )
 from pipeline.export.columns import POSE
-from pipeline.export.csv import format_csv, trajectory_columns
+from pipeline.export.csv import DECIMALS, format_csv, trajectory_columns
+from pipeline.export.motion import needed_decimals
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Path, Refinement
@@ -114,9 +117,14 @@ def trajectory_files(trajectory: Trajectory, samples: TrajectorySamples, sidecar
     """Write the trajectory: sampled for controllers, what its columns mean, and everything to load it back."""
     return {
         TRAJECTORY_NPZ: npz_bytes(pack_trajectory(trajectory)),
-        TRAJECTORY_CSV: _csv(trajectory_columns(samples)),
+        TRAJECTORY_CSV: _trajectory_csv(trajectory.path.machine, samples),
         TRAJECTORY_JSON: json_bytes(sidecar),
     }
+
+
+def back_files(machine: Machine, samples: TrajectorySamples, sidecar: Mapping[str, Any]) -> Files:
+    """Write the trajectory of the way back: sampled for controllers, and what its columns mean."""
+    return {BACK_CSV: _trajectory_csv(machine, samples), BACK_JSON: json_bytes(sidecar)}
 
 
 def load_trajectory(folder: pathlib.Path, path: Path) -> Trajectory:
@@ -153,6 +161,11 @@ def _png(figure: "Figure") -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png")
     return buffer.getvalue()
+
+
+def _trajectory_csv(machine: Machine, samples: TrajectorySamples) -> bytes:
+    decimals = max(DECIMALS, needed_decimals(samples.period_s, machine.acceleration_mps2))
+    return format_csv(trajectory_columns(samples), decimals).encode()
 
 
 def _csv(columns: Mapping[str, npt.NDArray[Any]]) -> bytes:

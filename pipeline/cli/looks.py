@@ -4,7 +4,6 @@ import json
 import shlex
 from collections.abc import Callable
 from dataclasses import asdict
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -14,15 +13,10 @@ from rich.table import Table
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.runs import load
 from pipeline.errors import UsageError
+from pipeline.formats import AngleUnit, Format, LengthUnit, Separator
 from pipeline.stage import Stage
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="The folder a run has written to.")]
-
-
-class Format(StrEnum):
-    """What trajectories can be exported as."""
-
-    CSV = "csv"
 
 
 def check(
@@ -94,33 +88,49 @@ def export(
         float | None,
         typer.Option("--period", metavar="S", help="Seconds between rows. Default: that of the run."),
     ] = None,
+    speed: Annotated[
+        float | None, typer.Option(metavar="PART", help="Part of the run's speed, above 0, at most 1.")
+    ] = None,
+    back: Annotated[bool, typer.Option("--back", help="The way back: the same motion, reversed in time.")] = False,
     output: Annotated[
         Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: stdout.")
     ] = None,
+    separator: Annotated[Separator, typer.Option(help="CSV: what stands between values.")] = Separator.COMMA,
+    decimals: Annotated[
+        int | None, typer.Option(metavar="N", min=0, max=15, help="CSV: decimals. Default: as the period needs.")
+    ] = None,
+    columns: Annotated[
+        str | None, typer.Option(metavar="NAMES", help="CSV: columns by their names in SI units, comma separated.")
+    ] = None,
+    length: Annotated[LengthUnit, typer.Option(help="CSV: unit of lengths.")] = LengthUnit.M,
+    angle: Annotated[AngleUnit, typer.Option(help="CSV: unit of angles.")] = AngleUnit.RAD,
 ) -> None:
-    """Write the trajectory of a run once more, at another period.
+    """Write the trajectory of a run once more: for another program, at another period, slower, or backwards.
 
     The motion is sampled anew from the path itself, not interpolated; its
     duration is stretched to the next whole number of periods, so that limits
     still hold and the last row is the goal at rest.
     """
     from pipeline.artifacts import write_whole
-    from pipeline.export import format_csv, trajectory_columns
-    from pipeline.retime import sample
-    from pipeline.run.reading import open_results, with_period
+    from pipeline.export import CsvOptions, format_samples
+    from pipeline.retime import sample, slowed, way_back
+    from pipeline.run.reading import open_results, with_retime
 
     results = open_results(run, Stage.REFINE, Stage.RETIME)
     if output is not None and output.resolve().is_relative_to(run.resolve()):
         raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
-    period_s = with_period(results.config, period_s).retime.period_s
-    samples = sample(results.trajectory, period_s)
-    text = {Format.CSV: format_csv}[kind](trajectory_columns(samples))
+    config = with_retime(results.config, period_s=period_s, speed=speed)
+    trajectory = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
+    samples = sample(way_back(config, trajectory) if back else trajectory, config.retime.period_s)
+    names = tuple(name.strip() for name in columns.split(",")) if columns else ()
+    options = CsvOptions(separator, decimals, names, length, angle)
+    text = format_samples(kind, samples, results.machine.acceleration_mps2, config.export.joint_names, options)
     if output is None:
         typer.echo(text, nl=False)
         return
     write_whole(output, text.encode())
     messages_console().print(
-        f"{output}: {len(samples):,} rows {period_s:g} s apart, {samples.duration_s:g} s", soft_wrap=True
+        f"{output}: {len(samples):,} rows {samples.period_s:g} s apart, {samples.duration_s:g} s", soft_wrap=True
     )
 
 
@@ -140,6 +150,8 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau export results/agder --period 0.004 --output agder_4ms.csv",
             "gantry-tau export results/agder --format csv --period 0.001 | head",
+            "gantry-tau export results/agder --format ros2 --speed 0.3 --output slow.yaml",
+            "gantry-tau export results/agder --separator semicolon --length mm --columns t_s,q1_m,q2_m",
         ),
     ),
 )

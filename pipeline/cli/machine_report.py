@@ -68,7 +68,8 @@ def machine_report(config: Config, machine: Machine, ends: tuple[End, End]) -> l
     """Describe a machine and its task."""
     return [
         _degrees_of_freedom(config),
-        _actuators(config, machine),
+        _actuators(machine),
+        _limits(machine),
         _links(machine),
         _reach(config, machine),
         _grid(config),
@@ -94,15 +95,26 @@ def _table(title: str, *columns: str, text: int = 1) -> Table:
     return table
 
 
-def _actuators(config: Config, machine: Machine) -> Table:
-    table = _table(
-        "Actuators", "actuator", "what", "least m", "largest m", "velocity m/s", "acceleration m/s^2", text=2
-    )
+def _actuators(machine: Machine) -> Table:
+    table = _table("Actuators", "actuator", "what", "least m", "largest m", text=2)
     carts = [f"cart of arm {k + 1}, rail at y {y:g} m, z {z:g} m" for k, (y, z) in enumerate(machine.rails_m)]
     telescopes = [f"telescopic link {LINKS[link]}" for link in TELESCOPES]
-    limits = np.column_stack([machine.actuator_limits_m, machine.velocity_mps, machine.acceleration_mps2])
-    for name, what, row in zip(ACTUATORS, carts + telescopes, limits, strict=True):
+    for name, what, row in zip(ACTUATORS, carts + telescopes, machine.actuator_limits_m, strict=True):
         table.add_row(name, what, *(f"{value:g}" for value in row))
+    return table
+
+
+def _limits(machine: Machine) -> Table:
+    masses = "" if machine.masses is not None else "; no masses are given, so that forces are not looked at"
+    units = ("velocity m/s", "acceleration m/s^2", "jerk m/s^3", "force N")
+    table = _table(f"Limits of motion{masses}", "of", *units)
+    rows = np.column_stack([machine.velocity_mps, machine.acceleration_mps2, machine.jerk_mps3, machine.force_n])
+    others = {
+        "TCP": (machine.tcp_speed_mps, machine.tcp_acceleration_mps2, np.inf, np.inf),
+        "links": (np.inf, np.inf, np.inf, machine.link_force_n),
+    }
+    for name, row in (*zip(ACTUATORS, rows.tolist(), strict=True), *others.items()):
+        table.add_row(name, *(f"{value:g}" if np.isfinite(value) else "-" for value in row))
     return table
 
 

@@ -37,6 +37,10 @@ NoWhyNotOption = Annotated[
     bool,
     typer.Option("--no-why-not", help="Where no route exists, do not look for what stands in the way (minutes)."),
 ]
+SpeedOption = Annotated[
+    float | None,
+    typer.Option("--speed", metavar="PART", help="Part of the full speed, above 0, at most 1: for a first gentle run."),
+]
 VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the logs of the solvers.")]
 
 
@@ -48,6 +52,7 @@ def run(
         typer.Option("--from", help="Run this stage and later ones again; earlier results must be up to date."),
     ] = None,
     last: Annotated[Stage | None, typer.Option("--to", help="Stop after this stage.")] = None,
+    speed: SpeedOption = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,
     no_why_not: NoWhyNotOption = False,
@@ -59,7 +64,7 @@ def run(
     DIR/superseded, which may be deleted at any time; what is known of a
     failed stage is in DIR/failed.
     """
-    _run(config, out, first, last, force, verbose, why_not=not no_why_not)
+    _run(config, out, first, last, force, verbose, why_not=not no_why_not, speed=speed)
 
 
 def route(
@@ -152,14 +157,18 @@ def certify(
 
 
 def retime(
-    config: ConfigArgument, out: OutOption = None, force: ForceOption = False, verbose: VerboseOption = False
+    config: ConfigArgument,
+    out: OutOption = None,
+    speed: SpeedOption = None,
+    force: ForceOption = False,
+    verbose: VerboseOption = False,
 ) -> None:
-    """Stage three: time the path within the actuators' limits, and write trajectory.csv.
+    """Stage three: time the path within all limits, and write trajectory.csv and that of the way back.
 
     Runs stages one and two before, unless their results in DIR are up to
-    date: other limits or another period cost a second.
+    date: other limits or another period cost seconds.
     """
-    _run(config, out, None, Stage.RETIME, force, verbose)
+    _run(config, out, None, Stage.RETIME, force, verbose, speed=speed)
 
 
 def _run(
@@ -172,12 +181,15 @@ def _run(
     route_changes: dict[str, str] | None = None,
     why_not: bool = True,
     certify_changes: dict[str, str] | None = None,
+    speed: float | None = None,
 ) -> None:
     from pipeline.artifacts import sights
     from pipeline.cli.stage_table import stage_table
     from pipeline.run import run_pipeline
+    from pipeline.run.reading import with_retime
 
-    config = _with_changes(_with_route(load(path), route_changes or {}), "certify", certify_changes or {})
+    changed = _with_changes(_with_route(load(path), route_changes or {}), "certify", certify_changes or {})
+    config = with_retime(changed, speed=speed)
     folder = out or _RESULTS / config.name
     with make_reporter(messages_console(), verbose) as reporter:
         report = run_pipeline(config, folder, first, last, force, reporter, verbose, why_not)
@@ -261,6 +273,6 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau certify --check results/agder/certificate.json",
         ),
     ),
-    (retime, ("gantry-tau retime configs/quick.yaml",)),
+    (retime, ("gantry-tau retime configs/quick.yaml", "gantry-tau retime configs/quick.yaml --speed 0.3")),
 )
 """Every command with its examples."""

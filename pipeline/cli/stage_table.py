@@ -68,11 +68,12 @@ def _certificate(section: dict[str, Any]) -> str:
 
 
 def _trajectory(section: dict[str, Any]) -> str:
-    usage = section["usage"]
-    return (
-        f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; "
-        f"up to {max(usage['velocity']):.0%} of velocity, {max(usage['acceleration']):.0%} of acceleration limits"
-    )
+    used = {name: max(values) for name, values in section["usage"].items() if not isinstance(values, str)}
+    parts = ", ".join(f"{share:.0%} of {name.replace('_', ' ').replace('tcp', 'TCP')}" for name, share in used.items())
+    told = f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; up to {parts}"
+    if "gap" in section:
+        told += f"; {section['jerk_cost']:+.1%} for jerk, {section['gap']:.2%} above the bound without"
+    return told
 
 
 def _figures(section: dict[str, Any]) -> str:

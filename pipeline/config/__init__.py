@@ -7,14 +7,19 @@ found there and what is allowed. `config_file.load_config` reads a file; `Config
 from pydantic import Field
 
 from pipeline.config.certify import CertifyConfig
+from pipeline.config.export import ExportConfig
 from pipeline.config.machine import (
     ActuatorLimitsConfig,
     ClearanceConfig,
+    DynamicsConfig,
     FixedLinkConfig,
+    FrictionConfig,
     LimitsConfig,
     LinksConfig,
     MachineConfig,
+    PlatformMassConfig,
     RailConfig,
+    TcpLimitsConfig,
     TelescopeConfig,
     TriangleLinkConfig,
 )
@@ -45,12 +50,16 @@ __all__ = [
     "CertifyConfig",
     "ClearanceConfig",
     "Config",
+    "DynamicsConfig",
+    "ExportConfig",
     "FixedLinkConfig",
     "FollowConfig",
+    "FrictionConfig",
     "GridConfig",
     "LimitsConfig",
     "LinksConfig",
     "MachineConfig",
+    "PlatformMassConfig",
     "PoseConfig",
     "RailConfig",
     "RefineConfig",
@@ -58,6 +67,7 @@ __all__ = [
     "RouteConfig",
     "Section",
     "TaskConfig",
+    "TcpLimitsConfig",
     "TelescopeConfig",
     "TriangleLinkConfig",
     "VisitConfig",
@@ -74,3 +84,4 @@ class Config(Section):
     refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
     certify: CertifyConfig = Field(default_factory=lambda: CertifyConfig())
     retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
+    export: ExportConfig = Field(default_factory=lambda: ExportConfig())

@@ -1,11 +1,13 @@
-"""The machine: rails, links, triangle, clearances and the limits of its actuators."""
+"""The machine: rails, links, triangle, clearances, limits and masses."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, require_ordered, wrong
+
+Inertia = Annotated[float, Field(gt=0.0, le=10_000.0)]
 
 
 class RailConfig(Section):
@@ -63,17 +65,32 @@ class LinksConfig(Section):
 
 
 class ActuatorLimitsConfig(Section):
-    """What one kind of actuator can do."""
+    """What one kind of actuator can do; velocity zero locks it."""
 
-    velocity_mps: float = Field(gt=0.0, le=20.0)
+    velocity_mps: float = Field(ge=0.0, le=20.0)
     acceleration_mps2: float = Field(gt=0.0, le=500.0)
+    jerk_mps3: float | None = Field(None, gt=0.0, le=100_000.0, description="null: not limited")
+    force_n: float | None = Field(
+        None, gt=0.0, le=1_000_000.0, description="peak force of the drive; null: not limited"
+    )
+
+
+class TcpLimitsConfig(Section):
+    """What the tool centre point may do, whatever direction it moves in."""
+
+    speed_mps: float | None = Field(None, gt=0.0, le=20.0, description="null: not limited")
+    acceleration_mps2: float | None = Field(None, gt=0.0, le=500.0, description="null: not limited")
 
 
 class LimitsConfig(Section):
-    """Limits of the five actuators."""
+    """Limits of the five actuators, of the links and of the TCP."""
 
     carts: ActuatorLimitsConfig
     telescopes: ActuatorLimitsConfig
+    link_force_n: float | None = Field(
+        None, gt=0.0, le=1_000_000.0, description="axial force in any link, pushed or pulled; null: not limited"
+    )
+    tcp: TcpLimitsConfig = Field(default_factory=lambda: TcpLimitsConfig())
 
 
 class ClearanceConfig(Section):
@@ -83,6 +100,43 @@ class ClearanceConfig(Section):
     link_rail_m: float | None = Field(
         None, ge=0.0, le=1.0, description="between a link and another arm's rail; null: not checked"
     )
+
+
+class PlatformMassConfig(Section):
+    """The platform with its tool, as a rigid body."""
+
+    mass_kg: float = Field(gt=0.0, le=10_000.0)
+    centre_of_mass_m: Vector = Field((0.0, 0.0, 0.0), description="in the platform frame, from the TCP")
+    inertia_kgm2: tuple[Inertia, Inertia, Inertia] = Field(
+        description="principal moments about the centre of mass, along the axes of the platform frame"
+    )
+
+    @model_validator(mode="after")
+    def _is_of_a_body(self) -> Self:
+        if 2.0 * max(self.inertia_kgm2) > sum(self.inertia_kgm2) * (1.0 + 1e-9):
+            raise wrong(
+                "inertia_kgm2", f"is {list(self.inertia_kgm2)}; allowed is none larger than the sum of the other two"
+            )
+        return self
+
+
+class FrictionConfig(Section):
+    """Dry friction of the drives, always against the motion."""
+
+    carts_n: float = Field(0.0, ge=0.0, le=100_000.0)
+    telescopes_n: float = Field(0.0, ge=0.0, le=100_000.0)
+
+
+class DynamicsConfig(Section):
+    """Masses, from which forces follow; those of links and telescopes are taken half to each end."""
+
+    cart_mass_kg: float = Field(gt=0.0, le=10_000.0, description="of each cart")
+    link_mass_kg: float = Field(ge=0.0, le=1_000.0, description="of each link of fixed length")
+    telescope_mass_kg: float = Field(ge=0.0, le=1_000.0, description="of each telescope")
+    platform: PlatformMassConfig
+    load_kg: float = Field(0.0, ge=0.0, le=10_000.0, description="mass of a load at the TCP")
+    gravity_mps2: float = Field(9.81, ge=0.0, le=30.0, description="against Z")
+    friction: FrictionConfig = Field(default_factory=lambda: FrictionConfig())
 
 
 class MachineConfig(Section):
@@ -95,6 +149,9 @@ class MachineConfig(Section):
     )
     clearance: ClearanceConfig
     limits: LimitsConfig
+    dynamics: DynamicsConfig | None = Field(
+        None, description="masses, for forces and their limits; null: forces are not looked at"
+    )
 
     @model_validator(mode="after")
     def _triangle_closes(self) -> Self:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 MODE_PATTERN = "^[LR]{3}$"
@@ -23,9 +23,12 @@ class Section(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_truth_value(cls, value: object) -> object:
-        # No key is a truth value, but pydantic takes `yes` for the number 1.
-        if any(isinstance(item, bool) for item in (value if isinstance(value, list) else [value])):
+    def _truth_values_in_their_place(cls, value: object, info: ValidationInfo) -> object:
+        # Where a key is no switch, pydantic takes `yes` for the number 1; where it is one, the number 1 for `on`.
+        is_switch = info.field_name is not None and cls.model_fields[info.field_name].annotation is bool
+        if is_switch and not isinstance(value, bool):
+            raise PydanticCustomError("switch", "only on and off are values here")
+        if not is_switch and any(isinstance(item, bool) for item in (value if isinstance(value, list) else [value])):
             raise PydanticCustomError("truth_value", "true and false are no values here")
         return value
 

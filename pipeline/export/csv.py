@@ -13,7 +13,7 @@ from pipeline.retime.result import TrajectorySamples
 
 DECIMALS = 12
 """At a period of 1 ms, differencing twice multiplies rounding by up to 4e6: twelve decimals leave 2e-6 m/s^2 of it,
-six would leave 2 m/s^2, as much as the machine's limit."""
+six would leave 2 m/s^2, as much as the machine's limit. Shorter periods need more: see `needed_decimals`."""
 
 Column = npt.NDArray[Any]
 
@@ -28,7 +28,7 @@ def trajectory_columns(samples: TrajectorySamples) -> dict[str, Column]:
     return columns
 
 
-def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS) -> str:
+def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS, separator: str = ",") -> str:
     """Write equally long columns of numbers, whole numbers or words, floats with a fixed number of decimals.
 
     Zero is always written without a sign, and so is what rounds to it.
@@ -47,13 +47,13 @@ def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS) -
         lengths = ", ".join(f"{name} {len(column)}" for name, column in zip(columns, cells, strict=True))
         raise ValueError(f"all columns must have the same number of rows: {lengths}")
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
+    writer = csv.writer(text, delimiter=separator, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(zip(*cells, strict=True))
     return text.getvalue()
 
 
-def read_csv(text: str) -> dict[str, Column]:
+def read_csv(text: str, separator: str = ",") -> dict[str, Column]:
     """Read a table back: columns of whole numbers as int64, of numbers as float64, all others as words.
 
     Raises
@@ -61,7 +61,7 @@ def read_csv(text: str) -> dict[str, Column]:
     ValueError
         When the table has no header, the same column twice, or a row of another length; names the line.
     """
-    reader = csv.reader(io.StringIO(text))
+    reader = csv.reader(io.StringIO(text), delimiter=separator)
     names = next(reader, [])
     if not names or len(set(names)) < len(names):
         raise ValueError(f"line 1 must name every column once, not {','.join(names)!r}")

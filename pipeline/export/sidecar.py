@@ -1,11 +1,13 @@
 """The sidecar `trajectory.json`: all that a program or a person needs to use `trajectory.csv` rightly."""
 
+import math
 from typing import Any
 
 from pipeline.config import Config
 from pipeline.config_file import config_sha256
 from pipeline.export.columns import PER_ACTUATOR, trajectory_meanings
-from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.machine.geometry import ACTUATORS, FloatArray, Machine
+from pipeline.retime.limits import KINDS, limits
 from pipeline.retime.result import TrajectorySamples
 from pipeline.retime.verify import Usage
 
@@ -13,7 +15,7 @@ _CONVENTIONS = (
     "A row per period: row k is at k * period_s, counted from zero.",
     "The first row is the start at rest: velocities are zero, accelerations are those the motion begins with.",
     "The last row is the goal at rest, at duration_s: velocities and accelerations are zero.",
-    "Accelerations jump at instants that need not be rows; velocities and positions are continuous.",
+    "Positions and velocities are continuous; accelerations are, too, where jerk is limited, and jump elsewhere.",
     "SI units; angles in radians; actuators in the order c1, c2, c3 (carts), l2b, l3b (telescopes).",
     "Comma separated, decimal points, LF line ends, one header line.",
 )
@@ -22,7 +24,8 @@ _CONVENTIONS = (
 def sidecar(config: Config, machine: Machine, samples: TrajectorySamples, usage: Usage) -> dict[str, Any]:
     """Describe a sampled trajectory: columns, period, duration, limits and how much of them is used.
 
-    Usage is the largest fraction of each limit, a list in the order of the actuators. All values are plain
+    Usage is the largest fraction of each limit, a list in the order of the actuators (forces of links: of the links),
+    null where there is none. All values are plain
     (dictionaries, lists, texts, numbers), ready to be written as JSON.
     """
     return {
@@ -34,25 +37,34 @@ def sidecar(config: Config, machine: Machine, samples: TrajectorySamples, usage:
         "conventions": list(_CONVENTIONS),
         "columns": [meaning._asdict() for meaning in trajectory_meanings()],
         "limits": _limits(machine),
-        "usage": {"velocity": usage.velocity.tolist(), "acceleration": usage.acceleration.tolist()},
+        "shared_limits": {
+            "link_force_n": _or_null(machine.link_force_n),
+            "tcp_speed_mps": _or_null(machine.tcp_speed_mps),
+            "tcp_acceleration_mps2": _or_null(machine.tcp_acceleration_mps2),
+        },
+        "usage": {kind.name: _list(getattr(usage, kind.name)) for kind in KINDS},
     }
 
 
+def _list(fractions: FloatArray | None) -> list[float] | None:
+    return None if fractions is None else fractions.tolist()
+
+
 def _limits(machine: Machine) -> dict[str, dict[str, Any]]:
-    """Limits by actuator: where it may be (travel or stroke), how fast it may move and accelerate."""
+    """Limits by actuator: where it may be (travel or stroke), and what it may do; null: not limited."""
+    names = {"velocity": "velocity_mps", "acceleration": "acceleration_mps2", "jerk": "jerk_mps3", "force": "force_n"}
+    allowed = limits(machine)
     return {
         actuator: {
             "column": column,
             "position_m": position,
-            "velocity_mps": velocity,
-            "acceleration_mps2": acceleration,
+            **{key: _or_null(allowed[name][k]) for name, key in names.items()},
         }
-        for actuator, column, position, velocity, acceleration in zip(
-            ACTUATORS,
-            PER_ACTUATOR[0].names,
-            machine.actuator_limits_m.tolist(),
-            machine.velocity_mps.tolist(),
-            machine.acceleration_mps2.tolist(),
-            strict=True,
+        for k, (actuator, column, position) in enumerate(
+            zip(ACTUATORS, PER_ACTUATOR[0].names, machine.actuator_limits_m.tolist(), strict=True)
         )
     }
+
+
+def _or_null(limit: float) -> float | None:
+    return float(limit) if math.isfinite(limit) else None

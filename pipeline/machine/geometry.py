@@ -8,13 +8,14 @@ Arrays of many vectors or matrices are stored coordinate by coordinate, whatever
 coordinate of them all then runs through memory in order, several times as fast.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from pipeline.config import FixedLinkConfig, MachineConfig, TelescopeConfig, TriangleLinkConfig
+from pipeline.machine.masses import Masses, build_masses
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.signedinteger[Any]]
@@ -52,8 +53,12 @@ class Machine:
         Sign of y_platform . (R w x u_3c) in the assembled machine.
     link_link_m, link_rail_m : float
         Least distance between axes; `link_rail_m` is NaN when rails are not checked.
-    velocity_mps, acceleration_mps2 : (5,)
-        Limits of the actuators.
+    velocity_mps, acceleration_mps2, jerk_mps3, force_n : (5,)
+        Limits of the actuators; infinite where there is none.
+    link_force_n, tcp_speed_mps, tcp_acceleration_mps2 : float
+        Limits of the axial force in a link and of the tool centre point; infinite where there is none.
+    masses : Masses or None
+        What forces follow from; None where the configuration gives no masses.
     """
 
     rails_m: FloatArray
@@ -67,6 +72,12 @@ class Machine:
     link_rail_m: float
     velocity_mps: FloatArray
     acceleration_mps2: FloatArray
+    jerk_mps3: FloatArray = field(default_factory=lambda: np.full(5, np.inf))
+    force_n: FloatArray = field(default_factory=lambda: np.full(5, np.inf))
+    link_force_n: float = np.inf
+    tcp_speed_mps: float = np.inf
+    tcp_acceleration_mps2: float = np.inf
+    masses: Masses | None = None
 
     @property
     def actuator_limits_m(self) -> FloatArray:
@@ -98,7 +109,17 @@ def build_machine(config: MachineConfig) -> Machine:
         link_rail_m=np.nan if rail_distance is None else rail_distance,
         velocity_mps=np.array([limit.velocity_mps for limit in limits]),
         acceleration_mps2=np.array([limit.acceleration_mps2 for limit in limits]),
+        jerk_mps3=np.array([_or_infinite(limit.jerk_mps3) for limit in limits]),
+        force_n=np.array([_or_infinite(limit.force_n) for limit in limits]),
+        link_force_n=_or_infinite(config.limits.link_force_n),
+        tcp_speed_mps=_or_infinite(config.limits.tcp.speed_mps),
+        tcp_acceleration_mps2=_or_infinite(config.limits.tcp.acceleration_mps2),
+        masses=None if config.dynamics is None else build_masses(config.dynamics),
     )
+
+
+def _or_infinite(limit: float | None) -> float:
+    return np.inf if limit is None else limit
 
 
 def _length(link: FixedLinkConfig | TelescopeConfig | TriangleLinkConfig, config: MachineConfig) -> float:

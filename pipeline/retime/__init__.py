@@ -1,11 +1,13 @@
-"""Stage three: the path in time, as fast as the actuators' velocity and acceleration limits allow."""
+"""Stage three: the path in time, as fast as the limits of actuators, links and TCP allow."""
 
-from pipeline.retime.result import Trajectory, TrajectorySamples, stretched
-from pipeline.retime.retime import retime_path
+from pipeline.retime.result import Quality, Trajectory, TrajectorySamples, slowed, stretched
+from pipeline.retime.retime import retime_path, way_back
+from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import sample
 from pipeline.retime.verify import TrajectoryFigures, Usage, measure_trajectory, measure_usage, require_limits
 
 __all__ = [
+    "Quality",
     "Trajectory",
     "TrajectoryFigures",
     "TrajectorySamples",
@@ -15,5 +17,8 @@ __all__ = [
     "require_limits",
     "retime_path",
     "sample",
+    "slowed",
     "stretched",
+    "time_reversed",
+    "way_back",
 ]

@@ -1,7 +1,7 @@
-"""TOPP-RA on the spline itself: the fastest time law within the limits at the points of a grid.
+"""TOPP-RA on the spline itself: the fastest time law within the limits at the points of a grid, jerk left aside.
 
-The planner sees s in [0, 1], time in units of a rough guess of the duration and actuators in units of their
-acceleration limit: its tolerances are absolute, and this keeps all that it compares near one, whatever the machine.
+The planner sees s in [0, 1] and time in units of a rough guess of the duration; limits are rows of fractions, computed
+once for the whole grid. Its tolerances are absolute, and this keeps all it compares near one, whatever the machine.
 """
 
 import logging
@@ -10,42 +10,64 @@ from contextlib import contextmanager
 
 import numpy as np
 from toppra.algorithm import TOPPRA
-from toppra.constraint import DiscretizationType, JointAccelerationConstraint, JointVelocityConstraint
+from toppra.constraint import DiscretizationType, LinearConstraint
+from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
 from toppra.interpolator import AbstractGeometricPath
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray
 from pipeline.refine.result import Path
+from pipeline.retime.limits import limits
 from pipeline.retime.result import Trajectory
+from pipeline.retime.rows import Rows, limit_rows
+from pipeline.retime.terms import grid, path_terms
 
 _GUESS_POINTS = 1_000
+_LARGEST = 1e8
+"""Stands for a path speed without a limit, in the planner's units."""
 _ADVICE = "Raise retime.grid_points, or ask for a smoother path (fewer refine.coefficients)."
 
 
-class _ScaledPath(AbstractGeometricPath):  # type: ignore[misc]  # toppra has no types
-    """The path as the planner wants to see it, every actuator divided by a scale (5,)."""
-
-    def __init__(self, path: Path, scale: FloatArray) -> None:
-        self._path = path
-        self._scale = scale
-
-    def __call__(self, path_positions: FloatArray, order: int = 0) -> FloatArray:
-        return self._path.q(path_positions, order) / self._scale
+class _Unit(AbstractGeometricPath):  # type: ignore[misc]  # toppra has no types
+    """The interval the planner works on; all that it has to know of the path is in the rows."""
 
     @property
     def dof(self) -> int:
-        return len(self._scale)
+        return 1
 
     @property
     def path_interval(self) -> FloatArray:
         return np.array([0.0, 1.0])
 
 
+class _GivenRows(LinearConstraint):  # type: ignore[misc]
+    """Second-order constraints a sdd + b sd^2 + c <= 1 and caps on sd^2, known at every point of the grid.
+
+    They hold at both ends of every interval ("interpolation" scheme).
+    """
+
+    def __init__(self, rows: Rows) -> None:
+        super().__init__()
+        self.set_discretization_type(DiscretizationType.Interpolation)
+        self.dof = 1
+        self.identical = True
+        self._rows = rows
+        self._format_string = f"    {rows.a.shape[1]} rows"
+
+    def compute_constraint_params(self, path: AbstractGeometricPath, gridpoints: FloatArray) -> tuple[object, ...]:
+        rows, count = self._rows, self._rows.a.shape[1]
+        cap = np.minimum(rows.cap**2, _LARGEST)
+        a, b, c, F, g, _, _ = canlinear_colloc_to_interpolate(
+            rows.a, rows.b, rows.c, np.eye(count), np.ones(count), None, None, gridpoints, identical=True
+        )
+        return a, b, c, F, g, None, np.stack([np.zeros_like(cap), cap], axis=1)
+
+
 def plan(path: Path, grid_points: int) -> Trajectory:
     """Find the fastest way along the path, from rest to rest (TOPP-RA; Pham and Pham, 2018).
 
-    Velocities hold at the grid points, accelerations at both ends of every interval ("interpolation" scheme); the
-    path acceleration is constant in between, so that the law is a piecewise quadratic s(t).
+    Velocities hold at the grid points, accelerations and forces at both ends of every interval; the path acceleration
+    is constant in between, so that the law is a piecewise quadratic s(t).
 
     Raises
     ------
@@ -53,8 +75,13 @@ def plan(path: Path, grid_points: int) -> Trajectory:
         When the planner fails; says where.
     """
     s = grid(grid_points)
+    return plan_rows(path, s, limit_rows(path_terms(path, s)))
+
+
+def plan_rows(path: Path, s: FloatArray, rows: Rows) -> Trajectory:
+    """Find the fastest way under limits that are known on a grid s (n,)."""
     unit_s = _rough_duration(path)
-    sd = _path_velocities(path, s, unit_s) / unit_s
+    sd = _path_velocities(s, _in_units(rows, unit_s)) / unit_s
     ds = np.diff(s)
     return Trajectory.from_breakpoints(
         path,
@@ -65,38 +92,23 @@ def plan(path: Path, grid_points: int) -> Trajectory:
     )
 
 
-def grid(points: int) -> FloatArray:
-    """Points of s in [0, 1], dense at both ends (cosine spacing): there s moves slowly, and even cells take long."""
-    s: FloatArray = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, points)))
-    return s
-
-
 def _rough_duration(path: Path) -> float:
     """Guess the duration in seconds: at the velocity limits throughout, plus for getting that far at all."""
     rates = np.abs(path.q(np.linspace(0.0, 1.0, _GUESS_POINTS), 1))
-    cruising = (rates / path.machine.velocity_mps).max(axis=1).mean()
-    starting = np.sqrt((rates.mean(axis=0) / path.machine.acceleration_mps2).max())
+    allowed = limits(path.machine)
+    cruising = (rates / allowed["velocity"]).max(axis=1).mean()
+    starting = np.sqrt((rates.mean(axis=0) / allowed["acceleration"]).max())
     return float(cruising + starting)
 
 
-def _path_velocities(path: Path, s: FloatArray, unit_s: float) -> FloatArray:
-    """Path velocities ds/dt at the grid points, per `unit_s`. Shape (n,)."""
-    machine = path.machine
-    scale = machine.acceleration_mps2 * unit_s**2
-    velocity = machine.velocity_mps * unit_s / scale
+def _in_units(rows: Rows, unit_s: float) -> Rows:
+    return Rows(rows.a / unit_s**2, rows.b / unit_s**2, rows.c, rows.cap * unit_s, rows.labels)
+
+
+def _path_velocities(s: FloatArray, rows: Rows) -> FloatArray:
+    """Path velocities at the grid points. Shape (n,)."""
     with _solver_messages() as messages:
-        planner = TOPPRA(
-            [
-                JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
-                JointAccelerationConstraint(
-                    np.stack([-np.ones_like(scale), np.ones_like(scale)], axis=1),
-                    discretization_scheme=DiscretizationType.Interpolation,
-                ),
-            ],
-            _ScaledPath(path, scale),
-            gridpoints=s,
-            solver_wrapper="seidel",
-        )
+        planner = TOPPRA([_GivenRows(rows)], _Unit(), gridpoints=s, solver_wrapper="seidel")
         _, sd, _, controllable = planner.compute_parameterization(0.0, 0.0, return_data=True)
     if sd is None:
         # The controllable sets are computed from the goal backwards and end with the first that is not a number.
@@ -107,7 +119,7 @@ def _path_velocities(path: Path, s: FloatArray, unit_s: float) -> FloatArray:
     stuck = ~np.isfinite(velocities)
     stuck[1:-1] |= ~(velocities[1:-1] > 0.0)
     if stuck.any():
-        raise _failure("found no way on that keeps within the acceleration limits", s[np.argmax(stuck)], messages)
+        raise _failure("found no way on that keeps within the limits", s[np.argmax(stuck)], messages)
     return velocities
 
 

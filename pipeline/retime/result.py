@@ -1,12 +1,55 @@
 """What stage three makes: a trajectory, the path with a law that says where on it the machine is when."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import PPoly
 
 from pipeline.machine.geometry import FloatArray
 from pipeline.refine.result import Path
+
+_ROUNDING = 1e-14
+"""Part of the motion's duration that is rounding: this near its end, it has ended."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How good a time law is, and how it was found.
+
+    Attributes
+    ----------
+    jerk_limited : bool
+        Jerk was limited, too; otherwise accelerations jump.
+    fastest_s : float
+        Duration of the fastest law under all limits but those of jerk.
+    bound_s : float
+        Lower bound on that duration, from an independent convex problem.
+    motion_s : float
+        Duration of the law as it was found, before it was scaled and fitted to the period.
+    grid_points : int
+        Points of the planner's last grid.
+    pieces, rounds, iterations : int
+        Pieces of the law with limited jerk, programs solved for it, and their iterations; zero without.
+    """
+
+    jerk_limited: bool
+    fastest_s: float
+    bound_s: float
+    motion_s: float
+    grid_points: int
+    pieces: int = 0
+    rounds: int = 0
+    iterations: int = 0
+
+    @property
+    def gap(self) -> float:
+        """How much of the duration without jerk limits the bound leaves open."""
+        return 1.0 - self.bound_s / self.fastest_s
+
+    @property
+    def jerk_cost(self) -> float:
+        """How much longer the motion is for its limited jerk, as a part of the fastest."""
+        return self.motion_s / self.fastest_s - 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,12 +61,18 @@ class Trajectory:
     path : Path
         The curve of actuator positions that is driven.
     time_law : PPoly
-        s(t), continuously differentiable and piecewise quadratic: the path acceleration is constant between
-        breakpoints, so that s(t) is exact and needs no integration.
+        s(t) from when the motion begins: piecewise polynomial, so that it is exact and needs no integration. Of the
+        second degree where accelerations jump between pieces, of the fourth where jerk is continuous.
+    dwell_s : (float, float)
+        How long the machine stays at the start before the motion, and at the goal after it.
+    quality : Quality or None
+        How the law was found; None when that is not known.
     """
 
     path: Path
     time_law: PPoly
+    dwell_s: tuple[float, float] = (0.0, 0.0)
+    quality: Quality | None = None
 
     @classmethod
     def from_breakpoints(
@@ -32,25 +81,25 @@ class Trajectory:
         """Build the trajectory from times, s, path velocities and the path accelerations that follow. Shapes (n,)."""
         return cls(path, PPoly(np.stack([sdd[:-1] / 2.0, sd[:-1], s[:-1]]), t_s))
 
-    def breakpoints(self) -> dict[str, FloatArray]:
-        """Return the arrays t_s, s, sd, sdd (n,) from which `from_breakpoints` makes exactly this time law."""
-        half, sd, s = self.time_law.c
-        return {
-            "t_s": self.time_law.x.copy(),
-            "s": np.append(s, 1.0),
-            "sd": np.append(sd, 0.0),
-            "sdd": np.append(2.0 * half, 0.0),
-        }
+    @property
+    def motion_s(self) -> float:
+        """Time from the beginning of the motion to its end."""
+        return float(self.time_law.x[-1])
 
     @property
     def duration_s(self) -> float:
-        """Time from rest at the start to rest at the goal."""
-        return float(self.time_law.x[-1])
+        """Time from rest at the start to rest at the goal, what is waited there included."""
+        return self.dwell_s[0] + self.motion_s + self.dwell_s[1]
+
+    @property
+    def jerk_jumps(self) -> bool:
+        """Accelerations jump between pieces, so that jerk has no limit."""
+        return bool(self.time_law.c.shape[0] < 4)
 
     def s(self, t_s: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Path parameter at times t, or its derivative by time; the second jumps and is taken from the right."""
-        t = np.asarray(t_s, dtype=float)
-        moving = (t >= 0.0) & (t < self.duration_s)
+        """Path parameter at times t, or its derivative by time; what jumps is taken from the right."""
+        t = np.asarray(t_s, dtype=float) - self.dwell_s[0]
+        moving = (t >= 0.0) & (t < self.motion_s * (1.0 - _ROUNDING))
         value = self.time_law(t, nu=derivative)
         if derivative > 0:
             return np.where(moving, value, 0.0)
@@ -58,15 +107,15 @@ class Trajectory:
         return np.where(moving, np.clip(value, 0.0, 1.0), np.where(t < 0.0, 0.0, 1.0))
 
     def q(self, t_s: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Actuator positions, velocities or accelerations (metres, seconds) at times t. Shape (..., 5).
+        """Actuator positions, velocities, accelerations or jerks (metres, seconds) at times t. Shape (..., 5).
 
-        q, q' s_d and q'' s_d^2 + q' s_dd by the chain rule. Accelerations jump at breakpoints and are taken from
-        the right: what follows from that instant on; zero at the end, where the machine stays.
+        By the chain rule: q, q' sd, q'' sd^2 + q' sdd, q''' sd^3 + 3 q'' sd sdd + q' sddd. What jumps at breakpoints is
+        taken from the right: what follows from that instant on; zero at the end, where the machine stays.
 
         Raises
         ------
         ValueError
-            For derivatives above the second, which do not exist where the path acceleration jumps.
+            For derivatives above the third, and for the third where accelerations jump.
         """
         s = self.s(t_s)
         if derivative == 0:
@@ -74,9 +123,13 @@ class Trajectory:
         sd = self.s(t_s, 1)[..., None]
         if derivative == 1:
             return self.path.q(s, 1) * sd
+        sdd = self.s(t_s, 2)[..., None]
         if derivative == 2:
-            return self.path.q(s, 2) * sd**2 + self.path.q(s, 1) * self.s(t_s, 2)[..., None]
-        raise ValueError(f"a trajectory has derivatives 0 to 2, not {derivative}")
+            return self.path.q(s, 2) * sd**2 + self.path.q(s, 1) * sdd
+        if derivative > 3 or self.jerk_jumps:
+            raise ValueError(f"this trajectory has derivatives 0 to {2 if self.jerk_jumps else 3}, not {derivative}")
+        sddd = self.s(t_s, 3)[..., None]
+        return self.path.q(s, 3) * sd**3 + 3.0 * self.path.q(s, 2) * sd * sdd + self.path.q(s, 1) * sddd
 
     def pose(self, t_s: FloatArray | float) -> FloatArray:
         """Poses (x, y, z, rx, ry, rz) at times t (n,). Shape (n, 6).
@@ -90,22 +143,30 @@ class Trajectory:
 
 
 def stretched(trajectory: Trajectory, duration_s: float) -> Trajectory:
-    """Drive the same path in another time: with f = duration_s / old, velocities shrink by f, accelerations by f^2.
+    """Drive the same path in another time, what is waited at its ends being as it was.
+
+    With f = new motion / old, velocities shrink by f, accelerations by f^2, jerks by f^3, and forces come nearer to
+    those at rest.
 
     Raises
     ------
     ValueError
-        When the new duration is not positive.
+        When nothing is left for the motion.
     """
-    if not duration_s > 0.0:
+    motion = duration_s - sum(trajectory.dwell_s)
+    if not motion > 0.0:
         raise ValueError(f"a trajectory cannot last {duration_s:g} s")
-    factor = duration_s / trajectory.duration_s
-    points = trajectory.breakpoints()
-    t = points["t_s"] * factor
-    t[-1] = duration_s
-    return Trajectory.from_breakpoints(
-        trajectory.path, t_s=t, s=points["s"], sd=points["sd"] / factor, sdd=points["sdd"] / factor**2
-    )
+    factor = motion / trajectory.motion_s
+    law = trajectory.time_law
+    t = law.x * factor
+    t[-1] = motion
+    powers = np.arange(len(law.c) - 1, -1, -1)
+    return replace(trajectory, time_law=PPoly(law.c / factor ** powers[:, None], t))
+
+
+def slowed(trajectory: Trajectory, speed: float) -> Trajectory:
+    """Drive at a part of the speed (0 to 1), dwelling as long as before."""
+    return stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s / speed)
 
 
 @dataclass(frozen=True, eq=False)

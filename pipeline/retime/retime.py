@@ -1,86 +1,133 @@
-"""From a path to a trajectory: refuse what cannot be timed, plan, check between the grid points, fit the period."""
+"""From a path to a trajectory: refuse what cannot be timed, plan, limit jerk, check everywhere, fit the period."""
 
-import numpy as np
+import math
+from dataclasses import replace
 
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path
-from pipeline.retime.result import Trajectory
+from pipeline.retime.limits import JERK, limited
+from pipeline.retime.possible import require_motion, require_smooth, require_standing
+from pipeline.retime.result import Quality, Trajectory, slowed, stretched
+from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import whole_periods
-from pipeline.retime.verify import ALLOWED_USAGE, Usage, measure_usage, require_limits
+from pipeline.retime.terms import TermsTable, grid, terms_table
+from pipeline.retime.verify import ALLOWED_USAGE, TABLE_POINTS, Usage, measure_usage, require_limits
 
-_LEAST_RELATIVE_SPEED = 0.05
-"""Least |q'(s)| over its mean. Where it is smaller the path velocity peaks too sharply for a law that is piecewise
-constant in its derivative: on lines of known duration and 1,000 grid points, 0.02 came out up to 80 % too slow and
-14 % above an acceleration limit."""
-_LEAST_TRAVEL_M = 1e-9
 _MOST_GRID_POINTS = 20_000
-_CHECK_POINTS = 20_001
-"""Values of s at which the path's speed is looked at."""
+_MOST_STRETCH = 1.01
+"""Factor by which time is stretched at most where limits are still exceeded between the points of a program."""
 
 
-def retime_path(config: Config, path: Path, progress: Progress = silent) -> Trajectory:
-    """Time a path within the machine's velocity and acceleration limits, at rest at both ends.
+def retime_path(config: Config, path: Path, progress: Progress = silent, verbose: bool = False) -> Trajectory:
+    """Time a path within all limits of the machine, at rest at both ends.
 
-    The duration is a whole number of `retime.period_s`. The grid is doubled while limits are broken between its
-    points; what is left then (below 0.1 %) is taken off by stretching time, so that all limits hold.
+    With `retime.jerk` accelerations are continuous, and zero at both ends. The duration is a whole number of
+    `retime.period_s`. What limits are exceeded by between the points of a program (below 0.1 %) is taken off by
+    stretching time, so that all limits hold.
 
     Raises
     ------
     NoSolutionError
-        When the path does not move, has a corner or comes to a stop on its way, or when the planner fails.
+        When the path does not move, has a corner or comes to a stop on its way, when forces do not suffice to hold the
+        machine, or when a planner fails.
     """
-    _require_smooth(path)
-    _require_motion(path)
-    planned, usage = _plan(path, config.retime.grid_points, progress)
-    return whole_periods(planned, config.retime.period_s, least_s=planned.duration_s * usage.stretch)
+    require_smooth(path)
+    require_motion(path)
+    table = terms_table(path, grid(max(TABLE_POINTS, config.retime.grid_points)))
+    require_standing(path, table.grid)
+    law = _law(config, table, progress, verbose)
+    assert law.quality is not None
+    options = config.retime
+    dwell = tuple(math.ceil(wait / options.period_s - 1e-9) * options.period_s for wait in options.dwell_s)
+    waiting = replace(law, dwell_s=(dwell[0], dwell[1]))
+    trajectory = whole_periods(slowed(waiting, options.speed), options.period_s)
+    require_limits(trajectory, options.period_s, table)
+    return trajectory
 
 
-def _plan(path: Path, points: int, progress: Progress) -> tuple[Trajectory, Usage]:
-    # toppra brings a plotting library along; commands that time nothing should not wait for that.
-    from pipeline.retime.plan import plan
+def way_back(config: Config, trajectory: Trajectory) -> Trajectory:
+    """Drive a trajectory backwards, checked by itself; where friction makes forces larger, as much slower as needed.
+
+    Raises
+    ------
+    NoSolutionError
+        When forces do not suffice to hold the machine on its way back.
+    """
+    back = time_reversed(trajectory)
+    table = terms_table(back.path, grid(TABLE_POINTS))
+    require_standing(back.path, table.grid)
+    slower = measure_usage(back, config.retime.period_s, table).stretch
+    back = stretched(back, sum(back.dwell_s) + back.motion_s * slower)
+    back = whole_periods(back, config.retime.period_s)
+    require_limits(back, config.retime.period_s, table)
+    return back
+
+
+def _law(config: Config, table: TermsTable, progress: Progress, verbose: bool) -> Trajectory:
+    """Find the time law itself."""
+    # Solvers, and a plotting library that one of them brings along, take a while to load.
+    from pipeline.retime.bound import duration_bound
+
+    options = config.retime
+    fastest, usage, points = _fastest(table, options.grid_points, progress)
+    progress("bounding the duration from below")
+    bound = duration_bound(table, grid(options.bound_points))
+    limit_jerk = options.jerk and JERK in limited(table.path.machine)
+    quality = Quality(limit_jerk, fastest.motion_s, bound, fastest.motion_s, points)
+    if not limit_jerk:
+        return replace(_within_limits(fastest, usage), quality=quality)
+    from pipeline.retime.jerk import limit_jerk as with_limited_jerk
+
+    found = with_limited_jerk(table, fastest, options.jerk_pieces, progress, verbose)
+    law = _within_limits(found.trajectory, measure_usage(found.trajectory, options.period_s, table))
+    return replace(
+        law,
+        quality=replace(
+            quality,
+            motion_s=law.motion_s,
+            pieces=found.pieces,
+            rounds=found.rounds,
+            iterations=found.iterations,
+        ),
+    )
+
+
+def _fastest(table: TermsTable, points: int, progress: Progress) -> tuple[Trajectory, Usage, int]:
+    """Plan without jerk limits; the grid is doubled while limits are broken between its points."""
+    from pipeline.retime.plan import plan_rows
+    from pipeline.retime.rows import limit_rows
 
     while True:
         progress(f"timing the path on {points:,} grid points")
-        planned = plan(path, points)
-        usage = measure_usage(planned)
-        if usage.largest <= ALLOWED_USAGE or 2 * points > _MOST_GRID_POINTS:
-            return planned, require_limits(planned)
+        s = grid(points)
+        planned = plan_rows(table.path, s, limit_rows(table.at(s)))
+        usage = measure_usage(planned, table=table)
+        if usage.largest <= ALLOWED_USAGE:
+            return planned, usage, points
+        if 2 * points > _MOST_GRID_POINTS:
+            return planned, require_limits(planned, table=table), points
         points *= 2
 
 
-def _require_smooth(path: Path) -> None:
-    """Refuse a spline whose second derivative jumps: at a corner it can only be driven by stopping."""
-    degree, knots = path.spline.k, path.spline.t
-    interior, counts = np.unique(knots[degree + 1 : -degree - 1], return_counts=True)
-    rough = interior[degree - counts < 2]
-    if rough.size:
-        raise NoSolutionError(
-            "retime",
-            f"the path's velocity or curvature jumps at s = {rough[0]:.4f}",
-            "Time a refined path: splines of degree 3 or more with simple knots.",
-            {"s": float(rough[0])},
-        )
+def _within_limits(trajectory: Trajectory, usage: Usage) -> Trajectory:
+    """Stretch time by what a usage asks for, for nothing to be above its limit.
 
-
-def _require_motion(path: Path) -> None:
-    """Refuse a path that does not move at all, or nearly stops moving with s somewhere."""
-    s = np.linspace(0.0, 1.0, _CHECK_POINTS)
-    if np.ptp(path.q(s), axis=0).max() < _LEAST_TRAVEL_M:
+    Raises
+    ------
+    NoSolutionError
+        When that is too much to be called rounding.
+    """
+    factor = usage.stretch
+    if factor == 1.0:
+        return trajectory
+    if factor > _MOST_STRETCH:
         raise NoSolutionError(
             "retime",
-            "the path does not move: no actuator travels",
-            "Give the task a goal that differs from its start.",
+            f"limits are exceeded between the points of the program: time would have to be stretched by "
+            f"{factor - 1.0:.2%}",
+            "Give more retime.jerk_pieces, or ask for a smoother path (fewer refine.coefficients).",
+            {"stretch": factor},
         )
-    speed = np.linalg.norm(path.q(s, 1) / path.machine.velocity_mps, axis=1)
-    relative = speed / speed.mean()
-    slowest = int(np.argmin(relative))
-    if not relative[slowest] >= _LEAST_RELATIVE_SPEED:
-        raise NoSolutionError(
-            "retime",
-            f"the path nearly stops at s = {s[slowest]:.4f}: |q'(s)| falls to {relative[slowest]:.2%} of its mean, "
-            f"and at least {_LEAST_RELATIVE_SPEED:.0%} is needed for its timing to be right",
-            "Refine with other refine.coefficients or refine.corridor_cells, so that s stays close to arc length.",
-            {"s": float(s[slowest]), "relative_speed": float(relative[slowest])},
-        )
+    return stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * factor)

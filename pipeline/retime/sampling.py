@@ -12,9 +12,9 @@ _SAME = 1e-9
 """Part of a period that is rounding: a duration this little above a multiple of the period is that multiple."""
 
 
-def whole_periods(trajectory: Trajectory, period_s: float, least_s: float = 0.0) -> Trajectory:
-    """Stretch time to the next multiple of the period, at least `least_s` long, so that the last sample is the goal."""
-    periods = max(1, math.ceil(max(trajectory.duration_s, least_s) / period_s - _SAME))
+def whole_periods(trajectory: Trajectory, period_s: float) -> Trajectory:
+    """Stretch time to the next multiple of the period, so that the last sample is the goal."""
+    periods = max(1, math.ceil(trajectory.duration_s / period_s - _SAME))
     duration = periods * period_s
     return trajectory if duration == trajectory.duration_s else stretched(trajectory, duration)
 

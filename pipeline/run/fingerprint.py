@@ -29,17 +29,19 @@ _CODE = {
     Stage.RETIME: ("artifacts", "machine", "refine", "retime", "export"),
     Stage.FIGURES: ("artifacts", "machine", "route", "refine", "retime", "compare"),
 }
+_MOTION_ONLY = ("limits", "dynamics")
+"""Parts of the machine that only its motion in time depends on."""
 _PACKAGE = pathlib.Path(__file__).parents[1]
 
 
 def config_part(config: Config, stage: Stage) -> dict[str, Any]:
     """Pick the keys of the configuration that a stage may read.
 
-    Stages one and two know nothing of limits, so that other limits cost a new trajectory only. The files of
+    Stages one and two know nothing of limits and masses, so that others cost a new trajectory only. The files of
     later stages quote the configuration, name and hash included, so that they depend on all of it.
     """
     whole = config.model_dump(mode="json")
-    machine = {key: value for key, value in whole["machine"].items() if key != "limits"}
+    machine = {key: value for key, value in whole["machine"].items() if key not in _MOTION_ONLY}
     space = {"machine": machine, "task": whole["task"]}
     if stage is Stage.REGIONS:
         # The margin around boxes to avoid is counted in steps.

@@ -44,8 +44,22 @@ def with_period(config: Config, period_s: float | None) -> Config:
     ConfigError
         When the period is not within what the configuration allows.
     """
-    if period_s is None:
+    return with_retime(config, period_s=period_s)
+
+
+def with_retime(config: Config, period_s: float | None = None, speed: float | None = None) -> Config:
+    """Put another sampling period or another part of the speed into a configuration; None leaves them.
+
+    Raises
+    ------
+    ConfigError
+        When they are not within what the configuration allows.
+    """
+    given = {"period_s": period_s, "speed": speed}
+    changes = {key: value for key, value in given.items() if value is not None}
+    if not changes:
         return config
     data = config.model_dump(mode="json")
-    data["retime"]["period_s"] = period_s
-    return parse_config(data, source=f"a period of {period_s:g} s")
+    data["retime"].update(changes)
+    words = {"period_s": "a period of {:g} s", "speed": "a speed of {:g}"}
+    return parse_config(data, source=" and ".join(words[key].format(value) for key, value in changes.items()))

@@ -151,17 +151,26 @@ def make_certificate(results: Results, progress: Progress, verbose: bool) -> Pro
 
 
 def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Product:
-    """Time the path, and sample it for the controller."""
-    from pipeline.artifacts.results import trajectory_files
+    """Time the path and its way back, and sample both for the controller."""
+    from pipeline.artifacts.results import back_files, trajectory_files
     from pipeline.export import sidecar
-    from pipeline.retime import measure_trajectory, retime_path, sample
+    from pipeline.retime import measure_trajectory, retime_path, sample, way_back
     from pipeline.summary import trajectory_section
 
-    results.trajectory = retime_path(results.config, results.refinement.path, progress)
-    samples = sample(results.trajectory, results.config.retime.period_s)
-    figures = measure_trajectory(results.trajectory, samples)
-    meaning = sidecar(results.config, results.machine, samples, figures.usage)
-    return Product(trajectory_files(results.trajectory, samples, meaning), trajectory_section(figures))
+    config, machine = results.config, results.machine
+    results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
+    back = way_back(config, results.trajectory)
+    progress("sampling the trajectory")
+    there_samples, back_samples = (sample(one, config.retime.period_s) for one in (results.trajectory, back))
+    there_figures = measure_trajectory(results.trajectory, there_samples)
+    back_figures = measure_trajectory(back, back_samples)
+    files = {
+        **trajectory_files(
+            results.trajectory, there_samples, sidecar(config, machine, there_samples, there_figures.usage)
+        ),
+        **back_files(machine, back_samples, sidecar(config, machine, back_samples, back_figures.usage)),
+    }
+    return Product(files, trajectory_section(there_figures, back_figures))
 
 
 def make_figures(results: Results, progress: Progress, verbose: bool) -> Product:
@@ -173,7 +182,7 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     progress("drawing")
     coarse, refined = results.samples
     samples = sample(results.trajectory, results.config.retime.period_s)
-    figures = all_figures(results.config, results.machine, results.route, coarse, refined, samples)
+    figures = all_figures(results.config, results.machine, results.route, coarse, refined, samples, results.trajectory)
     return Product(figure_files(figures), {"status": "done", "count": len(figures)})
 
 

@@ -71,5 +71,8 @@ def test_limits_are_the_machine_s(described: dict, machine: Machine) -> None:
         "position_m": [0.95, 1.25],
         "velocity_mps": 0.1,
         "acceleration_mps2": 0.5,
+        "jerk_mps3": 10.0,
+        "force_n": 1000.0,
     }
+    assert described["shared_limits"] == {"link_force_n": 2000.0, "tcp_speed_mps": None, "tcp_acceleration_mps2": None}
     assert [limit["velocity_mps"] for limit in described["limits"].values()] == machine.velocity_mps.tolist()

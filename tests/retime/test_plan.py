@@ -24,6 +24,7 @@ def _with_limits(path: Path, velocity: float = 1.0, acceleration: float = 1.0, t
         path.machine,
         velocity_mps=path.machine.velocity_mps * velocity,
         acceleration_mps2=path.machine.acceleration_mps2 * acceleration,
+        masses=None,
     )
     spline = path.spline.construct_fast(path.spline.t, path.spline.c * travel, path.spline.k)
     return replace(path, machine=machine, spline=spline)

@@ -1,6 +1,7 @@
 """The stage: a path becomes a trajectory within all limits, or is refused with the reason."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,28 +10,34 @@ from scipy.interpolate import BSpline, make_interp_spline
 from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError
 from pipeline.refine.result import Path
-from pipeline.retime import measure_usage, retime_path
+from pipeline.retime import measure_usage, retime_path, sample
 from pipeline.retime.plan import plan
 
 
-def _config(config: Config, **options: float) -> Config:
+def _config(config: Config, **options: Any) -> Config:
     return config.model_copy(update={"retime": RetimeConfig(**options)})
 
 
-def test_all_limits_hold_everywhere_and_the_period_fits(agder_config: Config, path: Path) -> None:
+@pytest.fixture(scope="module")
+def without_jerk(agder_config: Config) -> Config:
+    """Take jerk as it comes."""
+    return _config(agder_config, jerk=False)
+
+
+def test_all_limits_hold_everywhere_and_the_period_fits(without_jerk: Config, path: Path) -> None:
     """No limit is exceeded at all, the duration is a whole number of periods and at most two above the plan."""
-    trajectory = retime_path(agder_config, path)
-    period = agder_config.retime.period_s
-    assert measure_usage(trajectory).largest <= 1.0
+    trajectory = retime_path(without_jerk, path)
+    period = without_jerk.retime.period_s
+    assert measure_usage(trajectory, period).largest <= 1.0
     assert trajectory.duration_s == round(trajectory.duration_s / period) * period
-    assert 0.0 <= trajectory.duration_s - plan(path, agder_config.retime.grid_points).duration_s < 2.0 * period
+    assert 0.0 <= trajectory.duration_s - plan(path, without_jerk.retime.grid_points).duration_s < 2.0 * period
 
 
 def test_the_grid_is_refined_until_limits_hold_between_its_points(agder_config: Config, path: Path) -> None:
     """A grid that is too coarse is doubled, and every attempt is told."""
     told: list[str] = []
     trajectory = retime_path(
-        _config(agder_config, grid_points=60), path, lambda message, fraction=None: told.append(message)
+        _config(agder_config, grid_points=60, jerk=False), path, lambda message, fraction=None: told.append(message)
     )
     assert len(told) > 1
     assert "60 grid points" in told[0]
@@ -66,10 +73,10 @@ def test_a_path_that_nearly_stops_is_refused_with_the_place(agder_config: Config
 
 
 @pytest.mark.parametrize("slowdown", [0.5, 0.9])
-def test_a_path_that_only_slows_down_is_timed_rightly(agder_config: Config, line, slowdown: float) -> None:
+def test_a_path_that_only_slows_down_is_timed_rightly(without_jerk: Config, line, slowdown: float) -> None:
     """Down to a tenth of the mean speed, a line takes the time a line has to take, and keeps all limits."""
     slow = line(0.9, lambda s: s - slowdown * np.sin(2.0 * np.pi * (s - 0.37)) / (2.0 * np.pi), 200)
-    trajectory = retime_path(agder_config, slow)
+    trajectory = retime_path(without_jerk, slow)
     assert trajectory.duration_s == pytest.approx(2.05, abs=0.0201)
     assert measure_usage(trajectory).largest <= 1.0
 
@@ -83,12 +90,101 @@ def test_a_path_with_corners_is_refused(agder_config: Config, path: Path, degree
         retime_path(agder_config, rough)
 
 
-def test_a_threefold_knot_is_fine_and_a_fourfold_one_is_not(agder_config: Config, path: Path) -> None:
+def test_a_threefold_knot_is_fine_and_a_fourfold_one_is_not(without_jerk: Config, path: Path) -> None:
     """Degree less multiplicity tells the smoothness: two derivatives are needed."""
 
     def with_knot(times: int) -> Path:
         return replace(path, spline=path.spline.insert_knot(0.5, m=times))
 
-    assert retime_path(agder_config, with_knot(3)).duration_s == retime_path(agder_config, path).duration_s
+    assert retime_path(without_jerk, with_knot(3)).duration_s == retime_path(without_jerk, path).duration_s
     with pytest.raises(NoSolutionError, match=r"s = 0\.5000"):
-        retime_path(agder_config, with_knot(4))
+        retime_path(without_jerk, with_knot(4))
+
+
+def test_jerk_is_limited_by_default_and_what_it_costs_is_told(agder_config: Config, path: Path) -> None:
+    """All limits hold at every tenth of a period; the gap without jerk is below half a percent."""
+    trajectory = retime_path(agder_config, path)
+    usage = measure_usage(trajectory, agder_config.retime.period_s)
+    assert set(usage.held()) == {"velocity", "acceleration", "jerk", "force", "link_force"}
+    assert usage.largest <= 1.001
+    quality = trajectory.quality
+    assert quality.jerk_limited
+    assert 0.0 < quality.gap < 0.005
+    assert 0.0 < quality.jerk_cost < 0.02
+    assert quality.bound_s < quality.fastest_s < quality.motion_s <= trajectory.motion_s
+    assert min(quality.pieces, quality.rounds, quality.iterations) > 0
+
+
+def test_positions_at_a_millisecond_show_the_accelerations(agder_config: Config, path: Path) -> None:
+    """Second differences of the rows agree with qdd to a thousandth of the limit, everywhere."""
+    samples = sample(retime_path(agder_config, path), 0.001)
+    second = np.diff(samples.q_m, 2, axis=0) / 0.001**2
+    assert (np.abs(second - samples.qdd_mps2[1:-1]) / path.machine.acceleration_mps2).max() < 1e-3
+
+
+def test_without_jerk_limits_the_peak_tells_what_a_controller_sees(without_jerk: Config, path: Path) -> None:
+    """Accelerations jump: over a period that is many times the limit, the more the shorter the period."""
+    trajectory = retime_path(without_jerk, path)
+    assert not trajectory.quality.jerk_limited
+    assert trajectory.quality.jerk_cost == 0.0
+    coarse, fine = (measure_usage(trajectory, period) for period in (0.01, 0.001))
+    assert not fine.jerk_held
+    assert fine.jerk.max() > 5.0 * coarse.jerk.max() > 5.0
+    assert fine.largest <= 1.001
+    assert measure_usage(trajectory).jerk is None
+
+
+@pytest.mark.parametrize(("speed", "dwell_s"), [(0.3, (0.0, 0.0)), (1.0, (0.503, 0.2)), (0.5, (0.01, 1.0))])
+def test_speed_and_dwell(without_jerk: Config, path: Path, speed: float, dwell_s: tuple[float, float]) -> None:
+    """The motion takes 1 / speed times as long, and nothing moves for whole periods before and after it."""
+    config = _config(without_jerk, jerk=False, speed=speed, dwell_s=dwell_s)
+    trajectory, full = retime_path(config, path), retime_path(without_jerk, path)
+    assert trajectory.motion_s == pytest.approx(full.quality.motion_s / speed, abs=0.0101)
+    waits = np.ceil(np.array(dwell_s) / 0.01 - 1e-9) * 0.01
+    assert trajectory.dwell_s == pytest.approx(waits)
+    samples = sample(trajectory, 0.01)
+    assert samples.duration_s == pytest.approx(trajectory.motion_s + waits.sum())
+    resting = (samples.t_s < waits[0] - 1e-9) | (samples.t_s > samples.duration_s - waits[1] - 1e-9)
+    assert not samples.qd_mps[resting].any()
+    assert not samples.qdd_mps2[resting].any()
+    assert np.array_equal(samples.q_m[-1], path.q(1.0))
+    usage, most = measure_usage(trajectory, 0.01), measure_usage(full, 0.01)
+    assert usage.velocity.max() == pytest.approx(speed * most.velocity.max(), rel=5e-3)
+    assert usage.acceleration.max() == pytest.approx(speed**2 * most.acceleration.max(), rel=1e-2)
+
+
+def test_a_load_that_gravity_alone_exceeds_is_refused_with_the_pose(agder_config: Config, path: Path) -> None:
+    """The limit, the force it takes, and where; nothing is planned."""
+    heavy = replace(path.machine, masses=replace(path.machine.masses, load_kg=300.0))
+    with pytest.raises(
+        NoSolutionError, match=r"needs .* N just to hold the machine at s = .* limit of .* at the pose x "
+    ):
+        retime_path(agder_config, replace(path, machine=heavy))
+
+
+def test_a_locked_actuator_that_would_have_to_move_is_named(agder_config: Config, path: Path) -> None:
+    """Velocity zero: which actuator, from where on."""
+    velocity = path.machine.velocity_mps.copy()
+    velocity[1] = 0.0
+    locked = replace(path, machine=replace(path.machine, velocity_mps=velocity))
+    with pytest.raises(
+        NoSolutionError, match=r"c2 would have to move, and its velocity limit is 0 m/s.* at the pose x "
+    ) as e:
+        retime_path(agder_config, locked)
+    assert e.value.exit_code == 1
+
+
+def test_a_locked_actuator_that_need_not_move_is_fine(without_jerk: Config, line) -> None:
+    """Carts move together along X: telescopes may be locked."""
+    path = line(0.3)
+    velocity = path.machine.velocity_mps.copy()
+    velocity[3:] = 0.0
+    locked = replace(path, machine=replace(path.machine, velocity_mps=velocity))
+    assert retime_path(without_jerk, locked).duration_s == retime_path(without_jerk, path).duration_s
+
+
+def test_too_much_stretch_is_an_error(agder_config: Config, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the last rounds leave may be taken off by stretching, but not more than a percent."""
+    monkeypatch.setattr("pipeline.retime.jerk._ROUNDS", 1)
+    with pytest.raises(NoSolutionError, match="time would have to be stretched by"):
+        retime_path(_config(agder_config, jerk_pieces=40), path)

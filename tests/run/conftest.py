@@ -204,7 +204,7 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
         fake.enter("certify", progress)
         return make_certificate(path)
 
-    def retime_path(config: Config, path: Path, progress: Progress = silent) -> Trajectory:
+    def retime_path(config: Config, path: Path, progress: Progress = silent, verbose: bool = False) -> Trajectory:
         fake.enter("retime", progress)
         return make_trajectory(path)
 

@@ -379,7 +379,8 @@ class TestCheck:
     def test_schema(self, call: Call, tmp_path: Path) -> None:
         """The schema is pure JSON, names every key, and refuses unknown ones."""
         schema = json.loads(call("check", "--schema").stdout)
-        assert set(schema["properties"]) == {"name", "machine", "task", "route", "refine", "certify", "retime"}
+        sections = {"name", "machine", "task", "route", "refine", "certify", "retime", "export"}
+        assert set(schema["properties"]) == sections
         assert schema["additionalProperties"] is False
         assert "$defs" in schema
 
@@ -449,6 +450,34 @@ class TestLooks:
         for name in (f"q{k}_m" for k in range(1, 6)):
             assert fine[name][-1] == pytest.approx(coarse[name][-1], abs=1e-9)
         assert all(fine[f"qd{k}_mps"][-1] == 0.0 for k in range(1, 6))
+
+    @pytest.mark.parametrize("kind", ["ros2", "ros2-json", "linuxcnc", "beckhoff", "mujoco"])
+    def test_export_in_every_format(self, call: Call, kind: str) -> None:
+        """Each format is written, to a file or to stdout alike."""
+        shown = call("export", "out", "--format", kind, "--period", "0.05")
+        assert shown.exit_code == 0
+        assert call("export", "out", "--format", kind, "--period", "0.05", "--output", "x").exit_code == 0
+        assert Path("x").read_bytes() == shown.stdout_bytes
+
+    def test_export_slower_and_backwards(self, call: Call) -> None:
+        """Half the speed takes twice as long; the way back begins at the goal."""
+        from pipeline.export import read_csv
+
+        there = read_csv(call("export", "out", "--speed", "0.5").stdout)
+        back = read_csv(call("export", "out", "--back").stdout)
+        assert there["t_s"][-1] == pytest.approx(4.0)
+        assert back["t_s"][-1] == pytest.approx(2.0)
+        assert back["q1_m"][0] == there["q1_m"][-1]
+        assert back["q1_m"][-1] == there["q1_m"][0]
+
+    def test_export_with_options_of_csv(self, call: Call) -> None:
+        """Separator, columns and units as asked for; what the period does not allow is refused."""
+        options = ["--separator", "semicolon", "--length", "mm", "--columns", "t_s, q1_m"]
+        assert call("export", "out", *options).stdout.startswith("t_s;q1_mm\n0.000000000000;")
+        refused = call("export", "out", "--decimals", "3")
+        assert refused.exit_code == 2
+        assert "decimals are too few" in refused.stderr
+        assert call("export", "out", "--speed", "1.5").exit_code == 2
 
     def test_export_spares_the_run(self, call: Call) -> None:
         """Files of the run are not written over."""
@@ -680,7 +709,11 @@ class TestRealStages:
         assert path["closure_residual_m"] < 1e-9
         assert path["max_tilt_deg"] <= 30.0
         assert path["min_link_distance_m"] >= 0.03
-        assert max(*trajectory["usage"]["velocity"], *trajectory["usage"]["acceleration"]) <= 1.001
+        usage = trajectory["usage"]
+        assert trajectory["jerk"] == "limited"
+        assert max(max(usage[name]) for name in ("velocity", "acceleration", "jerk", "force", "link_force")) <= 1.001
+        assert 0.0 < trajectory["gap"] < 0.005
+        assert trajectory["duration_bound_s"] < trajectory["duration_without_jerk_s"] < trajectory["duration_s"]
 
     def test_nothing_runs_twice(self, folder: Path) -> None:
         """The second run runs no stage and changes no file."""

@@ -29,6 +29,8 @@ RESULT_FILES = {
     "trajectory.npz",
     "trajectory.csv",
     "trajectory.json",
+    "trajectory_back.csv",
+    "trajectory_back.json",
     "figures/route.png",
     "figures/kappa.png",
 }
@@ -107,8 +109,10 @@ class TestWhole:
         trajectory = told["trajectory"]
         assert trajectory["duration_s"] == 2.0
         assert trajectory["samples"] == 201
-        assert trajectory["usage"]["jerk"] == trajectory["usage"]["force"] == "skipped"
-        assert len(trajectory["usage"]["velocity"]) == len(trajectory["usage"]["acceleration"]) == 5
+        assert trajectory["usage"]["tcp_speed"] == trajectory["usage"]["tcp_acceleration"] == "skipped"
+        assert {len(trajectory["usage"][name]) for name in ("velocity", "acceleration", "jerk", "force")} == {5}
+        assert len(trajectory["usage"]["link_force"]) == 6
+        assert trajectory["back"]["duration_s"] == 2.0
         assert all(told[part]["seconds"] >= 0.0 for part in ("regions", "route", "path", "trajectory"))
 
     def test_path_table_gives_the_summary(self, tmp_path: Path, fast_config: Config, stages: Any) -> None:
@@ -191,6 +195,9 @@ class TestCaching:
             ("refine__nodes", 90, ["refine", "certify"]),
             ("refine__check_points", 1_001, ["refine", "certify"]),
             ("retime__period_s", 0.02, []),
+            ("retime__jerk", False, []),
+            ("machine__dynamics", None, []),
+            ("machine__limits__tcp__speed_mps", 0.3, []),
         ],
     )
     def test_what_runs_again(

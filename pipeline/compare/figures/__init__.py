@@ -7,15 +7,26 @@ from matplotlib.figure import Figure
 
 from pipeline.compare.figures.clearance import clearance_figure
 from pipeline.compare.figures.kappa import kappa_figure
+from pipeline.compare.figures.loads import loads_figure, usage_figure
+from pipeline.compare.figures.phase import phase_figure
 from pipeline.compare.figures.route import route_figure
 from pipeline.compare.figures.trajectory import trajectory_figure
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
-from pipeline.retime.result import TrajectorySamples
+from pipeline.retime.result import Trajectory, TrajectorySamples
 from pipeline.route.result import Route
 
-__all__ = ["all_figures", "clearance_figure", "kappa_figure", "route_figure", "trajectory_figure"]
+__all__ = [
+    "all_figures",
+    "clearance_figure",
+    "kappa_figure",
+    "loads_figure",
+    "phase_figure",
+    "route_figure",
+    "trajectory_figure",
+    "usage_figure",
+]
 
 
 def all_figures(
@@ -25,6 +36,7 @@ def all_figures(
     coarse: PathSamples | None = None,
     refined: PathSamples | None = None,
     trajectory: TrajectorySamples | None = None,
+    timed: Trajectory | None = None,
 ) -> dict[str, Figure]:
     """Draw every figure that the results at hand allow; the keys are the stems of the files to be."""
     figures = {"route": route_figure(config, machine, route, coarse, refined)}
@@ -33,4 +45,6 @@ def all_figures(
         figures["clearance"] = clearance_figure(config, machine, coarse, refined)
     if trajectory is not None:
         figures["trajectory"] = trajectory_figure(machine, trajectory)
+    if timed is not None:
+        figures |= {"loads": loads_figure(timed), "usage": usage_figure(timed), "phase": phase_figure(timed)}
     return figures

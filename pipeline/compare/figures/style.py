@@ -99,6 +99,11 @@ def label_yz_panels(panels: list[Axes], columns: int) -> None:
             axes.set_xlabel("y (m)")
 
 
+def name_lines(axes: Axes, count: int) -> None:
+    """Name the curves above the panel, where they cannot cover anything."""
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02), ncols=count, handlelength=1.0, borderaxespad=0.0)
+
+
 def angle_locator() -> MaxNLocator:
     """Place ticks at multiples of 15 or 30 degrees rather than 20 or 25."""
     return MaxNLocator(5, steps=[1, 1.5, 3, 5, 10])

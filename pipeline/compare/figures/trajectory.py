@@ -36,7 +36,7 @@ def trajectory_figure(machine: Machine, samples: TrajectorySamples) -> Figure:
             _draw_actuators(axes, samples.t_s, values, limits, group)
             axes.set_ylabel(label)
     for axes, group in zip(panels[1], _GROUPS, strict=True):
-        _name_lines(axes, len(group))
+        style.name_lines(axes, len(group))
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
         axes.set_xlim(samples.t_s[0], samples.t_s[-1])
@@ -59,7 +59,7 @@ def _draw_pose(panels: list[Axes], samples: TrajectorySamples) -> None:
 def _draw_axes(axes: Axes, t_s: FloatArray, values: FloatArray, names: tuple[str, str, str]) -> None:
     for value, colour, name in zip(values.T, _AXIS_COLOURS, names, strict=True):
         axes.plot(t_s, value, color=colour, linewidth=0.8, label=name)
-    _name_lines(axes, len(names))
+    style.name_lines(axes, len(names))
 
 
 def _draw_actuators(
@@ -72,8 +72,3 @@ def _draw_actuators(
         shared = bool(np.all(bounds == bounds[0]))
         for k, bound in zip(group[:1] if shared else group, bounds, strict=False):
             axes.axhline(bound, **{**style.LIMIT_LINE, **({} if shared else {"color": _ACTUATOR_COLOURS[k]})})
-
-
-def _name_lines(axes: Axes, count: int) -> None:
-    """Name the curves above the panel, where they cannot cover anything."""
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02), ncols=count, handlelength=1.0, borderaxespad=0.0)

@@ -1,0 +1,108 @@
+"""Inverse dynamics: the forces of drives and links that a motion takes.
+
+Signs: a link's force is positive where it is pushed, and acts on the platform along u_l, from cart to platform; a
+telescope's drive carries that very force. A cart's drive pushes it along X.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.machine.geometry import (
+    ARM_OF_LINK,
+    TELESCOPES,
+    FloatArray,
+    Machine,
+    cross,
+    link_vectors,
+    rotation,
+    rotation_x,
+)
+from pipeline.machine.masses import Masses, lumped_platform
+from pipeline.machine.statics import statics_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """Forces in newtons: of the drives c1, c2, c3, l2b, l3b (..., 5), and along the six links (..., 6)."""
+
+    drive_n: FloatArray
+    link_n: FloatArray
+
+
+def carried_cart_masses(masses: Masses) -> FloatArray:
+    """Mass of each cart with the halves of its links. Shape (3,)."""
+    halves = np.zeros(3)
+    np.add.at(halves, ARM_OF_LINK, masses.link_kg / 2.0)
+    return masses.cart_kg + halves
+
+
+def inverse_dynamics(
+    machine: Machine,
+    masses: Masses,
+    pose: FloatArray,
+    carts_m: FloatArray,
+    pose_rate: FloatArray,
+    pose_acceleration: FloatArray,
+    cart_acceleration_mps2: FloatArray,
+) -> Forces:
+    """Compute the forces of a motion without friction, from Newton's and Euler's equations about the TCP.
+
+    With the lumped platform's m, r (TCP to centre of mass) and I, its wrench w and the links' forces f follow from
+
+        m (a + alpha x r + omega x (omega x r) - g) = F
+        r x F + I alpha + omega x I omega = M
+        H f = w = (F, M)
+
+    and a cart of carried mass m_k needs m_k a_k + sum of f_l u_l . e_x over its links.
+
+    Parameters
+    ----------
+    pose, pose_rate, pose_acceleration : (n, 6)
+        x, y, z, rx, ry, rz and their first two derivatives by time.
+    carts_m, cart_acceleration_mps2 : (n, 3)
+        Positions of the carts and their accelerations.
+    """
+    body = lumped_platform(masses, machine.platform_points_m)
+    R = rotation(pose[:, 3], pose[:, 4], pose[:, 5])
+    omega, alpha = angular_motion(pose, pose_rate, pose_acceleration)
+    r = R @ body.centre_m
+    inertia = R @ body.inertia_kgm2 @ np.swapaxes(R, -1, -2)
+    centre_acceleration = pose_acceleration[:, :3] + cross(alpha, r) + cross(omega, cross(omega, r))
+    F = body.mass_kg * (centre_acceleration - masses.gravity_mps2)
+    M = cross(r, F) + _times(inertia, alpha) + cross(omega, _times(inertia, omega))
+    H = statics_matrix(machine, pose, carts_m)
+    link = np.linalg.solve(H, np.concatenate([F, M], axis=1)[..., None])[..., 0]
+    vectors = link_vectors(machine, pose, carts_m)
+    along_x = link * vectors[..., 0] / np.linalg.norm(vectors, axis=-1)
+    drive = np.empty((len(pose), 5))
+    drive[:, :3] = carried_cart_masses(masses) * cart_acceleration_mps2
+    np.add.at(drive.T, ARM_OF_LINK, along_x.T)
+    drive[:, 3:] = link[:, TELESCOPES]
+    return Forces(drive, link)
+
+
+def angular_motion(
+    pose: FloatArray, pose_rate: FloatArray, pose_acceleration: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Angular velocity and acceleration (n, 3) for R = Rx(rx) Rz(rz) Ry(ry).
+
+    omega = e_x rx_d + (Rx e_z) rz_d + y_platform ry_d; every axis is carried along by the rotations before it.
+    """
+    Rx = rotation_x(pose[:, 3])
+    y_platform = rotation(pose[:, 3], pose[:, 4], pose[:, 5])[..., 1]
+    rx, ry, rz = (pose_rate[:, k, None] for k in (3, 4, 5))
+    rx2, ry2, rz2 = (pose_acceleration[:, k, None] for k in (3, 4, 5))
+    axis_x = np.broadcast_to([1.0, 0.0, 0.0], (len(pose), 3))
+    axis_z = Rx[..., 2]
+    about_x = axis_x * rx
+    about_xz = about_x + axis_z * rz
+    omega = about_xz + y_platform * ry
+    alpha = axis_x * rx2 + axis_z * rz2 + y_platform * ry2
+    alpha += cross(about_x, axis_z) * rz + cross(about_xz, y_platform) * ry
+    return omega, alpha
+
+
+def _times(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
+    product: FloatArray = np.einsum("nij,nj->ni", matrices, vectors)
+    return product

@@ -1,0 +1,112 @@
+"""What cannot be timed at all, refused before any planning: where it is, and which limit stands in the way."""
+
+import numpy as np
+
+from pipeline.errors import NoSolutionError
+from pipeline.machine.geometry import ACTUATORS
+from pipeline.refine.result import Path
+from pipeline.retime.limits import FORCES, kind_named, limits
+from pipeline.retime.terms import Terms
+
+_LEAST_RELATIVE_SPEED = 0.05
+"""Least |q'(s)| over its mean. Where it is smaller the path velocity peaks too sharply for a law that is piecewise
+constant in its derivative: on lines of known duration and 1,000 grid points, 0.02 came out up to 80 % too slow and
+14 % above an acceleration limit."""
+_LEAST_TRAVEL_M = 1e-9
+_CHECK_POINTS = 20_001
+"""Values of s at which the path's speed is looked at."""
+
+
+def require_smooth(path: Path) -> None:
+    """Refuse a spline whose second derivative jumps: at a corner it can only be driven by stopping.
+
+    Raises
+    ------
+    NoSolutionError
+        With the place of the first corner.
+    """
+    degree, knots = path.spline.k, path.spline.t
+    interior, counts = np.unique(knots[degree + 1 : -degree - 1], return_counts=True)
+    rough = interior[degree - counts < 2]
+    if rough.size:
+        raise NoSolutionError(
+            "retime",
+            f"the path's velocity or curvature jumps at s = {rough[0]:.4f}",
+            "Time a refined path: splines of degree 3 or more with simple knots.",
+            {"s": float(rough[0])},
+        )
+
+
+def require_motion(path: Path) -> None:
+    """Refuse a path that does not move at all, that locked actuators would have to, or that nearly stops somewhere.
+
+    Raises
+    ------
+    NoSolutionError
+        With the place, and the limit where it is one.
+    """
+    s = np.linspace(0.0, 1.0, _CHECK_POINTS)
+    travel = np.ptp(path.q(s), axis=0)
+    if travel.max() < _LEAST_TRAVEL_M:
+        raise NoSolutionError(
+            "retime",
+            "the path does not move: no actuator travels",
+            "Give the task a goal that differs from its start.",
+        )
+    rates = path.q(s, 1)
+    for locked in np.flatnonzero((path.machine.velocity_mps == 0.0) & (travel >= _LEAST_TRAVEL_M)):
+        place = float(s[np.argmax(np.abs(rates[:, locked]) > 1e-6 * np.abs(rates[:, locked]).max())])
+        raise NoSolutionError(
+            "retime",
+            f"{ACTUATORS[locked]} would have to move, and its velocity limit is 0 m/s, from s = {place:.4f} on, at "
+            f"{pose_words(path, place)}",
+            "Raise machine.limits, or give the task a goal that is reached without this actuator.",
+            {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
+        )
+    speed = np.linalg.norm(rates / limits(path.machine)["velocity"], axis=1)
+    relative = speed / speed.mean()
+    slowest = int(np.argmin(relative))
+    if not relative[slowest] >= _LEAST_RELATIVE_SPEED:
+        raise NoSolutionError(
+            "retime",
+            f"the path nearly stops at s = {s[slowest]:.4f}: |q'(s)| falls to {relative[slowest]:.2%} of its mean, "
+            f"and at least {_LEAST_RELATIVE_SPEED:.0%} is needed for its timing to be right",
+            "Refine with other refine.coefficients or refine.corridor_cells, so that s stays close to arc length.",
+            {"s": float(s[slowest]), "relative_speed": float(relative[slowest])},
+        )
+
+
+def require_standing(path: Path, terms: Terms) -> None:
+    """Refuse a path somewhere on which gravity and dry friction alone take more force than there is.
+
+    Raises
+    ------
+    NoSolutionError
+        With the limit and the pose at which it is exceeded most.
+    """
+    if path.machine.masses is None:
+        return
+    allowed = limits(path.machine)
+    needed = dict(zip(FORCES, (terms.c[:, :5] + terms.friction(), terms.c[:, 5:]), strict=True))
+    name = max(FORCES, key=lambda kind: float((np.abs(needed[kind]) / allowed[kind]).max()))
+    fractions = np.abs(needed[name]) / allowed[name]
+    row, subject = np.unravel_index(np.argmax(fractions), fractions.shape)
+    if not fractions[row, subject] >= 1.0:
+        return
+    kind, force, limit = kind_named(name), float(needed[name][row, subject]), float(allowed[name][subject])
+    place = float(terms.s[row])
+    raise NoSolutionError(
+        "retime",
+        f"{kind.subjects[subject]} needs {abs(force):.4g} N just to hold the machine at s = {place:.4f}, "
+        f"{fractions[row, subject]:.1%} of its {kind.words} limit of {limit:g} N, at {pose_words(path, place)}",
+        "Raise machine.limits, lighten machine.dynamics (load_kg, platform), or keep farther away from singularities "
+        "with a smaller refine.kappa_max.",
+        {"actuator": kind.subjects[subject], "limit": name, "force_n": force, "limit_n": limit, "s": place},
+    )
+
+
+def pose_words(path: Path, s: float) -> str:
+    """Name the pose at a place of the path."""
+    x, y, z, rx, ry, rz = path.pose(np.array([s]))[0]
+    angles = ", ".join(f"{name} {np.rad2deg(value):.1f}" for name, value in (("rx", rx), ("ry", ry), ("rz", rz)))
+    return f"the pose x {x:.3f}, y {y:.3f}, z {z:.3f} m, {angles} degrees"

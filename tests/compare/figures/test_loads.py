@@ -1,0 +1,78 @@
+"""Loads, use of limits and the phase plane: what is drawn is what the trajectory does."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from scipy.interpolate import make_interp_spline
+
+from pipeline.compare.figures import loads_figure, phase_figure, usage_figure
+from pipeline.machine import Machine
+from pipeline.refine.measure import PathSamples
+from pipeline.refine.result import Path
+from pipeline.retime import Trajectory
+from pipeline.retime.jerk import limit_jerk
+from pipeline.retime.plan import plan
+from pipeline.retime.terms import grid, terms_table
+
+
+@pytest.fixture(scope="module")
+def path(machine: Machine, refined: PathSamples) -> Path:
+    """The refined path as splines."""
+    rows = np.arange(0, 101, 4)
+    return Path(machine, make_interp_spline(refined.s[rows], refined.q_m[rows], k=5), refined.s, refined.pose)
+
+
+@pytest.fixture(scope="module")
+def timed(path: Path) -> Trajectory:
+    """The path with limited jerk."""
+    return limit_jerk(terms_table(path, grid(501)), plan(path, 500), 80).trajectory
+
+
+def test_loads_have_a_panel_for_each_kind(timed: Trajectory, assert_laid_out: Callable[[Figure], None]) -> None:
+    """Jerks and forces of carts and telescopes, forces along links; as many curves as there are of each."""
+    figure = loads_figure(timed)
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert labels == [
+        "cart jerk (m/s³)",
+        "telescope jerk (m/s³)",
+        "cart force (N)",
+        "telescope force (N)",
+        "force along links (N)",
+    ]
+    curves = [[line for line in axes.get_lines() if len(line.get_xdata()) > 2] for axes in figure.axes]
+    assert [len(found) for found in curves] == [3, 2, 3, 2, 6]
+    assert np.abs(curves[0][0].get_ydata()).max() <= 40.1
+    assert_laid_out(figure)
+
+
+def test_without_masses_and_jerk_limits_panels_say_so(path: Path) -> None:
+    """No curve is invented."""
+    bare = plan(replace(path, machine=replace(path.machine, masses=None)), 300)
+    texts = [text.get_text() for axes in loads_figure(bare).axes for text in axes.texts]
+    assert texts == ["not limited"] * 2 + ["no masses given"] * 3
+
+
+def test_usage_never_leaves_one(timed: Trajectory, assert_laid_out: Callable[[Figure], None]) -> None:
+    """A curve for each kind of limit, none above one; some limit is always nearly used up."""
+    figure = usage_figure(timed)
+    curves = [line for line in figure.axes[0].get_lines() if len(line.get_xdata()) > 2]
+    assert [line.get_label() for line in curves] == ["velocity", "acceleration", "jerk", "force", "link force"]
+    used = np.array([line.get_ydata() for line in curves])
+    assert used.max() <= 1.001
+    assert np.mean(used.max(axis=0) > 0.9) > 0.8
+    assert_laid_out(figure)
+
+
+def test_the_trajectory_stays_below_the_maximum_velocity_curve(
+    timed: Trajectory, assert_laid_out: Callable[[Figure], None]
+) -> None:
+    """Path speed over s, under both curves."""
+    figure = phase_figure(timed)
+    cap, top, speed = figure.axes[0].get_lines()
+    below = np.interp(speed.get_xdata(), top.get_xdata(), top.get_ydata())
+    assert np.all(speed.get_ydata() <= below * 1.01)
+    assert np.all(top.get_ydata() <= cap.get_ydata() * (1.0 + 1e-12))
+    assert_laid_out(figure)

@@ -1,0 +1,199 @@
+"""Every format comes back as the motion it was written from, within its own precision, at every period."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+import yaml
+
+from pipeline.errors import UsageError
+from pipeline.export import (
+    CsvOptions,
+    Motion,
+    format_beckhoff,
+    format_halstreamer,
+    format_samples,
+    format_yaml,
+    motion_of,
+    needed_decimals,
+    read_beckhoff,
+    read_csv,
+    read_halstreamer,
+    read_joint_trajectory,
+    read_keyframes,
+)
+from pipeline.formats import AngleUnit, Format, LengthUnit, Separator
+from pipeline.machine.geometry import ACTUATORS
+
+LIMITS = np.array([2.0, 2.0, 2.0, 0.5, 0.5])
+PERIODS = [0.000125, 0.001, 0.004, 0.01, 0.1]
+
+
+def _read_csv_motion(text: str) -> Motion:
+    columns = read_csv(text)
+    groups = ("q{}_m", "qd{}_mps", "qdd{}_mps2")
+    parts = [np.stack([columns[name.format(k)] for k in range(1, 6)], axis=1) for name in groups]
+    return Motion(columns["t_s"], *parts)
+
+
+READERS = {
+    Format.CSV: _read_csv_motion,
+    Format.ROS2: lambda text: read_joint_trajectory(text)[0],
+    Format.ROS2_JSON: lambda text: read_joint_trajectory(text)[0],
+    Format.LINUXCNC: read_halstreamer,
+    Format.BECKHOFF: lambda text: read_beckhoff(text)[0],
+    Format.MUJOCO: read_keyframes,
+}
+
+
+@pytest.mark.parametrize("period_s", PERIODS)
+@pytest.mark.parametrize("kind", list(Format))
+def test_every_format_reads_back(make_samples, kind: Format, period_s: float) -> None:
+    """Times to a nanosecond, values to half of the last decimal, whatever a format has of them."""
+    samples = make_samples(period_s)
+    motion = READERS[kind](format_samples(kind, samples, LIMITS, ACTUATORS))
+    assert motion.t_s == pytest.approx(samples.t_s, abs=1e-9)
+    assert np.abs(motion.q_m - samples.q_m).max() <= 0.51e-12
+    for found, written in ((motion.qd_mps, samples.qd_mps), (motion.qdd_mps2, samples.qdd_mps2)):
+        assert found is None or np.abs(found - written).max() <= 0.51e-12
+    assert (motion.qd_mps is None) == (kind is Format.LINUXCNC)
+    assert (motion.qdd_mps2 is None) == (kind in (Format.LINUXCNC, Format.MUJOCO))
+
+
+@pytest.mark.parametrize("period_s", PERIODS)
+@pytest.mark.parametrize("kind", list(Format))
+def test_positions_differenced_twice_are_accelerations(make_samples, kind: Format, period_s: float) -> None:
+    """Rounding in the file makes no more than a ten thousandth of the smallest limit, at any period."""
+    samples = make_samples(period_s)
+    motion = READERS[kind](format_samples(kind, samples, LIMITS, ACTUATORS))
+    exact, found = (np.diff(q, 2, axis=0) / period_s**2 for q in (samples.q_m, motion.q_m))
+    assert np.abs(found - exact).max(initial=0.0) <= 1.01e-4 * 0.5
+
+
+@pytest.mark.parametrize("period_s", PERIODS)
+def test_needed_decimals_are_just_enough(period_s: float) -> None:
+    """With one decimal less the worst rounding would show; in millimetres three fewer are needed."""
+    needed = needed_decimals(period_s, LIMITS)
+    worst = 4.0 * 0.5 * 10.0**-needed / period_s**2
+    assert worst <= 1e-4 * 0.5 < 10.0 * worst
+    assert needed_decimals(period_s, LIMITS, 0.001) == needed - 3
+
+
+def test_a_joint_trajectory_is_one(make_samples) -> None:
+    """Fields of the message, names of the configuration, strictly increasing times, no final velocity."""
+    names = ("slide/a", "slide/b", "c", "d.x", "e")
+    samples = make_samples(0.000125)
+    text = format_samples(Format.ROS2, samples, LIMITS, names)
+    message = yaml.safe_load(format_samples(Format.ROS2, make_samples(0.01), LIMITS, names))
+    assert set(message) == {"header", "joint_names", "points"}
+    assert message["joint_names"] == list(names)
+    assert set(message["points"][0]) == {"positions", "velocities", "accelerations", "time_from_start"}
+    assert all(isinstance(value, float) for point in message["points"] for value in point["velocities"])
+    assert message["points"][-1]["velocities"] == [0.0] * 5
+    stamps = [(int(a), int(b)) for a, b in re.findall(r"sec: (\d+), nanosec: (\d+)", text.split("points:")[1])]
+    assert len(stamps) == len(samples)
+    assert stamps == sorted(set(stamps))
+    assert all(0 <= nanosec < 10**9 for _, nanosec in stamps)
+    assert json.loads(format_samples(Format.ROS2_JSON, make_samples(0.01), LIMITS, names)) == message
+    assert read_joint_trajectory(text)[1] == names
+
+
+def test_a_joint_trajectory_has_to_end_at_rest_and_time_to_pass(make_samples) -> None:
+    """What a controller would refuse is not written."""
+    motion = motion_of(make_samples(0.01))
+    with pytest.raises(ValueError, match="ends at rest"):
+        format_yaml(Motion(motion.t_s[:-1], motion.q_m[:-1], motion.qd_mps[:-1], motion.qdd_mps2[:-1]), ACTUATORS)
+    with pytest.raises(ValueError, match="increase strictly"):
+        format_yaml(Motion(motion.t_s * 1e-9, motion.q_m, motion.qd_mps, motion.qdd_mps2), ACTUATORS)
+
+
+def test_halstreamer_lines_are_five_floats(make_samples) -> None:
+    """Comments begin with #; all other lines have five numbers that strtod reads, and there is one per row."""
+    text = format_halstreamer(motion_of(make_samples(0.001)), 12)
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    assert len(lines) == 201
+    assert all(re.fullmatch(r"(-?\d+\.\d{12} ){4}-?\d+\.\d{12}", line) for line in lines)
+
+
+def test_the_beckhoff_dialect_is_as_documented(make_samples) -> None:
+    """Semicolons, decimal points, CRLF, ASCII; units in the column names; zeros without a sign."""
+    text = format_beckhoff(motion_of(make_samples(0.001)), ("a", "b", "c", "d.x", "e"), 9)
+    assert text.isascii()
+    assert text.count("\r\n") == text.count("\n") == 202
+    assert text.endswith("\r\n")
+    head, first, *_ = text.split("\r\n")
+    assert head.startswith("Time_ms;a.Position_mm;a.Velocity_mm_s;a.Acceleration_mm_s2;b.Position_mm")
+    assert first.startswith("0.000000;300.000000000;0.000000000;")
+    assert "-0.000000000;" not in text
+    assert read_beckhoff(text)[1] == ("a", "b", "c", "d.x", "e")
+
+
+def test_keyframes_are_read_by_mujoco(make_samples) -> None:
+    """In a model of five sliding joints, MuJoCo finds the same times, positions and velocities."""
+    mujoco = pytest.importorskip("mujoco")
+    samples = make_samples(0.01)
+    keys = format_samples(Format.MUJOCO, samples, LIMITS, ACTUATORS)
+    body = '<body><joint type="slide" axis="1 0 0"/><geom size="0.1"/></body>'
+    xml = keys.replace("<mujoco>", f"<mujoco><worldbody>{body * 5}</worldbody>")
+    model = mujoco.MjModel.from_xml_string(xml)
+    assert model.key_time == pytest.approx(samples.t_s, abs=1e-12)
+    assert model.key_qpos == pytest.approx(samples.q_m, abs=1e-12)
+    assert model.key_qvel == pytest.approx(samples.qd_mps, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("reader", "text", "message"),
+    [
+        (read_joint_trajectory, "points: 3", "not a joint trajectory"),
+        (read_joint_trajectory, '{"points": [', "not a joint trajectory"),
+        (read_joint_trajectory, "a: [", "not a joint trajectory"),
+        (read_halstreamer, "# period_s: 0.01\n1 2 3\n", "line 2 has 3 values"),
+        (read_halstreamer, "1 2 3 4 5\n", "period is not told"),
+        (read_beckhoff, "Time_ms;a.Position_mm\r\n0;1\r\n", "not those of this dialect"),
+        (read_beckhoff, "Time_ms;a.Position_mm;a.Velocity_mm_s\n", "not those of this dialect"),
+        (read_keyframes, "<mujoco>", "not an MJCF file"),
+        (read_keyframes, "<mujoco/>", "no keys"),
+    ],
+)
+def test_what_is_not_the_format_is_refused(reader, text: str, message: str) -> None:
+    """A file of another kind, or one cut short, is named as such."""
+    with pytest.raises(ValueError, match=message):
+        reader(text)
+
+
+def test_csv_options(make_samples) -> None:
+    """Separator, columns in the order asked for, units in the names, decimals as many as wanted."""
+    samples = make_samples(0.01)
+    options = CsvOptions(
+        Separator.SEMICOLON,
+        14,
+        ("t_s", "q2_m", "qd1_mps", "qdd1_mps2", "ry_rad", "kappa"),
+        LengthUnit.MM,
+        AngleUnit.DEG,
+    )
+    text = format_samples(Format.CSV, samples, LIMITS, ACTUATORS, options)
+    columns = read_csv(text, ";")
+    assert list(columns) == ["t_s", "q2_mm", "qd1_mmps", "qdd1_mmps2", "ry_deg", "kappa"]
+    assert columns["q2_mm"] == pytest.approx(1_000.0 * samples.q_m[:, 1], abs=1e-11)
+    assert columns["qdd1_mmps2"] == pytest.approx(1_000.0 * samples.qdd_mps2[:, 0], abs=1e-11)
+    assert columns["ry_deg"] == pytest.approx(np.rad2deg(samples.pose[:, 4]), abs=1e-11)
+    assert columns["t_s"] == pytest.approx(samples.t_s, abs=1e-13)
+    assert re.match(r"0\.\d{14};", text.splitlines()[1])
+    assert "\t" in format_samples(Format.CSV, samples, LIMITS, ACTUATORS, CsvOptions(Separator.TAB))
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "message"),
+    [
+        (Format.CSV, CsvOptions(columns=("q9_m",)), "no column q9_m; there are t_s"),
+        (Format.CSV, CsvOptions(columns=("t_s", "t_s")), "twice"),
+        (Format.CSV, CsvOptions(decimals=6), "6 decimals are too few.*\n.*at least 11"),
+        (Format.CSV, CsvOptions(decimals=7, length=LengthUnit.MM), "at least 8"),
+        (Format.ROS2, CsvOptions(decimals=14), "go with --format csv"),
+    ],
+)
+def test_options_that_cannot_be_kept_are_refused(make_samples, kind: Format, options: CsvOptions, message: str) -> None:
+    """Fewer decimals than the period needs, unknown columns, options of another format."""
+    with pytest.raises(UsageError, match=message):
+        format_samples(kind, make_samples(0.001), LIMITS, ACTUATORS, options)
