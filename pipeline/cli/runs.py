@@ -269,7 +269,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         certify,
         (
             "gantry-tau certify configs/agder.yaml",
-            "gantry-tau certify configs/agder.yaml --tolerance    (half a minute more)",
+            "gantry-tau certify configs/agder.yaml --tolerance    (a minute more)",
             "gantry-tau certify --check results/agder/certificate.json",
         ),
     ),

@@ -11,7 +11,7 @@ class CertifyConfig(Section):
     """The proof that a path is free of singularities: boxes along s in ball arithmetic."""
 
     what: Literal["path", "tolerances", "nothing"] = Field(
-        "path", description="prove the path, search calibration tolerances as well (half a minute), or prove nothing"
+        "path", description="prove the path, search calibration tolerances as well (a minute), or prove nothing"
     )
     precision_bits: int = Field(64, ge=53, le=4_096, description="precision of the ball arithmetic")
     kappa_excess: float = Field(
