@@ -671,14 +671,15 @@ class TestProcess:
         for line in process.stderr:
             if line.startswith(f"{stage}: started"):
                 break
-        time.sleep(0.3)
+        time.sleep(0.1)
         process.send_signal(signal.SIGINT)
         _, error = process.communicate(timeout=60)
         assert process.returncode == 130
         assert "interrupted: nothing is lost" in error
         assert "Traceback" not in error
         kept = {path.name for path in (tmp_path / "results" / "quick").iterdir()}
-        assert ("route.csv" in kept) == (stage == "refine")
+        # A fast machine may have found the route before it is interrupted.
+        assert ("route.csv" in kept) == (stage == "refine" or "route: done" in error)
 
 
 @pytest.fixture(scope="module")
