@@ -142,6 +142,8 @@ def certify(
     Runs stages one and two before, unless their results in DIR are up to
     date. A certificate is verified again with --check by other code in other
     arithmetic; the run's config.yaml and path.npz have to be beside it.
+    --tolerance is the key certify.what: tolerances; put it into the file to
+    have tolerances in every run.
     """
     if check is not None:
         if config is not None or out is not None or force or tolerance:
