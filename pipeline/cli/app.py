@@ -1,8 +1,10 @@
 """The application: its name, its version, and what becomes of errors."""
 
 import os
+import signal
 import sys
-from typing import Annotated, Any
+from types import FrameType
+from typing import Annotated, Any, NoReturn
 
 import typer
 from rich.markup import escape
@@ -31,6 +33,14 @@ _BEGIN = (
     "gantry-tau run configs/agder.yaml    (everything, into results/agder)",
     "gantry-tau compare results/agder    (the smooth path against the route it came from)",
 )
+
+
+class _Interrupt(KeyboardInterrupt):
+    """Ctrl-C, as a class of its own.
+
+    CPython remembers when a plain KeyboardInterrupt leaves code that was given as text (a dataclass being made while a
+    module is imported), and then ends the process by the signal, whatever has become of the exception.
+    """
 
 
 class _Group(TyperGroup):
@@ -94,7 +104,13 @@ for _command, _examples in (*runs.COMMANDS, *looks.COMMANDS):
 
 def main() -> None:
     """Run the command line of this process."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
     app()
+
+
+def _interrupt(_signal: int, _frame: FrameType | None) -> NoReturn:
+    raise _Interrupt
 
 
 def _stop_writing() -> None:
