@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 PACKAGE = "gantry-tau"
 SKIPPED = "skipped"
 _LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib")
-_QUANTITIES = ("velocity", "acceleration", "jerk", "force", "link_force", "tcp_speed", "tcp_acceleration")
 _TERMS = 13
 """Variables of the paper's model per step beside one binary for each region."""
 
@@ -164,6 +163,9 @@ def trajectory_section(figures: "TrajectoryFigures", back: "TrajectoryFigures | 
     `usage` has a number per actuator (link forces: per link; TCP: one), `peak` the largest magnitudes in SI units
     whether or not there is a limit; "skipped" stands where there is no limit, or no masses to compute forces from.
     """
+    # Not above: a help text must not wait for stage three to load.
+    from pipeline.retime.limits import KINDS
+
     section = {
         "status": "done",
         "duration_s": figures.duration_s,
@@ -171,7 +173,7 @@ def trajectory_section(figures: "TrajectoryFigures", back: "TrajectoryFigures | 
         "samples": figures.samples,
         "dwell_s": figures.dwell_s,
         "usage": _usage(figures.usage),
-        "peak": {name: figures.usage.peaks.get(name, SKIPPED) for name in _QUANTITIES},
+        "peak": {kind.name: figures.usage.peaks.get(kind.name, SKIPPED) for kind in KINDS},
     }
     if (quality := figures.quality) is not None:
         section |= {
@@ -192,7 +194,9 @@ def trajectory_section(figures: "TrajectoryFigures", back: "TrajectoryFigures | 
 
 
 def _usage(usage: "Usage") -> Section:
-    values = {name: getattr(usage, name) for name in _QUANTITIES}
+    from pipeline.retime.limits import KINDS
+
+    values = {kind.name: getattr(usage, kind.name) for kind in KINDS}
     return {name: SKIPPED if value is None else value for name, value in values.items()}
 
 

@@ -19,7 +19,7 @@ Everything that depends on t is a power series whose last term holds for the who
 from dataclasses import dataclass
 
 import numpy as np
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_series
 
 from pipeline.certify.closure import (
     TERMS,
@@ -94,8 +94,8 @@ class Piecewise:
     """The closures along x(t): series about the middle, and series that hold about every t of the interval."""
 
     half: arb
-    at: Closure  # type: ignore[type-arg]
-    over: Closure  # type: ignore[type-arg]
+    at: Closure[arb_series]
+    over: Closure[arb_series]
 
 
 def along(machine: Geometry, piece: Piece, box: Box) -> Piecewise:
@@ -155,7 +155,7 @@ def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
     return bound
 
 
-def _hull(machine: Geometry, series: Piecewise, reach: list[arb]) -> Closure:  # type: ignore[type-arg]
+def _hull(machine: Geometry, series: Piecewise, reach: list[arb]) -> Closure[arb]:
     """The closures over all poses of a box, in plain balls."""
     pose = [coordinate[0] + arb(0, r.upper()) for coordinate, r in zip(series.over.pose, reach, strict=True)]
     return closure(machine, pose, [q[0] for q in series.over.q])

@@ -7,7 +7,7 @@ in t are largest at an end of the interval, and those of matrices of floats are 
 from dataclasses import dataclass
 
 import numpy as np
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_series
 
 from pipeline.certify.closure import Closure, Geometry
 from pipeline.certify.inclusion import (
@@ -79,7 +79,7 @@ def spectral_norm(M: FloatArray) -> arb:
     return (_row_sum(MV.transpose() * MV) / (1 - loss)).sqrt().abs_upper()
 
 
-def statics_change(machine: Geometry, over: Closure, deviation: list[arb]) -> arb:  # type: ignore[type-arg]
+def statics_change(machine: Geometry, over: Closure[arb_series], deviation: list[arb]) -> arb:
     """Bound the Frobenius norm of what H changes by when the pose deviates; six bounds in metres and radians.
 
     No Euler angle moves a joint faster than its distance from the TCP.

@@ -15,8 +15,8 @@ from pipeline.certify.pieces import Piece, middle
 from pipeline.certify.ranges import polynomial_range
 from pipeline.config import Config
 from pipeline.machine.geometry import ACTUATORS, LINKS, FloatArray, Machine
+from pipeline.refine.caps import TILTS, kappa_cap, tilt_limits_deg
 
-_TILTS = (("rx", 3), ("rz", 5))
 _SHARP_ENOUGH = 1e-5
 """Boxes are not halved below this width only to bound kappa more sharply."""
 ROUNDING = 1e-6
@@ -80,14 +80,12 @@ class Facts:
 
 def build_limits(config: Config, machine: Machine, kappa_sampled: float) -> Limits:
     """Read the limits off the configuration; the bound of kappa is wanted near its largest value at samples."""
-    cap = config.refine.kappa_max or config.route.kappa_max
-    locked = config.task.locked_axes
-    tilt = [config.refine.lock_tolerance_deg if axis in locked else config.task.tilt_max_deg for axis, _ in _TILTS]
+    cap = kappa_cap(config)
     return Limits(
         kappa_max=cap,
         kappa_goal=min(cap, (1.0 + config.certify.kappa_excess) * kappa_sampled),
         actuators_m=machine.actuator_limits_m,
-        tilt_rad=np.deg2rad(tilt),
+        tilt_rad=np.deg2rad(tilt_limits_deg(config)),
         link_link_m=machine.link_link_m,
         link_rail_m=machine.link_rail_m,
     )
@@ -131,7 +129,7 @@ def _breach(pairs: Pairs, limits: Limits, facts: Facts) -> str:
         return f"{ACTUATORS[worst]} is not proven to stay within its limits (beyond by {excess[worst]:.3g} m)"
     over = facts.tilt_rad - limits.tilt_rad
     if over.max() > ROUNDING + SLIP:
-        name = _TILTS[int(over.argmax())][0]
+        name = TILTS[int(over.argmax())][0]
         return f"{name} is not proven to stay within its limit (beyond by {np.rad2deg(over.max()):.3g} degrees)"
     return ""
 
@@ -153,7 +151,7 @@ def _actuators(piece: Piece, inclusion: Inclusion, half: arb) -> FloatArray:
 
 def _tilts(inclusion: Inclusion, half: arb) -> FloatArray:
     bounds = []
-    for _, index in _TILTS:
+    for _, index in TILTS:
         least, largest = polynomial_range([arb(value) for value in inclusion.box.pose[:, index].tolist()], half)
         bounds.append(above(largest.max(-least) + inclusion.image[index]))
     return np.array(bounds)

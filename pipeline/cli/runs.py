@@ -100,7 +100,7 @@ def route(
     if alternatives > 1:
         from pipeline.cli.alternatives import plan_alternatives
 
-        chosen = _with_route(load(config), changes)
+        chosen = _with_changes(load(config), "route", changes)
         plan_alternatives(chosen, out or _RESULTS / chosen.name, alternatives, force, verbose, not no_why_not)
         return
     if write_mps is None:
@@ -108,7 +108,7 @@ def route(
         return
     from pipeline.cli.program_file import write_program
 
-    write_program(_with_route(load(config), changes), write_mps, messages_console())
+    write_program(_with_changes(load(config), "route", changes), write_mps, messages_console())
 
 
 def refine(
@@ -190,7 +190,7 @@ def _run(
     from pipeline.run import run_pipeline
     from pipeline.run.reading import with_retime
 
-    changed = _with_changes(_with_route(load(path), route_changes or {}), "certify", certify_changes or {})
+    changed = _with_changes(_with_changes(load(path), "route", route_changes or {}), "certify", certify_changes or {})
     config = with_retime(changed, speed=speed)
     folder = out or _RESULTS / config.name
     with make_reporter(messages_console(), verbose) as reporter:
@@ -203,11 +203,6 @@ def _run(
     for where, what in found:
         console.print(f"{where!s:<{width}}  {what}", soft_wrap=True)
     console.print(f"Next: {_next_step(path, folder, out, stages[-1])}", soft_wrap=True)
-
-
-def _with_route(config: "Config", changes: dict[str, str]) -> "Config":
-    """Apply options of the command line to the route section."""
-    return _with_changes(config, "route", changes)
 
 
 def _with_changes(config: "Config", section: str, changes: dict[str, str]) -> "Config":

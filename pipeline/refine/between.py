@@ -15,6 +15,7 @@ from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import FloatArray
 from pipeline.machine.kinematics import pose_jacobian
+from pipeline.refine.caps import TILTS, kappa_cap, tilt_limits_deg
 from pipeline.refine.corridor import corridor_excess
 from pipeline.refine.measure import PathSamples, merged, relative_speed, sample_path
 from pipeline.refine.result import Path
@@ -30,7 +31,6 @@ _LEAST_SPEED = 0.07
 
 _FAR, _UNEXPLAINED, _LEAST_JUMP = 20.0, 0.5, 1e-6
 """How far a jump is in usual moves, its share that velocities do not explain, the least one (metres, radians)."""
-_TILTS = (("rx", 3), ("rz", 5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ def _limits(
     return [
         (
             "kappa above its cap",
-            samples.kappa - min(config.refine.kappa_max or np.inf, config.route.kappa_max),
+            samples.kappa - kappa_cap(config),
             "Raise refine.kappa_max, route.kappa_max or refine.corridor_cells.",
         ),
         ("links too close, metres", machine.link_link_m - samples.link_distance_m, more_clearance),
@@ -154,10 +154,8 @@ def _rail_excess(path: Path, samples: PathSamples) -> FloatArray:
 
 
 def _tilt_excess(config: Config, samples: PathSamples) -> FloatArray:
-    locked, task = config.task.locked_axes, config.task
-    allowed = [config.refine.lock_tolerance_deg if axis in locked else task.tilt_max_deg for axis, _ in _TILTS]
-    tilt = np.rad2deg(np.abs(samples.pose[:, [column for _, column in _TILTS]]))
-    excess: FloatArray = (tilt - allowed).max(axis=1)
+    tilt = np.rad2deg(np.abs(samples.pose[:, [column for _, column in TILTS]]))
+    excess: FloatArray = (tilt - tilt_limits_deg(config)).max(axis=1)
     return excess
 
 

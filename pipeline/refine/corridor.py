@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.config import Config
 from pipeline.machine.geometry import PRIMARY, FloatArray, IntArray, Machine, link_vectors
+from pipeline.refine.caps import TILTS
 from pipeline.refine.coarse import corner_parameters, move_of
 from pipeline.refine.result import Path
 from pipeline.refine.sides import sides_at
@@ -45,7 +46,7 @@ class Corridor:
 def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corridor:
     """Bound the poses of nodes at s (k,), the first and the last of which are the start and the goal."""
     low, high = _cells_around(config, route, coarse, s)
-    for column, axis in ((3, "rx"), (5, "rz")):
+    for axis, column in TILTS:
         limit = _tilt_limit(config, axis)
         low[:, column] = np.clip(low[:, column], -limit, limit)
         high[:, column] = np.clip(high[:, column], -limit, limit)

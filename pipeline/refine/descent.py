@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import block_diag, csc_array, csr_array, diags_array, vstack
+from scipy.sparse import block_diag, csc_array, csr_array, vstack
 
 from pipeline.machine.geometry import FloatArray
 from pipeline.refine.iterate import Iterate, Looks, iterate_at
@@ -101,9 +101,9 @@ def restored(ground: Ground, iterate: Iterate) -> Iterate:
             break
         change, _ = _Subproblem(ground, no_wish, iterate).solve(1.0)
         tried = None if change is None else iterate_at(ground.looks, iterate.coefficients + change, iterate.pose)
-        if tried is None or ground.excess(tried) >= excess:
+        if tried is None or (left := ground.excess(tried)) >= excess:
             break
-        iterate, excess = tried, ground.excess(tried)
+        iterate, excess = tried, left
     return iterate
 
 
@@ -153,10 +153,8 @@ class _Subproblem:
             high.append((limit.high - limit.value)[near])
         self._A, self._low, self._high = _matrix(vstack(rows)), np.concatenate(low), np.concatenate(high)
         self._gradient = wish.mean / wish.length * integral_slope(looks, iterate, by_kappa) + wish.largest * largest
-        # The squared change of the actuators, integrated over s: what a step is, whatever the knots.
-        squared = looks.spread.T @ diags_array(np.repeat(np.gradient(looks.s), 5)) @ looks.spread
         weights = wish.mean / wish.length * (iterate.kappa[1:] + iterate.kappa[:-1]) / 2.0
-        self._squared = _matrix(block_diag([squared, csr_array((2, 2))]))
+        self._squared = _matrix(block_diag([looks.squared, csr_array((2, 2))]))
         self._curvature = _matrix(chord_curvature(looks, iterate, weights))
         self._bounds = self._variable_bounds(ground.actuator_limits_m)
         shapes = {"h": (self._squared + self._curvature).sparsity(), "a": self._A.sparsity()}

@@ -7,10 +7,11 @@ the motion that they force on the platform.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse import csr_array, diags_array, eye_array, kron
 
 from pipeline.machine.geometry import FloatArray, Machine
 from pipeline.machine.kinematics import newton, pose_jacobian
@@ -35,6 +36,11 @@ class Looks:
     steps: FloatArray
     exponent: float
     spread: csr_array
+
+    @cached_property
+    def squared(self) -> csr_array:
+        """The squared change of the actuators, integrated over s, as a form in that of the coefficients. Square."""
+        return csr_array(self.spread.T @ diags_array(np.repeat(np.gradient(self.s), 5)) @ self.spread)
 
     @classmethod
     def at(cls, machine: Machine, s: FloatArray, knots: FloatArray, steps: FloatArray, exponent: float) -> "Looks":

@@ -41,25 +41,24 @@ def finer(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:
     neighbouring nodes misses of the integral of kappa; `steps` (5,) are the largest moves of the metric.
     """
     edges = np.unique(mesh.knots)
-    spans = np.searchsorted(edges, (mesh.s[1:] + mesh.s[:-1]) / 2.0) - 1
+    spans = np.searchsorted(edges, middles(mesh.s)) - 1
     of_nodes: FloatArray = np.bincount(spans, _missed(mesh, path, steps), minlength=len(edges) - 1).astype(float)
     marked = _most(_roughness(path, edges)) | _most(of_nodes)
-    middles = ((edges[1:] + edges[:-1]) / 2.0)[marked]
-    knots = np.sort(np.concatenate([mesh.knots, middles]))
-    return Mesh(np.union1d(mesh.s, _middles(mesh.s)[marked[spans]]), knots)
+    knots = np.sort(np.concatenate([mesh.knots, middles(edges)[marked]]))
+    return Mesh(np.union1d(mesh.s, middles(mesh.s)[marked[spans]]), knots)
 
 
 def with_nodes(mesh: Mesh, broken: FloatArray) -> Mesh:
     """Halve every interval of nodes that has one of the parameters `broken` (m,) in it."""
     intervals = np.unique(np.searchsorted(mesh.s, broken))
     intervals = intervals[(intervals > 0) & (intervals < len(mesh.s))]
-    return Mesh(np.union1d(mesh.s, _middles(mesh.s)[intervals - 1]), mesh.knots)
+    return Mesh(np.union1d(mesh.s, middles(mesh.s)[intervals - 1]), mesh.knots)
 
 
 def _roughness(path: Path, edges: FloatArray) -> FloatArray:
     """Estimate how far the splines are from the best curve on every span between knots (m + 1,). Shape (m,)."""
     h = np.diff(edges)
-    fifth = path.q((edges[1:] + edges[:-1]) / 2.0, DEGREE)
+    fifth = path.q(middles(edges), DEGREE)
     jumps = np.linalg.norm(np.diff(fifth, axis=0), axis=1)
     beside = np.maximum(np.append(0.0, jumps), np.append(jumps, 0.0))
     rough: FloatArray = beside * h**DEGREE
@@ -88,6 +87,7 @@ def _most(error: FloatArray) -> BoolArray:
     return marked
 
 
-def _middles(s: FloatArray) -> FloatArray:
-    middles: FloatArray = (s[1:] + s[:-1]) / 2.0
-    return middles
+def middles(s: FloatArray) -> FloatArray:
+    """Middles of the intervals between neighbours of s (n,). Shape (n - 1,)."""
+    half_way: FloatArray = (s[1:] + s[:-1]) / 2.0
+    return half_way

@@ -1,6 +1,7 @@
 """How a path is run through while its largest kappa is brought down: even speed along s, and what its ends ask for."""
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import null_space
@@ -22,16 +23,18 @@ _EXACT = 1e-9
 
 def pace_limits(looks: Looks, directions: FloatArray, iterate: Iterate) -> Iterator[Limit]:
     """Say what the speed along s has to keep, and the ends; `directions` (2, 5) as in `nlp.Setting`."""
-    by_chord, steps_of_s = chord_slopes(looks, iterate), np.diff(looks.s)
-    length = float(iterate.distances.sum())
-    yield _least_and_largest_speed(iterate.distances, steps_of_s, length, by_chord)
+    yield _least_and_largest_speed(looks, iterate)
     one = np.zeros(1)
-    yield Limit(one, one, one, 1.0, lambda _: _less_length(csr_array(by_chord.sum(axis=0)[None]), np.ones(1)))
+    yield Limit(one, one, one, 1.0, lambda _: _by_length(looks, iterate))
     yield from _ends(looks, directions, iterate)
 
 
+@lru_cache(maxsize=2)
 def chord_slopes(looks: Looks, iterate: Iterate) -> csr_array:
-    """Differentiate the distances from look to look by the unknowns of a step. Shape (k - 1, 5 n + 2)."""
+    """Differentiate the distances from look to look by the unknowns of a step. Shape (k - 1, 5 n + 2).
+
+    The last answers are kept: limits, objective and its curvature ask for the same one.
+    """
     towards = _towards(iterate)
     return csr_array(sum(_scaled(towards[:, axis], _chord_slopes(looks, iterate, axis)) for axis in range(5)))
 
@@ -66,14 +69,21 @@ def _less_length(by_chord: csr_array, factor: FloatArray) -> csr_array:
     return csr_array(by_chord - hstack([csr_array((len(factor), width - 1)), csr_array(factor[:, None])]))
 
 
-def _least_and_largest_speed(distances: FloatArray, ds: FloatArray, length: float, by_chord: csr_array) -> Limit:
+def _by_length(looks: Looks, iterate: Iterate) -> csr_array:
+    """Say that the length changes by as much as the distances do together."""
+    return _less_length(csr_array(chord_slopes(looks, iterate).sum(axis=0)[None]), np.ones(1))
+
+
+def _least_and_largest_speed(looks: Looks, iterate: Iterate) -> Limit:
     """Distance less a share of length * ds, in units of length * ds: not below zero, then not above."""
-    factor, scale = np.repeat(SPEED_RANGE, len(ds)), np.tile(length * ds, 2)
+    distances, ds = iterate.distances, np.diff(looks.s)
+    factor, scale = np.repeat(SPEED_RANGE, len(ds)), np.tile(float(distances.sum()) * ds, 2)
     relative = np.tile(distances, 2) / scale
     low = np.where(factor == SPEED_RANGE[0], 0.0, -np.inf)
     high = np.where(factor == SPEED_RANGE[1], 0.0, np.inf)
 
     def slope(rows: IntArray) -> csr_array:
+        by_chord = chord_slopes(looks, iterate)
         by_step = _less_length(by_chord[rows % len(ds)], (relative * np.tile(ds, 2))[rows])
         return _scaled(1.0 / scale[rows], by_step)
 

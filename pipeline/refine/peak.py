@@ -7,11 +7,12 @@ from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import link_distances, link_rail_distances
-from pipeline.machine.geometry import FloatArray
+from pipeline.refine.caps import kappa_cap
 from pipeline.refine.corridor import corridor
 from pipeline.refine.descent import Descent, Ground, Wish, descend
 from pipeline.refine.iterate import Iterate, Looks, iterate_at
 from pipeline.refine.limits import Demands, least_distances
+from pipeline.refine.mesh import middles
 from pipeline.refine.result import Path
 from pipeline.refine.solve import SCHATTEN, Problem, Solve
 from pipeline.refine.splines import DEGREE
@@ -35,18 +36,19 @@ def lowered(problem: Problem, solve: Solve) -> Solve:
     NoSolutionError
         When `refine.max_iterations` steps were not enough; the last path is in its `diagnosis`.
     """
-    ground, iterate = ground_of(problem, solve)
-    if iterate is None:
+    found = ground_of(problem, solve)
+    if found is None:
         return solve
+    ground, iterate = found
     aim, cap = _aim_and_cap(problem, iterate)
     mean, largest = _WEIGHTS[problem.config.refine.objective]
     wish = Wish(mean, largest, aim, cap, problem.length)
     problem.progress(f"refine ({len(solve.mesh.s)} nodes): largest kappa {iterate.kappa.max():.2f}, going down")
-    begun, most = solve, problem.config.refine.max_iterations
+    most = problem.config.refine.max_iterations
     if iterate.kappa.max() > cap:
         # What is above its cap comes below it first, and the rest counts afterwards.
         first = descend(ground, replace(wish, mean=_WEIGHTS["maximum"][0], aim=cap, cap=np.inf), iterate, most)
-        solve = _solve_of(problem, ground, begun, first)
+        solve = _solve_of(problem, ground, solve, first)
         iterate = first.iterate
         wish = replace(wish, cap=max(cap, float(iterate.kappa.max())))
     return _solve_of(problem, ground, solve, descend(ground, wish, iterate, most))
@@ -66,15 +68,16 @@ def _solve_of(problem: Problem, ground: Ground, begun: Solve, descent: Descent) 
     return solve
 
 
-def ground_of(problem: Problem, solve: Solve) -> tuple[Ground, Iterate | None]:
+def ground_of(problem: Problem, solve: Solve) -> tuple[Ground, Iterate] | None:
     """Say where a descent from a solve's path looks, what it has to keep, and where it begins; None: it cannot."""
-    config, machine, s = problem.config, problem.machine, _halved(solve.mesh.s)
+    config, machine = problem.config, problem.machine
+    # A look in every node, and one between every two.
+    s = np.union1d(solve.mesh.s, middles(solve.mesh.s))
     looks = Looks.at(machine, s, solve.mesh.knots, problem.steps, SCHATTEN)
     iterate = iterate_at(looks, solve.path.spline.c, solve.path.pose(s))
-    pose, carts = (
-        (solve.path.pose(s), solve.path.q(s)[:, :3]) if iterate is None else (iterate.pose, iterate.q_m[:, :3])
-    )
-    margin = config.refine.clearance_margin_m
+    if iterate is None:
+        return None
+    pose, carts, margin = iterate.pose, iterate.q_m[:, :3], config.refine.clearance_margin_m
     demands = Demands(
         corridor=corridor(config, problem.route, problem.coarse, s),
         link_m=least_distances(link_distances(machine, pose, carts), machine.link_link_m, margin),
@@ -83,19 +86,13 @@ def ground_of(problem: Problem, solve: Solve) -> tuple[Ground, Iterate | None]:
     return Ground(looks, demands, problem.directions, machine.actuator_limits_m), iterate
 
 
-def _halved(s: FloatArray) -> FloatArray:
-    """Put a look between every two nodes."""
-    looks: FloatArray = np.sort(np.concatenate([s, (s[1:] + s[:-1]) / 2.0]))
-    return looks
-
-
 def _aim_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:
     """What is aimed at for the largest kappa, and its cap: neither below that of the start or the goal.
 
     For the integral, too, the largest kappa is to be less than on the coarse path, and never more where that can be.
     """
     config, ends = problem.config, float(max(iterate.kappa[0], iterate.kappa[-1]))
-    cap = _BELOW_CAP * min(config.refine.kappa_max or np.inf, config.route.kappa_max)
+    cap = _BELOW_CAP * kappa_cap(config)
     if config.refine.objective != "integral":
         return ends, max(cap, ends)
     coarse = problem.coarse_kappa_max

@@ -9,11 +9,12 @@ from pipeline.machine.geometry import ACTUATORS, LINKS, FloatArray, Machine
 
 @dataclass(frozen=True)
 class Kind:
-    """A limited quantity: its name, its unit, and what has it."""
+    """A limited quantity: its name, its unit, what has it, and the power of time in it (None: none by itself)."""
 
     name: str
     unit: str
     subjects: tuple[str, ...]
+    power: int | None = None
 
     @property
     def words(self) -> str:
@@ -22,13 +23,13 @@ class Kind:
 
 
 KINDS = (
-    Kind("velocity", "m/s", ACTUATORS),
-    Kind("acceleration", "m/s^2", ACTUATORS),
-    Kind("jerk", "m/s^3", ACTUATORS),
+    Kind("velocity", "m/s", ACTUATORS, 1),
+    Kind("acceleration", "m/s^2", ACTUATORS, 2),
+    Kind("jerk", "m/s^3", ACTUATORS, 3),
     Kind("force", "N", ACTUATORS),
     Kind("link_force", "N", tuple(f"link {link}" for link in LINKS)),
-    Kind("tcp_speed", "m/s", ("TCP",)),
-    Kind("tcp_acceleration", "m/s^2", ("TCP",)),
+    Kind("tcp_speed", "m/s", ("TCP",), 1),
+    Kind("tcp_acceleration", "m/s^2", ("TCP",), 2),
 )
 """All limited quantities; a link's force is along its axis."""
 

@@ -40,7 +40,7 @@ class _Unit(AbstractGeometricPath):  # type: ignore[misc]  # toppra has no types
         return np.array([0.0, 1.0])
 
 
-class _GivenRows(LinearConstraint):  # type: ignore[misc]
+class _GivenRows(LinearConstraint):  # type: ignore[misc]  # toppra has no types
     """Second-order constraints a sdd + b sd^2 + c <= 1 and caps on sd^2, known at every point of the grid.
 
     They hold at both ends of every interval ("interpolation" scheme).

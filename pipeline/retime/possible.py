@@ -5,7 +5,7 @@ import numpy as np
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import ACTUATORS
 from pipeline.refine.result import Path
-from pipeline.retime.limits import FORCES, kind_named, limits
+from pipeline.retime.limits import kind_named, limits
 from pipeline.retime.terms import Terms
 
 _LEAST_RELATIVE_SPEED = 0.05
@@ -84,11 +84,10 @@ def require_standing(path: Path, terms: Terms) -> None:
     NoSolutionError
         With the limit and the pose at which it is exceeded most.
     """
-    if path.machine.masses is None:
+    needed, allowed = terms.resting(), limits(path.machine)
+    if not needed:
         return
-    allowed = limits(path.machine)
-    needed = dict(zip(FORCES, (terms.c[:, :5] + terms.friction(), terms.c[:, 5:]), strict=True))
-    name = max(FORCES, key=lambda kind: float((np.abs(needed[kind]) / allowed[kind]).max()))
+    name = max(needed, key=lambda kind: float((np.abs(needed[kind]) / allowed[kind]).max()))
     fractions = np.abs(needed[name]) / allowed[name]
     row, subject = np.unravel_index(np.argmax(fractions), fractions.shape)
     if not fractions[row, subject] >= 1.0:

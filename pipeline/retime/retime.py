@@ -12,8 +12,8 @@ from pipeline.retime.possible import require_motion, require_smooth, require_sta
 from pipeline.retime.result import Quality, Trajectory, slowed, stretched
 from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import whole_periods
-from pipeline.retime.terms import TermsTable, grid, terms_table
-from pipeline.retime.verify import ALLOWED_USAGE, TABLE_POINTS, Usage, measure_usage, require_limits
+from pipeline.retime.terms import TABLE_POINTS, TermsTable, grid, table_of
+from pipeline.retime.verify import ALLOWED_USAGE, Usage, measure_usage, require_limits
 
 _MOST_GRID_POINTS = 20_000
 _MOST_STRETCH = 1.01
@@ -35,7 +35,7 @@ def retime_path(config: Config, path: Path, progress: Progress = silent, verbose
     """
     require_smooth(path)
     require_motion(path)
-    table = terms_table(path, grid(max(TABLE_POINTS, config.retime.grid_points)))
+    table = table_of(path, max(TABLE_POINTS, config.retime.grid_points))
     require_standing(path, table.grid)
     law = _law(config, table, progress, verbose)
     assert law.quality is not None
@@ -56,7 +56,7 @@ def way_back(config: Config, trajectory: Trajectory) -> Trajectory:
         When forces do not suffice to hold the machine on its way back.
     """
     back = time_reversed(trajectory)
-    table = terms_table(back.path, grid(TABLE_POINTS))
+    table = table_of(back.path, TABLE_POINTS)
     require_standing(back.path, table.grid)
     slower = measure_usage(back, config.retime.period_s, table).stretch
     back = stretched(back, sum(back.dwell_s) + back.motion_s * slower)

@@ -12,6 +12,7 @@ motion) and, for the rest, linear in accelerations and quadratic in velocities.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -21,6 +22,8 @@ from pipeline.machine.geometry import FloatArray, Machine
 from pipeline.refine.motion import pose_derivatives
 from pipeline.refine.result import Path
 
+TABLE_POINTS = 2_001
+"""Places at which kinematics and dynamics are evaluated."""
 _FORCES = ("tcp1", "tcp2", "a", "b", "c")
 """What takes forward kinematics or dynamics to evaluate."""
 
@@ -71,6 +74,12 @@ class Terms:
             found["force"], found["link_force"] = force[:, :5] + self.friction() * moving, force[:, 5:]
         return found
 
+    def resting(self) -> dict[str, FloatArray]:
+        """Forces just to hold the machine, and to overcome dry friction while s begins to grow; none without masses."""
+        if self.machine.masses is None:
+            return {}
+        return {"force": self.c[:, :5] + self.friction(), "link_force": self.c[:, 5:]}
+
     def friction(self) -> FloatArray:
         """Force of the drives against dry friction while s grows. Shape (n, 5)."""
         masses = self.machine.masses
@@ -108,6 +117,12 @@ def terms_table(path: Path, s: FloatArray) -> TermsTable:
     evaluated = path_terms(path, s)
     columns = np.concatenate([getattr(evaluated, name) for name in _FORCES], axis=1)
     return TermsTable(path, evaluated, CubicSpline(s, columns) if columns.size else None)
+
+
+@lru_cache(maxsize=4)
+def table_of(path: Path, points: int) -> TermsTable:
+    """Evaluate path and dynamics on a grid of so many points; the last paths' tables are kept."""
+    return terms_table(path, grid(points))
 
 
 def path_terms(path: Path, s: FloatArray) -> Terms:

@@ -8,14 +8,12 @@ import numpy as np
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray, IntArray
-from pipeline.retime.limits import FORCES, JERK, KINDS, kind_named, limited, limits
+from pipeline.retime.limits import JERK, KINDS, kind_named, limited, limits
 from pipeline.retime.result import Quality, Trajectory, TrajectorySamples
-from pipeline.retime.terms import Terms, TermsTable, grid, terms_table
+from pipeline.retime.terms import TABLE_POINTS, Terms, TermsTable, table_of
 
 ALLOWED_USAGE = 1.001
 """Largest fraction of a limit that still counts as holding it: what a grid leaves open between its points."""
-TABLE_POINTS = 2_001
-"""Places at which kinematics and dynamics are evaluated."""
 _AT_ONCE = 50_000
 """Instants looked at together."""
 _PARTS = 10
@@ -66,12 +64,9 @@ class Usage:
     @property
     def stretch(self) -> float:
         """Least factor (one or more) by which time has to be stretched for no fraction to be above one."""
-        held = {name: value.max() for name, value in self.held().items() if name not in FORCES}
-        return float(max(1.0, self.force_stretch, *(value ** (1.0 / _ORDER[name]) for name, value in held.items())))
-
-
-_ORDER = {"velocity": 1, "tcp_speed": 1, "acceleration": 2, "tcp_acceleration": 2, "jerk": 3}
-"""The power of time in each quantity."""
+        powers = {name: kind_named(name).power for name in self.held()}
+        roots = (float(self.held()[name].max()) ** (1.0 / power) for name, power in powers.items() if power is not None)
+        return float(max(1.0, self.force_stretch, *roots))
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +110,7 @@ def course(trajectory: Trajectory, period_s: float | None = None, table: TermsTa
     with this period sees: the change of the acceleration over a period, divided by it; without a period it is unknown.
     A long course comes in parts.
     """
-    table = terms_table(trajectory.path, grid(TABLE_POINTS)) if table is None else table
+    table = table_of(trajectory.path, TABLE_POINTS) if table is None else table
     piece, elapsed = _instants(trajectory, period_s)
     for first in range(0, len(piece), _AT_ONCE):
         part = slice(first, first + _AT_ONCE)
@@ -212,12 +207,8 @@ def _usage(trajectory: Trajectory, found: Course) -> Usage:
 
 def _force_stretch(found: Course, allowed: dict[str, FloatArray]) -> float:
     """Least stretch f for all forces: c + (F - c) / f^2 has to be within its limit, with c the force at rest."""
-    if "force" not in found.values:
-        return 1.0
-    still = found.at_rest
-    resting = {"force": still.c[:, :5] + still.friction(), "link_force": still.c[:, 5:]}
     factor = 1.0
-    for name, rest in resting.items():
+    for name, rest in found.at_rest.resting().items():
         moving = found.values[name] - rest
         room = np.maximum(allowed[name] - np.sign(moving) * rest, 1e-300)
         factor = max(factor, float((np.abs(moving) / room).max()))

@@ -13,7 +13,7 @@ from pipeline.config import Config
 from pipeline.config_file import load_config
 from pipeline.refine import measure as measure_samples
 from pipeline.refine import refine_path, sample_path
-from pipeline.refine.mesh import even_mesh
+from pipeline.refine.mesh import Mesh, even_mesh, middles
 from pipeline.refine.peak import lowered
 from pipeline.refine.refiner import solve_by_ipopt
 from pipeline.refine.solve import Problem, Solve, carried, coarse_fit
@@ -97,8 +97,8 @@ def measure_mesh(config: Config, nodes: int, coefficients: int) -> Iterator[dict
     # Every second span between knots taken apart: the finer mesh holds the coarser one.
     half = even_mesh(max(nodes // 2, 20), max(coefficients // 2, 8), np.zeros(0))
     before = lowered(problem, solve_by_ipopt(problem, coarse_fit(problem, half)))
-    knots = np.sort(np.concatenate([half.knots, _middles(np.unique(half.knots))]))
-    finer = type(half)(np.union1d(half.s, _middles(half.s)), knots)
+    knots = np.sort(np.concatenate([half.knots, middles(np.unique(half.knots))]))
+    finer = Mesh(np.union1d(half.s, middles(half.s)), knots)
     begun = time.perf_counter()
     warm = lowered(problem, carried(before, finer))
     yield {"warm_s": time.perf_counter() - begun, "warm_steps": warm.iterations - before.iterations}
@@ -138,10 +138,6 @@ def measure_descent(config: Config, nodes: int, coefficients: int) -> Iterator[d
         "outcome": "solved",
         **_figures(problem, solve),
     }
-
-
-def _middles(s: np.ndarray) -> np.ndarray:
-    return (s[1:] + s[:-1]) / 2.0
 
 
 def _figures(problem: Problem, solve: Solve) -> dict[str, float]:

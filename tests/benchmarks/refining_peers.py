@@ -129,8 +129,9 @@ def _in_place(
 def solve_with_scipy(config: Config, nodes: int, coefficients: int, method: str) -> Iterator[dict[str, Any]]:
     """Least integral of kappa over the coefficients alone, with the limits and slopes of the descent."""
     problem = problem_of(config)
-    ground, start = ground_of(problem, first_fit(problem, nodes, coefficients))
-    assert start is not None
+    found = ground_of(problem, first_fit(problem, nodes, coefficients))
+    assert found is not None
+    ground, start = found
     known: dict[bytes, Iterate] = {}
 
     def at(x: np.ndarray) -> Iterate:

@@ -30,7 +30,7 @@ def test_operations_on_numbers(name: str, a: float, b: float) -> None:
     """The exact result is inside, however it is rounded."""
     operation = OPERATIONS[name]
     result, exact = operation(exactly(a), exactly(b)), operation(Fraction(a), Fraction(b))
-    assert holds(result, exact)  # type: ignore[arg-type]
+    assert holds(result, exact)
 
 
 @given(a=NUMBERS, b=NUMBERS, r=st.floats(0.0, 10.0), u=st.floats(-1.0, 1.0), v=st.floats(-1.0, 1.0))

@@ -46,12 +46,12 @@ def check(machine: Machine, line: Path, limits: Limits, certificate: Certificate
         given.update(changes)
         ends = ends_of(machine, line, (0, 0))
         claims = verify(
-            given["machine"],  # type: ignore[arg-type]
-            given["path"],  # type: ignore[arg-type]
-            given["limits"],  # type: ignore[arg-type]
+            given["machine"],
+            given["path"],
+            given["limits"],
             ends,
-            given["sha256"],  # type: ignore[arg-type]
-            given["bounds"],  # type: ignore[arg-type]
+            given["sha256"],
+            given["bounds"],
             [given["chain"]],  # type: ignore[list-item]
         )
         return [claim for claim in claims if not claim.verified]
