@@ -23,7 +23,7 @@ from pipeline.artifacts.layout import (
     TRAJECTORY_NPZ,
     failure_names,
     failure_picture,
-    figure_name,
+    figure_names,
 )
 from pipeline.artifacts.pack import (
     Q_COLUMNS,
@@ -134,8 +134,9 @@ def load_trajectory(folder: pathlib.Path, path: Path) -> Trajectory:
 
 
 def figure_files(figures: Mapping[str, "Figure"]) -> Files:
-    """Write every figure as a picture of its own name."""
-    return {figure_name(name): _png(figure) for name, figure in figures.items()}
+    """Write every figure under its own name, as pixels and as vectors."""
+    names = {title: figure_names(title) for title in figures}
+    return {name: _picture(figures[title], kind) for title, kinds in names.items() for kind, name in kinds.items()}
 
 
 def failure_files(
@@ -149,7 +150,7 @@ def failure_files(
     if arrays:
         files[arrays_name] = npz_bytes(arrays)
     if picture is not None:
-        files[failure_picture(stage)] = _png(picture)
+        files[failure_picture(stage)] = _picture(picture, "png")
     return files
 
 
@@ -157,9 +158,10 @@ def _columns(names: tuple[str, ...], table: npt.NDArray[Any]) -> dict[str, npt.N
     return dict(zip(names, table.T, strict=True))
 
 
-def _png(figure: "Figure") -> bytes:
+def _picture(figure: "Figure", kind: str) -> bytes:
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png")
+    # Without a date, the same figure always makes the same file.
+    figure.savefig(buffer, format=kind, metadata={"CreationDate": None} if kind == "pdf" else None)
     return buffer.getvalue()
 
 
