@@ -52,7 +52,7 @@ _SIGHTS = {
         (TRAJECTORY_CSV, "for the controller: one row per period"),
         (BACK_CSV, "the same for the way back"),
     ),
-    Stage.FIGURES: ((_FIGURES, "pictures: the route, kappa, clearance, motion over time"),),
+    Stage.FIGURES: ((_FIGURES, "pictures: the route, the machine, kappa, clearance, motion over time"),),
 }
 
 

@@ -53,6 +53,7 @@ from pipeline.stage import Stage
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pipeline.artifacts.certificate import StoredCertificate
     from pipeline.certify.result import Certificate
 
 Files = dict[str, bytes]
@@ -113,6 +114,13 @@ def certificate_files(certificate: "Certificate", facts: Mapping[str, Any]) -> F
     return {CERTIFICATE_JSON: certificate_bytes(certificate, facts)}
 
 
+def load_certificate(folder: pathlib.Path) -> "StoredCertificate":
+    """Load what can be verified of the certificate of a run."""
+    from pipeline.artifacts.certificate import read_certificate
+
+    return read_certificate(folder / CERTIFICATE_JSON)
+
+
 def trajectory_files(trajectory: Trajectory, samples: TrajectorySamples, sidecar: Mapping[str, Any]) -> Files:
     """Write the trajectory: sampled for controllers, what its columns mean, and everything to load it back."""
     return {
@@ -135,8 +143,13 @@ def load_trajectory(folder: pathlib.Path, path: Path) -> Trajectory:
 
 def figure_files(figures: Mapping[str, "Figure"]) -> Files:
     """Write every figure under its own name, as pixels and as vectors."""
-    names = {title: figure_names(title) for title in figures}
-    return {name: _picture(figures[title], kind) for title, kinds in names.items() for kind, name in kinds.items()}
+    files = {}
+    for title, figure in figures.items():
+        for kind, name in figure_names(title).items():
+            files[name] = _picture(figure, kind)
+            # Once laid out it stays so: finding places for everything again would take as long as drawing.
+            figure.set_layout_engine("none")
+    return files
 
 
 def failure_files(
