@@ -41,6 +41,7 @@ _FIXED = {
     Stage.FIGURES: (),
 }
 _FIGURES = "figures"
+_PICTURE_KINDS = ("png", "pdf")
 _FAILED = "failed"
 _SIGHTS = {
     Stage.REGIONS: ((REGIONS_NPZ, "the region table, one array per column"),),
@@ -51,13 +52,13 @@ _SIGHTS = {
         (TRAJECTORY_CSV, "for the controller: one row per period"),
         (BACK_CSV, "the same for the way back"),
     ),
-    Stage.FIGURES: ((_FIGURES, "pictures: the route, kappa, clearance, motion over time"),),
+    Stage.FIGURES: ((_FIGURES, "pictures: the route, the machine, kappa, clearance, motion over time"),),
 }
 
 
-def figure_name(title: str) -> str:
-    """Where the picture with this name goes."""
-    return f"{_FIGURES}/{title}.png"
+def figure_names(title: str) -> dict[str, str]:
+    """Where the picture with this name goes, by the kind of file: as pixels and as vectors."""
+    return {kind: f"{_FIGURES}/{title}.{kind}" for kind in _PICTURE_KINDS}
 
 
 def failure_names(stage: Stage) -> tuple[str, str]:
@@ -74,7 +75,8 @@ def existing_files(folder: Path, stage: Stage) -> list[str]:
     """List the files of a stage in a folder, those of its failure included; names relative to the folder."""
     names = [*_FIXED[stage], *failure_names(stage), failure_picture(stage)]
     if stage is Stage.FIGURES:
-        names += sorted(f"{_FIGURES}/{path.name}" for path in (folder / _FIGURES).glob("*.png"))
+        found = [path.name for kind in _PICTURE_KINDS for path in (folder / _FIGURES).glob(f"*.{kind}")]
+        names += sorted(f"{_FIGURES}/{name}" for name in found)
     return [name for name in names if (folder / name).is_file()]
 
 

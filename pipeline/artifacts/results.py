@@ -23,7 +23,7 @@ from pipeline.artifacts.layout import (
     TRAJECTORY_NPZ,
     failure_names,
     failure_picture,
-    figure_name,
+    figure_names,
 )
 from pipeline.artifacts.pack import (
     Q_COLUMNS,
@@ -53,6 +53,7 @@ from pipeline.stage import Stage
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pipeline.artifacts.certificate import StoredCertificate
     from pipeline.certify.result import Certificate
 
 Files = dict[str, bytes]
@@ -113,6 +114,13 @@ def certificate_files(certificate: "Certificate", facts: Mapping[str, Any]) -> F
     return {CERTIFICATE_JSON: certificate_bytes(certificate, facts)}
 
 
+def load_certificate(folder: pathlib.Path) -> "StoredCertificate":
+    """Load what can be verified of the certificate of a run."""
+    from pipeline.artifacts.certificate import read_certificate
+
+    return read_certificate(folder / CERTIFICATE_JSON)
+
+
 def trajectory_files(trajectory: Trajectory, samples: TrajectorySamples, sidecar: Mapping[str, Any]) -> Files:
     """Write the trajectory: sampled for controllers, what its columns mean, and everything to load it back."""
     return {
@@ -134,8 +142,14 @@ def load_trajectory(folder: pathlib.Path, path: Path) -> Trajectory:
 
 
 def figure_files(figures: Mapping[str, "Figure"]) -> Files:
-    """Write every figure as a picture of its own name."""
-    return {figure_name(name): _png(figure) for name, figure in figures.items()}
+    """Write every figure under its own name, as pixels and as vectors."""
+    files = {}
+    for title, figure in figures.items():
+        for kind, name in figure_names(title).items():
+            files[name] = _picture(figure, kind)
+            # Once laid out it stays so: finding places for everything again would take as long as drawing.
+            figure.set_layout_engine("none")
+    return files
 
 
 def failure_files(
@@ -149,7 +163,7 @@ def failure_files(
     if arrays:
         files[arrays_name] = npz_bytes(arrays)
     if picture is not None:
-        files[failure_picture(stage)] = _png(picture)
+        files[failure_picture(stage)] = _picture(picture, "png")
     return files
 
 
@@ -157,9 +171,10 @@ def _columns(names: tuple[str, ...], table: npt.NDArray[Any]) -> dict[str, npt.N
     return dict(zip(names, table.T, strict=True))
 
 
-def _png(figure: "Figure") -> bytes:
+def _picture(figure: "Figure", kind: str) -> bytes:
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png")
+    # Without a date, the same figure always makes the same file.
+    figure.savefig(buffer, format=kind, metadata={"CreationDate": None} if kind == "pdf" else None)
     return buffer.getvalue()
 
 

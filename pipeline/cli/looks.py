@@ -3,13 +3,12 @@
 import json
 import shlex
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
+from pipeline.cli.comparing import compare
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.runs import load
 from pipeline.errors import UsageError
@@ -43,42 +42,6 @@ def check(
     for part in machine_report(loaded, machine, task_ends(loaded, machine)):
         console.print(part)
     console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
-
-
-def compare(
-    run: RunArgument,
-    markdown: Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded.")] = False,
-) -> None:
-    """Compare the refined path with the route it came from, joined by straight lines in actuator space.
-
-    Both are followed continuously and measured at the same number of points.
-    Lengths and integrals are in steps of the route: a step is the largest
-    move allowed in each coordinate.
-    """
-    if markdown and as_json:
-        raise UsageError("--markdown and --json exclude each other")
-    from pipeline.compare.metrics import TABLE_HEADER, comparison_rows, markdown_table, table_cells
-    from pipeline.refine.measure import measure
-    from pipeline.route.metric import step_sizes
-    from pipeline.run.reading import open_results
-
-    results = open_results(run, Stage.REFINE)
-    steps = step_sizes(results.config.route)
-    with messages_console().status("measuring both paths"):
-        coarse, refined = (measure(samples, steps) for samples in results.samples)
-    rows = comparison_rows(coarse, refined)
-    if as_json:
-        typer.echo(json.dumps([asdict(row) for row in rows], indent=2))
-    elif markdown:
-        typer.echo(markdown_table(rows), nl=False)
-    else:
-        table = Table(title=f"{results.config.name}: coarse path against refined path", title_justify="left")
-        for index, heading in enumerate(TABLE_HEADER):
-            table.add_column(heading, justify="right" if 2 <= index <= 5 else "left")
-        for cells in table_cells(rows):
-            table.add_row(*cells)
-        results_console().print(table)
 
 
 def export(
@@ -144,7 +107,14 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "# yaml-language-server: $schema=gantry-tau.schema.json",
         ),
     ),
-    (compare, ("gantry-tau compare results/agder", "gantry-tau compare results/agder --markdown >> notes.md")),
+    (
+        compare,
+        (
+            "gantry-tau compare results/agder",
+            "gantry-tau compare results/agder --markdown >> notes.md",
+            "gantry-tau compare results/agder results/quick",
+        ),
+    ),
     (
         export,
         (

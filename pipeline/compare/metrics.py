@@ -3,38 +3,12 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from pipeline.refine.measure import PathFigures
+from pipeline.compare.quantities import QUANTITIES, Measured, Preference, Quantity, paced_alike
 
-Preference = Literal["lower", "higher", "neither"]
 Better = Literal["coarse", "refined", "equal", "neither"]
 
 TABLE_HEADER = ("figure", "unit", "coarse", "refined", "difference", "%", "better")
 """Headings of `table_cells`."""
-
-
-@dataclass(frozen=True)
-class _Figure:
-    """A figure to compare: its attribute in `PathFigures`, and the difference below which it is equal."""
-
-    attribute: str
-    name: str
-    unit: str
-    prefers: Preference
-    resolution: float
-
-
-# Differences below the resolution are what sampling and rounding make, not what the paths are.
-_FIGURES = (
-    _Figure("kappa_integral", "kappa integral", "steps", "lower", 1e-6),
-    _Figure("kappa_max", "largest kappa", "", "lower", 1e-6),
-    _Figure("kappa_max_s", "largest kappa at s", "", "neither", 1e-6),
-    _Figure("length", "length", "steps", "lower", 1e-6),
-    _Figure("min_link_distance_m", "least link-link distance", "m", "higher", 1e-6),
-    _Figure("min_rail_distance_m", "least link-rail distance", "m", "higher", 1e-6),
-    _Figure("max_tilt_deg", "largest tilt", "deg", "lower", 1e-4),
-    _Figure("closure_residual_m", "closure residual", "m", "lower", 1e-9),
-)
-_DURATION = _Figure("duration_s", "duration", "s", "lower", 1e-6)
 
 
 @dataclass(frozen=True)
@@ -67,36 +41,42 @@ class ComparisonRow:
     better: Better
 
 
-def comparison_rows(
-    coarse: PathFigures, refined: PathFigures, durations_s: tuple[float, float] | None = None
-) -> list[ComparisonRow]:
-    """Compare two paths figure by figure; `durations_s` (coarse, refined) adds a row for their durations."""
-    rows = [_row(figure, getattr(coarse, figure.attribute), getattr(refined, figure.attribute)) for figure in _FIGURES]
-    if durations_s is not None:
-        rows.append(_row(_DURATION, *durations_s))
+def comparison_rows(coarse: Measured, refined: Measured) -> list[ComparisonRow]:
+    """Compare two paths by every quantity that is known of both."""
+    coarse, refined = paced_alike([coarse, refined])
+    rows = []
+    for quantity in QUANTITIES:
+        before, after = quantity.value(coarse), quantity.value(refined)
+        if before is not None and after is not None:
+            rows.append(_row(quantity, before, after))
     return rows
 
 
-def _row(figure: _Figure, coarse: float, refined: float) -> ComparisonRow:
+def _row(quantity: Quantity, coarse: float, refined: float) -> ComparisonRow:
     difference = refined - coarse
     return ComparisonRow(
-        figure=figure.name,
-        unit=figure.unit,
+        figure=quantity.name,
+        unit=quantity.unit,
         coarse=coarse,
         refined=refined,
         difference=difference,
-        per_cent=100.0 * difference / abs(coarse) if coarse != 0.0 else None,
-        prefers=figure.prefers,
-        better=_better(figure, difference),
+        per_cent=per_cent_of(coarse, difference),
+        prefers=quantity.prefers,
+        better=_better(quantity, difference),
     )
 
 
-def _better(figure: _Figure, difference: float) -> Better:
-    if figure.prefers == "neither":
+def per_cent_of(value: float, difference: float) -> float | None:
+    """Give a difference in per cent of a value; None where that is zero."""
+    return 100.0 * difference / abs(value) if value != 0.0 else None
+
+
+def _better(quantity: Quantity, difference: float) -> Better:
+    if quantity.prefers == "neither":
         return "neither"
-    if abs(difference) <= figure.resolution:
+    if abs(difference) <= quantity.resolution:
         return "equal"
-    return "refined" if (difference < 0.0) == (figure.prefers == "lower") else "coarse"
+    return "refined" if (difference < 0.0) == (quantity.prefers == "lower") else "coarse"
 
 
 def table_cells(rows: list[ComparisonRow]) -> list[tuple[str, ...]]:
@@ -120,6 +100,10 @@ def _cells(row: ComparisonRow) -> tuple[str, ...]:
 
 def markdown_table(rows: list[ComparisonRow]) -> str:
     """Write rows as a Markdown table, numbers right-aligned, ending with a newline."""
-    rule = [":--", ":--", "--:", "--:", "--:", "--:", ":--"]
-    lines = [TABLE_HEADER, tuple(rule), *table_cells(rows)]
-    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+    return markdown(TABLE_HEADER, table_cells(rows), words=(0, 1, 6))
+
+
+def markdown(header: tuple[str, ...], cells: list[tuple[str, ...]], words: tuple[int, ...]) -> str:
+    """Write a Markdown table whose columns `words` are aligned to the left, all others to the right."""
+    rule = tuple(":--" if column in words else "--:" for column in range(len(header)))
+    return "".join("| " + " | ".join(line) + " |\n" for line in (header, rule, *cells))

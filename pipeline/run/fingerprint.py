@@ -17,7 +17,7 @@ UPSTREAM: dict[Stage, tuple[Stage, ...]] = {
     Stage.REFINE: (Stage.ROUTE,),
     Stage.CERTIFY: (Stage.REFINE,),
     Stage.RETIME: (Stage.REFINE,),
-    Stage.FIGURES: (Stage.ROUTE, Stage.REFINE, Stage.RETIME),
+    Stage.FIGURES: (Stage.REGIONS, Stage.ROUTE, Stage.REFINE, Stage.CERTIFY, Stage.RETIME),
 }
 """The stages whose results a stage is given."""
 
@@ -27,7 +27,7 @@ _CODE = {
     Stage.REFINE: ("artifacts", "machine", "route", "refine"),
     Stage.CERTIFY: ("artifacts", "machine", "route", "refine", "certify"),
     Stage.RETIME: ("artifacts", "machine", "refine", "retime", "export"),
-    Stage.FIGURES: ("artifacts", "machine", "route", "refine", "retime", "compare"),
+    Stage.FIGURES: ("artifacts", "machine", "route", "refine", "certify", "retime", "compare"),
 }
 _MOTION_ONLY = ("limits", "dynamics")
 """Parts of the machine that only its motion in time depends on."""

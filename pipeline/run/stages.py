@@ -21,6 +21,7 @@ from pipeline.stage import Stage
 from pipeline.summary import Section
 
 if TYPE_CHECKING:
+    from pipeline.certify.recheck import KappaProfile
     from pipeline.refine.measure import PathSamples
     from pipeline.refine.result import Refinement
     from pipeline.retime.result import Trajectory
@@ -173,6 +174,17 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
     return Product(files, trajectory_section(there_figures, back_figures))
 
 
+def _proven(results: Results) -> "KappaProfile | None":
+    """Tell what the certificate proves of kappa, box by box; None where none was wanted."""
+    if results.config.certify.what == "nothing":
+        return None
+    from pipeline.artifacts.results import load_certificate
+    from pipeline.certify.recheck import kappa_profile
+
+    chain = load_certificate(results.folder).chains[0]
+    return kappa_profile(results.machine, results.refinement.path, chain)
+
+
 def make_figures(results: Results, progress: Progress, verbose: bool) -> Product:
     """Draw the results."""
     from pipeline.artifacts.results import figure_files
@@ -182,7 +194,17 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     progress("drawing")
     coarse, refined = results.samples
     samples = sample(results.trajectory, results.config.retime.period_s)
-    figures = all_figures(results.config, results.machine, results.route, coarse, refined, samples, results.trajectory)
+    figures = all_figures(
+        results.config,
+        results.machine,
+        results.route,
+        coarse,
+        refined,
+        samples,
+        results.trajectory,
+        results.regions,
+        _proven(results),
+    )
     return Product(figure_files(figures), {"status": "done", "count": len(figures)})
 
 

@@ -85,7 +85,7 @@ def samples_at(machine: Machine, pose: FloatArray, q_m: FloatArray) -> PathSampl
 
 @pytest.fixture(scope="session")
 def route(machine: Machine) -> Route:
-    """Give a route of 15 steps, more than the route's figure has panels."""
+    """Give a route of 15 steps."""
     return make_route(machine, controlled_curve(np.linspace(0.0, 1.0, 15), sway_m=0.02))
 
 

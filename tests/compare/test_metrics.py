@@ -8,9 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, comparison_rows, markdown_table, table_cells
-from pipeline.refine.measure import PathFigures, PathSamples, measure
+from pipeline.compare.motion import MotionFigures
+from pipeline.compare.quantities import Measured, measure_path
+from pipeline.machine import Machine
+from pipeline.refine.measure import PathFigures, PathSamples
 
-COARSE = PathFigures(
+COARSE_PATH = PathFigures(
     kappa_max=40.0,
     kappa_max_s=0.4,
     kappa_integral=500.0,
@@ -21,8 +24,8 @@ COARSE = PathFigures(
     max_tilt_deg=30.0,
     det_sign_constant=True,
 )
-REFINED = dataclasses.replace(
-    COARSE,
+REFINED_PATH = dataclasses.replace(
+    COARSE_PATH,
     kappa_max=30.0,
     kappa_max_s=0.5,
     kappa_integral=350.0,
@@ -32,6 +35,8 @@ REFINED = dataclasses.replace(
     min_rail_distance_m=0.6,
     max_tilt_deg=27.0,
 )
+COARSE, REFINED = Measured(COARSE_PATH), Measured(REFINED_PATH)
+SLOW, FAST = MotionFigures(8.0, 2.0, 0.5, 40.0, 10.0), MotionFigures(4.0, 2.0, 0.4, 40.0, 10.0)
 
 positive = st.floats(1e-3, 1e3)
 figures = st.builds(
@@ -45,7 +50,7 @@ figures = st.builds(
     min_rail_distance_m=positive,
     max_tilt_deg=st.floats(0.0, 85.0),
     det_sign_constant=st.just(True),
-)
+).map(Measured)
 
 
 def by_name(rows: list[ComparisonRow]) -> dict[str, ComparisonRow]:
@@ -82,22 +87,44 @@ def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, b
 
 def test_no_per_cent_of_zero() -> None:
     """A coarse value of zero has no percentage, and its cell is empty."""
-    rows = comparison_rows(dataclasses.replace(COARSE, max_tilt_deg=0.0), REFINED)
+    rows = comparison_rows(Measured(dataclasses.replace(COARSE_PATH, max_tilt_deg=0.0)), REFINED)
     row = by_name(rows)["largest tilt"]
     assert row.per_cent is None
     assert row.better == "coarse"
     assert table_cells([row])[0][5] == ""
 
 
+def with_motions(coarse: MotionFigures, refined: MotionFigures) -> list[ComparisonRow]:
+    """Compare both paths in time, too."""
+    return comparison_rows(dataclasses.replace(COARSE, motion=coarse), dataclasses.replace(REFINED, motion=refined))
+
+
 def test_durations_are_optional() -> None:
-    """A duration row appears exactly when durations are given."""
+    """Rows about time appear exactly when both motions are known."""
     assert "duration" not in by_name(comparison_rows(COARSE, REFINED))
-    row = by_name(comparison_rows(COARSE, REFINED, durations_s=(8.0, 6.0)))["duration"]
-    assert (row.difference, row.per_cent, row.better, row.unit) == (-2.0, -25.0, "refined", "s")
+    assert "duration" not in by_name(comparison_rows(dataclasses.replace(COARSE, motion=SLOW), REFINED))
+    row = by_name(with_motions(SLOW, FAST))["duration"]
+    assert (row.difference, row.per_cent, row.better, row.unit) == (-4.0, -50.0, "refined", "s")
+
+
+def test_peaks_as_driven_and_equally_long() -> None:
+    """At the same limits peaks are equal; given the slower one's time, the faster one needs a quarter, an eighth."""
+    rows = by_name(with_motions(SLOW, FAST))
+    assert rows["peak cart acceleration"].better == "equal"
+    assert rows["peak telescope acceleration"].better == "refined"
+    assert rows["equally long: cart acceleration"].per_cent == -75.0
+    assert rows["equally long: cart jerk"].per_cent == -87.5
+    assert rows["equally long: cart jerk"].coarse == 40.0
+
+
+def test_no_row_for_jerk_without_bound() -> None:
+    """Where accelerations jump there is no peak of jerk to compare."""
+    jumping = dataclasses.replace(FAST, cart_jerk_mps3=np.inf, telescope_jerk_mps3=np.inf)
+    assert not any("jerk" in name for name in by_name(with_motions(SLOW, jumping)))
 
 
 @given(a=figures, b=figures)
-def test_swapping_the_paths_swaps_the_verdicts(a: PathFigures, b: PathFigures) -> None:
+def test_swapping_the_paths_swaps_the_verdicts(a: Measured, b: Measured) -> None:
     """Differences change sign and better becomes the other one, whatever the values."""
     other = {"coarse": "refined", "refined": "coarse", "equal": "equal", "neither": "neither"}
     for there, back in zip(comparison_rows(a, b), comparison_rows(b, a), strict=True):
@@ -106,17 +133,18 @@ def test_swapping_the_paths_swaps_the_verdicts(a: PathFigures, b: PathFigures) -
 
 
 @given(a=figures)
-def test_a_path_equals_itself(a: PathFigures) -> None:
+def test_a_path_equals_itself(a: Measured) -> None:
     """No figure of a path is better than its own."""
     assert {row.better for row in comparison_rows(a, a)} == {"equal", "neither"}
 
 
-def test_measured_paths_compare(coarse: PathSamples, refined: PathSamples) -> None:
+def test_measured_paths_compare(machine: Machine, coarse: PathSamples, refined: PathSamples) -> None:
     """The swaying path is longer than the straight one and collects more kappa."""
     steps = np.array([0.1, 0.06, 0.06, 0.1, 0.1])
-    rows = by_name(comparison_rows(measure(coarse, steps), measure(refined, steps)))
+    rows = by_name(comparison_rows(*(measure_path(machine, path, steps) for path in (coarse, refined))))
     assert rows["length"].better == "refined"
     assert rows["kappa integral"].better == "refined"
+    assert (rows["working-mode changes"].coarse, rows["working-mode changes"].better) == (0.0, "neither")
 
 
 def test_markdown_is_a_table() -> None:
@@ -132,6 +160,6 @@ def test_markdown_is_a_table() -> None:
 
 def test_cells_fill_the_header() -> None:
     """Rows for any other kind of table have one text per heading."""
-    for cells in table_cells(comparison_rows(COARSE, REFINED, durations_s=(1.0, 1.0))):
+    for cells in table_cells(with_motions(SLOW, FAST)):
         assert len(cells) == len(TABLE_HEADER)
         assert all(isinstance(cell, str) for cell in cells)

@@ -289,10 +289,12 @@ class TestResults:
             assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
     def test_figures_are_pictures(self) -> None:
-        """Every figure becomes a PNG of its own name."""
+        """Every figure becomes a PNG and a PDF of its own name, the same bytes every time."""
         files = figure_files({"kappa": Figure((1, 1))})
-        assert list(files) == ["figures/kappa.png"]
+        assert list(files) == ["figures/kappa.png", "figures/kappa.pdf"]
         assert files["figures/kappa.png"].startswith(b"\x89PNG")
+        assert files["figures/kappa.pdf"].startswith(b"%PDF")
+        assert figure_files({"kappa": Figure((1, 1))}) == files
 
     @pytest.mark.parametrize("damage", ["other", "short", "pickle"])
     def test_unreadable_file_is_named(self, tmp_path: Path, machine: Machine, make: Make, damage: str) -> None:
@@ -471,8 +473,9 @@ class TestLayout:
     def test_files_of_a_stage(self, tmp_path: Path) -> None:
         """Results, pictures and diagnoses are found with the stage that made them."""
         put(tmp_path, {"route.csv": b"", "figures/a.png": b"", "failed/route.json": b"", "figures/a.txt": b""})
+        put(tmp_path, {"figures/a.pdf": b""})
         assert existing_files(tmp_path, Stage.ROUTE) == ["route.csv", "failed/route.json"]
-        assert existing_files(tmp_path, Stage.FIGURES) == ["figures/a.png"]
+        assert existing_files(tmp_path, Stage.FIGURES) == ["figures/a.pdf", "figures/a.png"]
         assert existing_files(tmp_path, Stage.RETIME) == []
 
     def test_sights_exist(self, tmp_path: Path) -> None:

@@ -432,6 +432,33 @@ class TestLooks:
         assert rows["kappa integral"]["refined"] == path["kappa_integral"]
         assert rows["kappa integral"]["coarse"] == path["coarse_kappa_integral"]
 
+    def test_compare_in_time(self, call: Call, stages: Any) -> None:
+        """Both paths are timed, unless that is not wanted or cannot be done."""
+        stages.taken()
+        names = [row["figure"] for row in json.loads(call("compare", "out", "--json").stdout)]
+        assert "duration" in names
+        assert stages.taken() == ["retime"] * 2
+        names = [row["figure"] for row in json.loads(call("compare", "out", "--json", "--no-timing").stdout)]
+        assert "duration" not in names
+        assert stages.taken() == []
+        stages.failures["retime"] = NoSolutionError("retime", "too weak", "stronger motors")
+        result = call("compare", "out")
+        assert result.exit_code == 0
+        assert "duration" not in result.stdout
+        assert "stronger motors" in result.stderr
+
+    def test_compare_runs(self, call: Call, config_file: Path) -> None:
+        """Runs of one name are told apart by their folders; equal runs have no difference."""
+        call("run", config_file, "--out", "other")
+        result = call("compare", "out", "other", "out")
+        assert result.exit_code == 0
+        assert "against the first run" in result.stdout
+        told = json.loads(call("compare", "out", "other", "--json").stdout)
+        assert told["runs"] == ["out", "other"]
+        assert {row["differences"][1] for row in told["rows"]} == {0.0}
+        assert {"kappa integral", "duration", "working-mode changes"} <= {row["figure"] for row in told["rows"]}
+        assert call("compare", "out", "other", "--markdown").stdout.startswith("| figure | unit | out | other | best |")
+
     def test_export_is_the_table_of_the_run(self, call: Call) -> None:
         """At the run's own period the export is trajectory.csv."""
         result = call("export", "out")

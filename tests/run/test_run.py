@@ -32,7 +32,9 @@ RESULT_FILES = {
     "trajectory_back.csv",
     "trajectory_back.json",
     "figures/route.png",
+    "figures/route.pdf",
     "figures/kappa.png",
+    "figures/kappa.pdf",
 }
 BOOKS = {"config.yaml", "summary.json", "state.json", ".lock"}
 

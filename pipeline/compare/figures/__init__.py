@@ -5,10 +5,15 @@ Only matplotlib's object-oriented interface is used: no windows, no global state
 
 from matplotlib.figure import Figure
 
+from pipeline.certify.recheck import KappaProfile
 from pipeline.compare.figures.clearance import clearance_figure
 from pipeline.compare.figures.kappa import kappa_figure
 from pipeline.compare.figures.loads import loads_figure, usage_figure
+from pipeline.compare.figures.machine import machine_figure
 from pipeline.compare.figures.phase import phase_figure
+from pipeline.compare.figures.pose import pose_figure
+from pipeline.compare.figures.proof import proof_figure
+from pipeline.compare.figures.regions import regions_figure
 from pipeline.compare.figures.route import route_figure
 from pipeline.compare.figures.trajectory import trajectory_figure
 from pipeline.config import Config
@@ -16,13 +21,18 @@ from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.retime.result import Trajectory, TrajectorySamples
 from pipeline.route.result import Route
+from pipeline.route.table import RegionTable
 
 __all__ = [
     "all_figures",
     "clearance_figure",
     "kappa_figure",
     "loads_figure",
+    "machine_figure",
     "phase_figure",
+    "pose_figure",
+    "proof_figure",
+    "regions_figure",
     "route_figure",
     "trajectory_figure",
     "usage_figure",
@@ -37,12 +47,23 @@ def all_figures(
     refined: PathSamples | None = None,
     trajectory: TrajectorySamples | None = None,
     timed: Trajectory | None = None,
+    regions: RegionTable | None = None,
+    proven: KappaProfile | None = None,
 ) -> dict[str, Figure]:
     """Draw every figure that the results at hand allow; the keys are the stems of the files to be."""
-    figures = {"route": route_figure(config, machine, route, coarse, refined)}
+    figures = {
+        "route": route_figure(config, machine, route, coarse, refined),
+        "machine": machine_figure(machine, route),
+    }
+    if regions is not None:
+        figures["regions"] = regions_figure(config, regions)
     if coarse is not None and refined is not None:
         figures["kappa"] = kappa_figure(config, machine, route, coarse, refined)
         figures["clearance"] = clearance_figure(config, machine, coarse, refined)
+    if refined is not None and proven is not None:
+        figures["proof"] = proof_figure(config, refined, proven)
+    if coarse is not None and trajectory is not None:
+        figures["pose"] = pose_figure(config, machine, route, coarse, trajectory)
     if trajectory is not None:
         figures["trajectory"] = trajectory_figure(machine, trajectory)
     if timed is not None:

@@ -22,9 +22,10 @@ from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.refine.measure import PathSamples
 from pipeline.route.result import Route
 
-MAX_PANELS = 12
-_COLUMNS = 3
-_POINTS_Y, _POINTS_Z = 120, 100
+MAX_PANELS = 28
+_FEW = 12
+"""Panels that go three to a row; more go four to a row."""
+_POINTS_Y, _POINTS_Z = 100, 80
 _COARSE_POINTS = 40
 _MARGIN_M = 0.05
 _COLORMAP = "Blues"
@@ -81,7 +82,7 @@ class _Canvas:
 def route_figure(
     config: Config, machine: Machine, route: Route, coarse: PathSamples | None, refined: PathSamples | None
 ) -> Figure:
-    """Draw up to twelve steps of the route, each over the map of kappa for its tilt and working mode.
+    """Draw every step of the route, at most 28, each over the map of kappa for its tilt and working mode.
 
     Dark is near a Type-II singularity, the yellow loops are det H = 0, the hatched area is out of reach.
     """
@@ -102,7 +103,7 @@ def route_figure(
 
 
 def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
-    columns = min(_COLUMNS, len(steps))
+    columns = min(3 if len(steps) <= _FEW else 4, len(steps))
     rows = -(-len(steps) // columns)
     figure = style.new_figure(_height_in(canvas, rows, columns))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
@@ -191,7 +192,7 @@ def _draw_panel(axes: Axes, canvas: _Canvas, step: int, a_map: KappaMap) -> None
     axes.set_ylim(canvas.window.z_least, canvas.window.z_largest)
     tilts = np.rad2deg(route.pose[step, [3, 5]])
     axes.set_title(
-        f"step {step}  {route.mode_names[step]}  κ {route.kappa[step]:.1f}\n"
+        f"{step}  {route.mode_names[step]}  κ {route.kappa[step]:.1f}\n"
         f"rx {_degrees(tilts[0])}  rz {_degrees(tilts[1])}",
         fontsize=style.SMALL_TEXT_PT,
         linespacing=1.1,

@@ -22,12 +22,12 @@ def test_figures_follow_the_results_at_hand(
     refined: PathSamples,
     trajectory: TrajectorySamples,
 ) -> None:
-    """A route alone gives one figure, paths add two, a trajectory one; matplotlib is left as it was."""
+    """A route alone gives two figures, paths add two, a trajectory two; matplotlib is left as it was."""
     before = dict(mpl.rcParams)
-    assert list(all_figures(agder_config, machine, route)) == ["route"]
-    assert list(all_figures(agder_config, machine, route, coarse)) == ["route"]
+    assert list(all_figures(agder_config, machine, route)) == ["route", "machine"]
+    assert list(all_figures(agder_config, machine, route, coarse)) == ["route", "machine"]
     figures = all_figures(agder_config, machine, route, coarse, refined, trajectory)
-    assert list(figures) == ["route", "kappa", "clearance", "trajectory"]
+    assert list(figures) == ["route", "machine", "kappa", "clearance", "pose", "trajectory"]
     assert dict(mpl.rcParams) == before
     assert plt.get_fignums() == []
 

@@ -1,0 +1,88 @@
+"""How paths move once they are timed in the same way: duration, and peaks of acceleration and jerk."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.config import Config, RetimeConfig
+from pipeline.errors import NoSolutionError
+from pipeline.machine.geometry import FloatArray
+from pipeline.refine.result import Path
+from pipeline.retime.result import Trajectory
+
+_INSTANTS = 4_001
+_CARTS, _TELESCOPES = slice(0, 3), slice(3, 5)
+
+
+@dataclass(frozen=True)
+class MotionFigures:
+    """A trajectory in numbers; peaks are the largest absolute values of any cart or telescope.
+
+    Attributes
+    ----------
+    duration_s : float
+        Of the motion from rest to rest.
+    cart_acceleration_mps2, telescope_acceleration_mps2 : float
+        Peaks of acceleration.
+    cart_jerk_mps3, telescope_jerk_mps3 : float
+        Peaks of jerk; infinite where accelerations jump.
+    """
+
+    duration_s: float
+    cart_acceleration_mps2: float
+    telescope_acceleration_mps2: float
+    cart_jerk_mps3: float
+    telescope_jerk_mps3: float
+
+
+def common_retiming(config: Config) -> RetimeConfig:
+    """Give the settings with which all paths are timed: those of a configuration, at full speed and without waiting."""
+    return config.retime.model_copy(update={"speed": 1.0, "dwell_s": (0.0, 0.0)})
+
+
+def retimed(config: Config, retiming: RetimeConfig, path: Path) -> Trajectory:
+    """Time a path within the limits of its own machine; pieces that are too coarse for it are halved once.
+
+    Raises
+    ------
+    NoSolutionError
+        When the path cannot be timed within them.
+    """
+    # Solvers take a while to load.
+    from pipeline.retime import retime_path
+
+    try:
+        return retime_path(config.model_copy(update={"retime": retiming}), path)
+    except NoSolutionError:
+        if not retiming.jerk:
+            raise
+    finer = retiming.model_copy(update={"jerk_pieces": 2 * retiming.jerk_pieces})
+    return retime_path(config.model_copy(update={"retime": finer}), path)
+
+
+def measure_motion(trajectory: Trajectory) -> MotionFigures:
+    """Reduce a trajectory to figures, seen at evenly spaced instants."""
+    t = np.linspace(0.0, trajectory.duration_s, _INSTANTS)
+    acceleration = _peaks(trajectory.q(t, 2))
+    jerk = (np.inf, np.inf) if trajectory.jerk_jumps else _peaks(trajectory.q(t, 3))
+    return MotionFigures(trajectory.motion_s, *acceleration, *jerk)
+
+
+def at_duration(figures: MotionFigures, duration_s: float) -> MotionFigures:
+    """Scale figures to another duration of the same motion.
+
+    With f = duration / old duration, accelerations are divided by f^2 and jerks by f^3.
+    """
+    f = duration_s / figures.duration_s
+    return MotionFigures(
+        duration_s,
+        figures.cart_acceleration_mps2 / f**2,
+        figures.telescope_acceleration_mps2 / f**2,
+        figures.cart_jerk_mps3 / f**3,
+        figures.telescope_jerk_mps3 / f**3,
+    )
+
+
+def _peaks(values: FloatArray) -> tuple[float, float]:
+    size = np.abs(values)
+    return float(size[:, _CARTS].max()), float(size[:, _TELESCOPES].max())

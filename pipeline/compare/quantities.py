@@ -1,0 +1,106 @@
+"""What paths are compared by: each quantity with its unit, its better direction and what counts as equal."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from pipeline.compare.figures.samples import working_modes
+from pipeline.compare.motion import MotionFigures, at_duration
+from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.refine.measure import PathFigures, PathSamples, measure
+
+Preference = Literal["lower", "higher", "neither"]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A path in numbers, as far as they are known.
+
+    Attributes
+    ----------
+    path : PathFigures
+        Of the curve itself.
+    mode_changes : int or None
+        How many arms change their working mode, counted each time.
+    motion : MotionFigures or None
+        Of the curve in time.
+    paced : MotionFigures or None
+        The same motion slowed down to the duration of the slowest it is compared with.
+    """
+
+    path: PathFigures
+    mode_changes: int | None = None
+    motion: MotionFigures | None = None
+    paced: MotionFigures | None = None
+
+
+def measure_path(
+    machine: Machine, samples: PathSamples, steps: FloatArray, motion: MotionFigures | None = None
+) -> Measured:
+    """Reduce samples of a path to numbers; `steps` (5,) are the largest moves per step of x, y, z, rx, rz."""
+    modes = working_modes(machine, samples)
+    return Measured(measure(samples, steps), int(np.count_nonzero(np.diff(modes, axis=0))), motion)
+
+
+def paced_alike(measured: Sequence[Measured]) -> list[Measured]:
+    """Slow all motions down to the longest duration, so that their peaks say which curve is the smoother one."""
+    durations = [one.motion.duration_s for one in measured if one.motion is not None]
+    if len(durations) < len(measured):
+        return list(measured)
+    longest = max(durations)
+    return [replace(one, paced=one.motion and at_duration(one.motion, longest)) for one in measured]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is compared: its name and unit, which value is better, and the difference below which two are equal."""
+
+    name: str
+    unit: str
+    prefers: Preference
+    resolution: float
+    read: Callable[[Measured], float | None]
+
+    def value(self, measured: Measured) -> float | None:
+        """Give the value; None where it is unknown or has no bound."""
+        value = self.read(measured)
+        return None if value is None or not np.isfinite(value) else float(value)
+
+
+def _path(name: str, unit: str, prefers: Preference, resolution: float, attribute: str) -> Quantity:
+    return Quantity(name, unit, prefers, resolution, lambda one: getattr(one.path, attribute))
+
+
+def _motion(name: str, unit: str, resolution: float, attribute: str, paced: bool = False) -> Quantity:
+    def read(one: Measured) -> float | None:
+        motion = one.paced if paced else one.motion
+        return None if motion is None else getattr(motion, attribute)
+
+    return Quantity(name, unit, "lower", resolution, read)
+
+
+# Differences below the resolution are what sampling and rounding make, not what the paths are. Peaks that are held
+# down by a limit come within a per cent of it.
+QUANTITIES = (
+    _path("kappa integral", "steps", "lower", 1e-6, "kappa_integral"),
+    _path("largest kappa", "", "lower", 1e-6, "kappa_max"),
+    _path("largest kappa at s", "", "neither", 1e-6, "kappa_max_s"),
+    _path("length", "steps", "lower", 1e-6, "length"),
+    _path("least link-link distance", "m", "higher", 1e-6, "min_link_distance_m"),
+    _path("least link-rail distance", "m", "higher", 1e-6, "min_rail_distance_m"),
+    _path("largest tilt", "deg", "lower", 1e-4, "max_tilt_deg"),
+    _path("closure residual", "m", "lower", 1e-9, "closure_residual_m"),
+    Quantity("working-mode changes", "", "neither", 0.5, lambda one: one.mode_changes),
+    _motion("duration", "s", 1e-6, "duration_s"),
+    _motion("peak cart acceleration", "m/s^2", 2e-2, "cart_acceleration_mps2"),
+    _motion("peak telescope acceleration", "m/s^2", 5e-3, "telescope_acceleration_mps2"),
+    _motion("peak cart jerk", "m/s^3", 0.4, "cart_jerk_mps3"),
+    _motion("peak telescope jerk", "m/s^3", 0.1, "telescope_jerk_mps3"),
+    _motion("equally long: cart acceleration", "m/s^2", 2e-2, "cart_acceleration_mps2", paced=True),
+    _motion("equally long: telescope acceleration", "m/s^2", 5e-3, "telescope_acceleration_mps2", paced=True),
+    _motion("equally long: cart jerk", "m/s^3", 0.4, "cart_jerk_mps3", paced=True),
+    _motion("equally long: telescope jerk", "m/s^3", 0.1, "telescope_jerk_mps3", paced=True),
+)
+"""All quantities, in the order of the table."""
