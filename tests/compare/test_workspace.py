@@ -137,6 +137,21 @@ def test_a_milder_cap_never_takes_away(machine: Machine, kappa_max: float, more:
     assert np.all(mild.lengths_m >= strict.lengths_m)
 
 
+@pytest.mark.parametrize("mode", range(len(MODES)))
+def test_clearance_takes_away_what_is_too_near(machine: Machine, mode: int) -> None:
+    """Cells lost to a clearance are exactly those where some links are nearer to each other than that."""
+    setting = WorkspaceSetting(step_m=0.02)
+    free = usable_workspace(replace(machine, link_link_m=0.0), setting)
+    z, y = np.nonzero(free.lengths_m[mode] > 0.0)
+    controlled = np.zeros((len(y), 5))
+    controlled[:, 1], controlled[:, 2] = free.y_m[y], free.z_m[z]
+    solution = inverse_kinematics(machine, controlled, np.full(len(y), mode))
+    distance, _ = min_distances(machine, solution.pose, solution.q_m[:, :3])
+    clearance = float(np.median(distance))
+    kept = usable_workspace(replace(machine, link_link_m=clearance), setting).lengths_m[mode][z, y] > 0.0
+    assert np.array_equal(kept, distance >= clearance)
+
+
 def test_rails_keep_links_away_where_asked_for(machine: Machine, coarse: Workspace) -> None:
     """A distance to other arms' rails takes away cells, and a large one all of them."""
     some = usable_workspace(replace(machine, link_rail_m=0.4), COARSE)
