@@ -10,7 +10,7 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from pipeline.cli import looks, runs
+from pipeline.cli import looks, measuring, runs, workspace
 from pipeline.cli.console import messages_console, print_error
 from pipeline.errors import PipelineError
 
@@ -98,7 +98,7 @@ def _root(
     pass
 
 
-for _command, _examples in (*runs.COMMANDS, *looks.COMMANDS):
+for _command, _examples in (*runs.COMMANDS, *looks.COMMANDS, *workspace.COMMANDS, *measuring.COMMANDS):
     app.command(epilog=_epilog(_examples))(_command)
 
 

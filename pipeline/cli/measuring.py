@@ -1,0 +1,168 @@
+"""Commands about measurements: compare a measured motion with the commanded one, and simulate a measurement."""
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.table import Table
+
+from pipeline.cli.console import messages_console, results_console
+from pipeline.cli.looks import RunArgument
+from pipeline.cli.pictures import check_picture, save_picture
+from pipeline.errors import UsageError
+from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from pipeline.measured import Comparison, Reflectors
+
+_Point = tuple[float, float, float]
+_First = Annotated[
+    _Point, typer.Option("--reflector-1", metavar="X Y Z", help="First reflector in the platform frame in metres.")
+]
+_Second = Annotated[_Point, typer.Option("--reflector-2", metavar="X Y Z", help="Second reflector.")]
+_Noise = Annotated[
+    float,
+    typer.Option("--noise", metavar="M", min=0.0, max=0.1, help="Standard deviation of each coordinate in metres."),
+]
+_FIRST: _Point = (0.0, 0.10, 0.05)
+_SECOND: _Point = (0.0, 0.40, 0.05)
+_NOISE_M = 5e-5
+
+
+def measured(
+    run: RunArgument,
+    measurement: Annotated[Path, typer.Argument(metavar="FILE", help="The CSV file with what was measured.")],
+    first: _First = _FIRST,
+    second: _Second = _SECOND,
+    noise_m: _Noise = _NOISE_M,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded, in metres and radians.")] = False,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="FILE", help="Draw it over time: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Compare a measured motion with the commanded one: errors of x, y, z, rx, rz, with error bars.
+
+    The file has a column t_s, counted from the start of the motion, and the
+    positions of two reflectors on the platform (x1_m, y1_m, z1_m, x2_m,
+    y2_m, z2_m), or the pose (x_m, y_m, z_m, rx_rad, rz_rad), which comes
+    without error bars. From reflectors rx and rz are estimated with ry as
+    commanded; error bars are those of the noise.
+    """
+    check_picture(picture)
+    from pipeline.export import read_csv
+    from pipeline.measured import compare_measurement, parse_measurement
+    from pipeline.run.reading import open_results
+
+    trajectory = open_results(run, Stage.REFINE, Stage.RETIME).trajectory
+    try:
+        columns = read_csv(measurement.read_text())
+    except ValueError as error:
+        raise UsageError(f"{measurement}: {error}") from None
+    given = parse_measurement(columns, trajectory.duration_s)
+    commanded = trajectory.pose(given.t_s.clip(0.0, trajectory.duration_s))
+    comparison = compare_measurement(given, commanded, _reflectors(first, second, noise_m))
+    _tell(comparison, as_json, f"{measurement} against {run}, {len(given.t_s):,} rows")
+    if picture is not None:
+        from pipeline.compare.figures.measured import measured_figure
+
+        save_picture(measured_figure(comparison), picture)
+        messages_console().print(f"{picture}: commanded and measured over time, with errors", soft_wrap=True)
+
+
+def _tell(comparison: "Comparison", as_json: bool, title: str) -> None:
+    from pipeline.artifacts import json_bytes
+    from pipeline.measured.comparison import TABLE_HEADER, error_rows, table_cells
+
+    rows = error_rows(comparison)
+    if as_json:
+        units = {"rx": "rad", "rz": "rad"}
+        typer.echo(json_bytes([{**asdict(row), "unit": units.get(row.quantity, "m")} for row in rows]), nl=False)
+        return
+    table = Table(title=title, title_justify="left")
+    for index, heading in enumerate(TABLE_HEADER):
+        table.add_column(heading, justify="left" if index < 2 else "right")
+    for cells in table_cells(rows):
+        table.add_row(*cells)
+    results_console().print(table)
+
+
+def simulate_measurement(
+    run: RunArgument,
+    output: Annotated[
+        Path | None, typer.Option("--output", metavar="FILE", help="Where to write. Default: to stdout.")
+    ] = None,
+    first: _First = _FIRST,
+    second: _Second = _SECOND,
+    noise_m: _Noise = _NOISE_M,
+    geometry_m: Annotated[
+        float,
+        typer.Option(
+            "--geometry", metavar="M", min=0.0, max=0.01, help="Standard deviation of joints, rails, lengths in metres."
+        ),
+    ] = 2e-4,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Of the random numbers.")] = 0,
+    period_s: Annotated[
+        float | None, typer.Option("--period", metavar="S", help="Seconds between rows. Default: that of the run.")
+    ] = None,
+) -> None:
+    """Simulate what a tracker sees of two reflectors while a slightly wrong machine drives the trajectory.
+
+    Joints, rails, lengths and zeros of telescopes are off by random errors,
+    drawn once; every coordinate of every reflector is off by noise. The
+    same seed gives the same file.
+    """
+    from pipeline.artifacts import json_bytes, write_whole
+    from pipeline.export.csv import format_csv
+    from pipeline.measured import SimulationSetting, measurement_columns
+    from pipeline.measured import simulate_measurement as simulate
+    from pipeline.retime import sample
+    from pipeline.run.reading import open_results, with_period
+
+    if output is not None and output.resolve().is_relative_to(run.resolve()):
+        raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
+    results = open_results(run, Stage.REFINE, Stage.RETIME)
+    samples = sample(results.trajectory, with_period(results.config, period_s).retime.period_s)
+    reflectors = _reflectors(first, second, noise_m)
+    setting = SimulationSetting(geometry_m, seed)
+    positions = simulate(results.machine, samples.q_m, samples.pose, reflectors, setting)
+    text = format_csv(measurement_columns(samples.t_s, positions))
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    write_whole(output, text.encode())
+    facts: dict[str, Any] = {"simulated": True, "run": str(run), "reflectors": reflectors, "setting": setting}
+    write_whole(output.with_suffix(".json"), json_bytes(facts))
+    messages_console().print(
+        f"{output}: {len(samples):,} rows of a simulated measurement; {output.with_suffix('.json')}: how it was made",
+        soft_wrap=True,
+    )
+
+
+def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":
+    import numpy as np
+
+    from pipeline.measured import Reflectors
+
+    return Reflectors(np.array([first, second]), noise_m)
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        measured,
+        (
+            "gantry-tau measured results/agder tracker.csv --picture tracker.png",
+            "gantry-tau measured results/agder tracker.csv --reflector-1 0 0.1 0.05 --reflector-2 0 0.4 0.05",
+            "gantry-tau measured results/agder tracker.csv --noise 0.00003 --json",
+        ),
+    ),
+    (
+        simulate_measurement,
+        (
+            "gantry-tau simulate-measurement results/agder --output simulated.csv",
+            "gantry-tau simulate-measurement results/agder --geometry 0 --noise 0.0001 --seed 7 > noise.csv",
+        ),
+    ),
+)
+"""Every command with its examples."""

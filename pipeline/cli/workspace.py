@@ -1,0 +1,89 @@
+"""The command that measures the usable workspace of a machine."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from pipeline.cli.console import messages_console, results_console
+from pipeline.cli.pictures import check_picture, save_picture
+
+
+def workspace(
+    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="The YAML file with the machine.")],
+    kappa_max: Annotated[
+        float, typer.Option("--kappa-max", metavar="K", min=1.0, help="kappa has to be below it.")
+    ] = 40.0,
+    rx_deg: Annotated[
+        float, typer.Option("--rx", metavar="DEG", min=-85.0, max=85.0, help="Tilt about x in degrees.")
+    ] = 0.0,
+    rz_deg: Annotated[
+        float, typer.Option("--rz", metavar="DEG", min=-85.0, max=85.0, help="Tilt about z in degrees.")
+    ] = 0.0,
+    step_m: Annotated[
+        float, typer.Option("--step", metavar="M", min=0.001, max=0.2, help="Grid step in y and z in metres.")
+    ] = 0.005,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded.")] = False,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="FILE", help="Draw maps of it: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Measure the usable workspace of every working mode, and of all of them together.
+
+    Usable is what is in reach at this tilt with kappa below its cap, within
+    the strokes, the carts on their rails, links as far apart as the machine
+    asks for. Volumes are computed at twice the grid step, too, to see how
+    far they have converged.
+    """
+    check_picture(picture)
+    from pipeline.artifacts import json_bytes
+    from pipeline.compare.workspace import WorkspaceSetting
+    from pipeline.compare.workspace_table import (
+        TABLE_HEADER,
+        at_two_steps,
+        setting_text,
+        table_cells,
+        workspace_data,
+        workspace_rows,
+    )
+    from pipeline.config_file import load_config
+    from pipeline.machine.geometry import build_machine
+
+    loaded = load_config(config)
+    machine = build_machine(loaded.machine)
+    setting = WorkspaceSetting(kappa_max, math.radians(rx_deg), math.radians(rz_deg), step_m)
+    with messages_console().status("measuring the workspace"):
+        fine, coarse = at_two_steps(machine, setting)
+    rows = workspace_rows(fine, coarse)
+    if as_json:
+        typer.echo(json_bytes(workspace_data(machine, setting, rows)), nl=False)
+    else:
+        table = Table(title=f"{loaded.name}: usable workspace", title_justify="left")
+        for index, heading in enumerate(TABLE_HEADER):
+            table.add_column(heading, justify="right" if index else "left")
+        for cells in table_cells(rows):
+            table.add_row(*cells)
+        console = results_console()
+        console.print(table)
+        console.print(setting_text(machine, setting), soft_wrap=True)
+    if picture is not None:
+        from pipeline.compare.figures.workspace import workspace_figure
+
+        save_picture(workspace_figure(fine), picture)
+        messages_console().print(f"{picture}: usable length along x, per working mode and of all", soft_wrap=True)
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        workspace,
+        (
+            "gantry-tau workspace configs/agder.yaml",
+            "gantry-tau workspace configs/agder.yaml --rx -10 --kappa-max 30 --json",
+            "gantry-tau workspace configs/agder.yaml --picture workspace.png",
+        ),
+    ),
+)
+"""Every command with its examples."""

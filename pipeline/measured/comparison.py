@@ -1,0 +1,129 @@
+"""A measured motion against the commanded one: errors with their error bars, over time and as rows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.machine.geometry import FloatArray
+from pipeline.measured.estimate import CONTROLLED, estimate_poses
+from pipeline.measured.reflectors import Reflectors
+from pipeline.measured.table import Measurement
+
+QUANTITIES = ("x", "y", "z", "rx", "rz")
+UNITS = ("mm", "mm", "mm", "deg", "deg")
+"""Units of errors as they are shown."""
+SCALES = np.array([1e3, 1e3, 1e3, 180.0 / np.pi, 180.0 / np.pi])
+"""From metres and radians to `UNITS`."""
+TABLE_HEADER = ("quantity", "unit", "mean error", "rms error", "largest error", "at s", "error bar", "rms / bar")
+"""Headings of `table_cells`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Controlled poses over time, x, y, z in metres, rx, rz in radians.
+
+    Attributes
+    ----------
+    t_s : (n,)
+        Time since the start of the motion.
+    commanded, measured : (n, 5)
+        What was asked for, and what was seen.
+    std : (n, 5) or None
+        Standard deviations of what was seen, due to noise; None where they are not known.
+    """
+
+    t_s: FloatArray
+    commanded: FloatArray
+    measured: FloatArray
+    std: FloatArray | None
+
+    @property
+    def error(self) -> FloatArray:
+        """Measured - commanded. Shape (n, 5)."""
+        return self.measured - self.commanded
+
+
+@dataclass(frozen=True)
+class ErrorRow:
+    """The error of one quantity over the motion, in metres or radians.
+
+    Attributes
+    ----------
+    quantity : str
+        x, y, z, rx or rz.
+    mean, rms, largest : float
+        Mean, root of the mean square, and the error of largest magnitude.
+    largest_at_s : float
+        When that was.
+    error_bar : float or None
+        Root of the mean variance of what was seen, due to noise.
+    standardised_rms : float or None
+        Root of the mean square of error / standard deviation: about 1 where there is nothing but noise.
+    """
+
+    quantity: str
+    mean: float
+    rms: float
+    largest: float
+    largest_at_s: float
+    error_bar: float | None
+    standardised_rms: float | None
+
+
+def compare_measurement(measurement: Measurement, commanded: FloatArray, reflectors: Reflectors) -> Comparison:
+    """Compare a measurement (n rows) with the poses (n, 6) commanded at its times.
+
+    Raises
+    ------
+    UsageError
+        When the reflectors do not tell the pose.
+    """
+    asked = commanded[:, CONTROLLED]
+    if measurement.reflectors_m is not None:
+        estimate = estimate_poses(reflectors, measurement.reflectors_m, commanded)
+        std = estimate.std if reflectors.noise_m > 0.0 else None
+        return Comparison(measurement.t_s, asked, estimate.controlled, std)
+    assert measurement.controlled is not None
+    return Comparison(measurement.t_s, asked, measurement.controlled, None)
+
+
+def error_rows(comparison: Comparison) -> list[ErrorRow]:
+    """Sum up the errors, a row per quantity."""
+    return [_row(comparison, index) for index in range(len(QUANTITIES))]
+
+
+def _row(comparison: Comparison, index: int) -> ErrorRow:
+    error = comparison.error[:, index]
+    worst = int(np.argmax(np.abs(error)))
+    std = None if comparison.std is None else comparison.std[:, index]
+    return ErrorRow(
+        quantity=QUANTITIES[index],
+        mean=float(error.mean()),
+        rms=_rms(error),
+        largest=float(error[worst]),
+        largest_at_s=float(comparison.t_s[worst]),
+        error_bar=None if std is None else _rms(std),
+        standardised_rms=None if std is None else _rms(error / std),
+    )
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def table_cells(rows: list[ErrorRow]) -> list[tuple[str, ...]]:
+    """Format rows as text under `TABLE_HEADER`, in millimetres and degrees; what is not known is a dash."""
+    return [_cells(row, unit, scale) for row, unit, scale in zip(rows, UNITS, SCALES.tolist(), strict=True)]
+
+
+def _cells(row: ErrorRow, unit: str, scale: float) -> tuple[str, ...]:
+    return (
+        row.quantity,
+        unit,
+        f"{scale * row.mean:+.4f}",
+        f"{scale * row.rms:.4f}",
+        f"{scale * row.largest:+.4f}",
+        f"{row.largest_at_s:.3f}",
+        "-" if row.error_bar is None else f"{scale * row.error_bar:.4f}",
+        "-" if row.standardised_rms is None else f"{row.standardised_rms:.2f}",
+    )

@@ -1,0 +1,114 @@
+"""The controlled pose from two measured reflectors, with ry from the model, and how uncertain it is.
+
+With the reflectors r_1, r_2 in the platform frame, m_i = p + R r_i measured, R = Rx(rx) Rz(rz) Ry(ry), d = r_2 - r_1:
+
+    m_2 - m_1 = Rx(rx) Rz(rz) e,  e = Ry(ry) d,    p = (m_1 + m_2) / 2 - R (r_1 + r_2) / 2.
+
+Noise that is equal and independent in all coordinates splits the least squares over all six into these two equations.
+The first asks for the rotation that makes R d point along v = m_2 - m_1. Rx leaves the x coordinate alone, so that,
+with v scaled to the length of d,
+
+    v_x = e_x cos(rz) - e_y sin(rz)    gives rz (of two solutions the one nearer the commanded),
+    (v_y, v_z) = Rot(rx) (f_y, f_z)    gives rx, with f = Rz(rz) e.
+
+Where f_y = 0 the two solutions for rz meet and nothing is known of it: d must not be along the platform's x or z axis.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.errors import UsageError
+from pipeline.machine.geometry import FloatArray, cross, rotation, rotation_x
+from pipeline.measured.reflectors import Reflectors
+
+CONTROLLED = (0, 1, 2, 3, 5)
+"""Where x, y, z, rx, rz are in a pose."""
+_LEAST_LEVER = 0.05
+"""Least |f_y| as a part of |d|: below it noise in rz is amplified more than twentyfold, and linearisation fails."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Controlled poses as measured.
+
+    Attributes
+    ----------
+    controlled : (n, 5)
+        x, y, z in metres, rx, rz in radians.
+    std : (n, 5)
+        Their standard deviations due to the noise of the reflectors' coordinates.
+    """
+
+    controlled: FloatArray
+    std: FloatArray
+
+
+def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: FloatArray) -> Estimate:
+    """Estimate x, y, z, rx, rz from measured reflectors (n, 2, 3) near commanded poses (n, 6), whose ry is taken.
+
+    Raises
+    ------
+    UsageError
+        When the reflectors are in one place, or do not tell rz at some pose.
+    """
+    ry = commanded[:, 4]
+    arm = reflectors.points_m[1] - reflectors.points_m[0]
+    length = float(np.linalg.norm(arm))
+    if not length > 0.0:
+        raise UsageError("both reflectors are in one place: two different places on the platform are needed")
+    v = positions_m[:, 1] - positions_m[:, 0]
+    v = v * (length / np.linalg.norm(v, axis=1, keepdims=True))
+    rx, rz, lever = _angles(_turned_about_y(arm, ry), v, commanded[:, 5])
+    if (weak := np.abs(lever) < _LEAST_LEVER * length).any():
+        raise UsageError(
+            f"the reflectors hardly move along X when the platform turns about z, at row {int(np.argmax(weak))}: "
+            "they do not tell rz.\n  What to change: place them along the platform's y axis."
+        )
+    R = rotation(rx, ry, rz)
+    p = positions_m.mean(axis=1) - R @ reflectors.points_m.mean(axis=0)
+    return Estimate(np.column_stack([p, rx, rz]), reflectors.noise_m * _unit_std(reflectors.points_m, R, rx))
+
+
+def _turned_about_y(arm: FloatArray, ry: FloatArray) -> FloatArray:
+    """E = Ry(ry) d, shape (n, 3)."""
+    zero = np.zeros_like(ry)
+    e: FloatArray = rotation(zero, ry, zero) @ arm
+    return e
+
+
+def _angles(e: FloatArray, v: FloatArray, near_rz: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Solve Rx Rz e = v for rx and rz; the third result is f_y, which says how well rz is known. Three arrays (n,)."""
+    # v_x = radius cos(rz + phase); an arm along z has no radius, and no lever either.
+    radius = np.hypot(e[:, 0], e[:, 1])
+    phase = np.arctan2(e[:, 1], e[:, 0])
+    opening = np.arccos(np.clip(v[:, 0] / np.maximum(radius, 1e-300), -1.0, 1.0))
+    both = _wrap(np.stack([opening - phase, -opening - phase]))
+    nearer = np.argmin(np.abs(_wrap(both - near_rz)), axis=0)
+    rz = np.take_along_axis(both, nearer[None], axis=0)[0]
+    f_y = e[:, 0] * np.sin(rz) + e[:, 1] * np.cos(rz)
+    rx = _wrap(np.arctan2(v[:, 2], v[:, 1]) - np.arctan2(e[:, 2], f_y))
+    return rx, rz, f_y
+
+
+def _unit_std(points_m: FloatArray, R: FloatArray, rx: FloatArray) -> FloatArray:
+    """Standard deviations of the estimate for noise of one metre: roots of the diagonal of (J' J)^-1. Shape (n, 5).
+
+    J differentiates all six coordinates by x, y, z, rx, rz: identities, e_x x R r_i, and (Rx e_z) x R r_i.
+    """
+    J = np.zeros((len(R), 2, 3, len(CONTROLLED)))
+    J[..., :3] = np.eye(3)
+    arms = points_m @ np.swapaxes(R, 1, 2)
+    axis_x = np.broadcast_to([1.0, 0.0, 0.0], arms.shape)
+    axis_z = np.broadcast_to(rotation_x(rx)[:, None, :, 2], arms.shape)
+    J[..., 3], J[..., 4] = cross(axis_x, arms), cross(axis_z, arms)
+    stacked = J.reshape(len(R), 6, len(CONTROLLED))
+    covariance = np.linalg.inv(np.swapaxes(stacked, 1, 2) @ stacked)
+    std: FloatArray = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    return std
+
+
+def _wrap(angle: FloatArray) -> FloatArray:
+    """Bring angles into (-pi, pi]."""
+    wrapped: FloatArray = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
+    return wrapped

@@ -1,0 +1,62 @@
+"""Simulated measurements: a machine a little different from its model drives the motion, a tracker with noise looks."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.kinematics import forward_kinematics
+from pipeline.measured.reflectors import Reflectors, reflector_positions
+
+
+@dataclass(frozen=True)
+class SimulationSetting:
+    """How wrong the machine is, and which random numbers are drawn.
+
+    Attributes
+    ----------
+    geometry_std_m : float
+        Standard deviation of every coordinate of every joint, of y and z of every rail, of the length of every fixed
+        link and of the zero of every telescope; independent, drawn once.
+    seed : int
+        The same seed gives the same measurement.
+    """
+
+    geometry_std_m: float = 2e-4
+    seed: int = 0
+
+
+def simulate_measurement(
+    machine: Machine, q_m: FloatArray, commanded: FloatArray, reflectors: Reflectors, setting: SimulationSetting
+) -> FloatArray:
+    """Positions of both reflectors while a perturbed machine drives actuators (n, 5), commanded poses (n, 6) nearby.
+
+    The pose is the perturbed machine's own, by forward kinematics; noise comes on top. Shape (n, 2, 3).
+
+    Raises
+    ------
+    ForwardKinematicsError
+        When the perturbed machine cannot follow.
+    """
+    geometry, noise = (np.random.default_rng(seed) for seed in np.random.SeedSequence(setting.seed).spawn(2))
+    real, zeros_m = perturbed(machine, setting.geometry_std_m, geometry)
+    q = q_m.copy()
+    q[:, 3:] += zeros_m
+    positions = reflector_positions(reflectors.points_m, forward_kinematics(real, q, commanded))
+    return positions + noise.normal(0.0, reflectors.noise_m, positions.shape)
+
+
+def perturbed(machine: Machine, std_m: float, random: np.random.Generator) -> tuple[Machine, FloatArray]:
+    """Draw a machine whose geometry is off by `std_m`, and the zeros of its telescopes, shape (2,)."""
+
+    def off(values: FloatArray) -> FloatArray:
+        return values + random.normal(0.0, std_m, values.shape)
+
+    real = replace(
+        machine,
+        rails_m=off(machine.rails_m),
+        platform_points_m=off(machine.platform_points_m),
+        cart_offsets_m=off(machine.cart_offsets_m),
+        lengths_m=off(machine.lengths_m),
+    )
+    return real, off(np.zeros(2))

@@ -1,0 +1,64 @@
+"""A measured motion against the commanded one, in numbers."""
+
+import numpy as np
+import pytest
+
+from pipeline.measured import Comparison, Measurement, Reflectors, compare_measurement, error_rows, reflector_positions
+from pipeline.measured.comparison import QUANTITIES, TABLE_HEADER, table_cells
+from pipeline.measured.estimate import CONTROLLED
+
+T = np.linspace(0.0, 1.0, 400)
+POINTS = np.array([[0.0, 0.10, 0.05], [0.0, 0.40, 0.05]])
+POSE = np.column_stack([np.full(400, 1.0), 0.3 + 0.1 * T, 0.9 - 0.1 * T, -0.3 * T, 0.5 * T, 0.2 * T])
+
+
+def noisy(noise_m: float) -> Comparison:
+    """Compare a measurement that has noise and nothing else wrong."""
+    positions = reflector_positions(POINTS, POSE)
+    positions += np.random.default_rng(0).normal(0.0, noise_m, positions.shape)
+    return compare_measurement(Measurement(T, positions, None), POSE, Reflectors(POINTS, noise_m))
+
+
+def test_noise_alone_is_about_its_error_bar() -> None:
+    """Where the machine does what it is told, root mean square errors are those of the noise."""
+    for row in error_rows(noisy(1e-4)):
+        assert row.standardised_rms == pytest.approx(1.0, abs=5.0 / np.sqrt(2.0 * len(T)))
+        assert row.error_bar is not None
+        assert row.rms == pytest.approx(row.error_bar, rel=0.2)
+
+
+def test_an_offset_is_found() -> None:
+    """A measured pose that is off by a constant has that for mean, rms and largest error, without error bars."""
+    off = np.array([1e-3, -2e-3, 3e-3, -0.01, 0.02])
+    comparison = compare_measurement(Measurement(T, None, POSE[:, CONTROLLED] + off), POSE, Reflectors(POINTS, 1e-4))
+    rows = error_rows(comparison)
+    assert [row.quantity for row in rows] == list(QUANTITIES)
+    assert [row.mean for row in rows] == pytest.approx(off.tolist())
+    assert [row.largest for row in rows] == pytest.approx(off.tolist())
+    assert [row.rms for row in rows] == pytest.approx(np.abs(off).tolist())
+    assert {row.error_bar for row in rows} == {row.standardised_rms for row in rows} == {None}
+
+
+def test_the_largest_error_is_told_with_its_time() -> None:
+    """Of a single wrong row sign and time are given."""
+    measured = POSE[:, CONTROLLED].copy()
+    measured[100, 2] -= 0.5
+    row = error_rows(Comparison(T, POSE[:, CONTROLLED], measured, None))[2]
+    assert (row.largest, row.largest_at_s) == (pytest.approx(-0.5), T[100])
+
+
+def test_without_noise_there_are_no_error_bars() -> None:
+    """A tracker without noise gives exact poses, and nothing to divide by."""
+    comparison = noisy(0.0)
+    assert comparison.std is None
+    assert np.abs(comparison.error).max() < 1e-9
+
+
+def test_cells_are_in_millimetres_and_degrees() -> None:
+    """Every row has a text per heading, in the units people read; what is not known is a dash."""
+    measured = POSE[:, CONTROLLED] + [1e-3, 0.0, 0.0, np.deg2rad(2.0), 0.0]
+    cells = table_cells(error_rows(Comparison(T, POSE[:, CONTROLLED], measured, None)))
+    assert {len(row) for row in cells} == {len(TABLE_HEADER)}
+    assert cells[0][:4] == ("x", "mm", "+1.0000", "1.0000")
+    assert cells[3][:4] == ("rx", "deg", "+2.0000", "2.0000")
+    assert cells[0][6:] == ("-", "-")
