@@ -370,6 +370,12 @@ class TestCheck:
         text = " ".join(call("check", edit(config_file, task__locked_axes=locked)).stdout.split())
         assert expected in text
 
+    def test_a_cap_below_the_ends(self, call: Call, config_file: Path) -> None:
+        """A cap on the path's kappa that the start is above already is told before anything is computed."""
+        result = call("check", edit(config_file, refine__kappa_max=10.0))
+        assert result.exit_code == 2
+        assert "refine.kappa_max" in result.stderr
+
     def test_rail_clearance(self, call: Call, config_file: Path) -> None:
         """A distance to rails that is asked for is shown as a limit."""
         result = call("check", edit(config_file, machine__clearance__link_rail_m=0.05))
