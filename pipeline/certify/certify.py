@@ -8,6 +8,7 @@ from pipeline.certify.closure import Geometry, geometry, working_precision
 from pipeline.certify.ends import check_end
 from pipeline.certify.limits import Facts, build_limits, examiner, pair_name
 from pipeline.certify.pieces import Piece, pieces
+from pipeline.certify.premises import premises_sha256
 from pipeline.certify.result import Bounds, Certificate, path_sha256, proven_chain
 from pipeline.certify.tolerance import search_tolerances
 from pipeline.certify.uncertainty import CERTAIN
@@ -66,6 +67,7 @@ def prove_path(
         misses, broken = _check_ends(machine, balls, exact_pieces, chain, ends)
     return Certificate(
         path_sha256=path_sha256(path),
+        premises_sha256=premises_sha256(config),
         precision_bits=config.certify.precision_bits,
         chain=proven_chain(chain, CERTAIN),
         bounds=_bounds(machine, chain, misses) if chain.facts else None,

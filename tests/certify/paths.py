@@ -3,6 +3,9 @@
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
+from pipeline.artifacts.certificate import chains
+from pipeline.certify import Certificate
+from pipeline.certify.recheck import StatedTolerance, Statement
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import MODES
 from pipeline.machine.kinematics import follow
@@ -50,3 +53,20 @@ def determinant(machine: Machine, along: float) -> float:
     """Give det H on the line towards the singularity."""
     solution = inverse_kinematics(machine, (START + along * TOWARDS_SINGULARITY)[None], np.array([RLL]))
     return float(np.linalg.det(statics_matrix(machine, solution.pose, solution.q_m[:, :3]))[0])
+
+
+def state(certificate: Certificate) -> Statement:
+    """Say what a certificate states, as its file would."""
+    assert certificate.bounds is not None
+    tolerances = [
+        None if one is None else StatedTolerance(one.eps_m, 0 if one.chain is None else len(one.chain.boxes))
+        for one in (certificate.link_length, certificate.coordinates)
+    ]
+    return Statement(
+        certificate.path_sha256,
+        certificate.premises_sha256,
+        len(certificate.chain.boxes),
+        certificate.bounds,
+        *tolerances,
+        tuple(chains(certificate)),
+    )

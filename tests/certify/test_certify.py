@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.artifacts.certificate import certificate_bytes, read_certificate
-from pipeline.certify import Certificate, certify_path
+from pipeline.certify import Certificate, certify_path, premises_sha256
 from pipeline.certify.limits import build_limits
 from pipeline.certify.recheck import verify
 from pipeline.config import Config
@@ -82,7 +82,7 @@ def test_a_certificate_is_read_as_it_was_written(
         np.testing.assert_array_equal(box.pose, read.pose)
         np.testing.assert_array_equal(box.radius, read.radius)
     limits, ends = build_limits(own_task, machine, 0.0), task_ends(own_task, machine)
-    claims = verify(machine, path, limits, ends, stored.path_sha256, stored.bounds, stored.chains)
+    claims = verify(machine, path, limits, ends, premises_sha256(own_task), stored)
     assert all(claim.verified for claim in claims)
 
 
