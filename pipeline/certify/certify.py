@@ -35,7 +35,10 @@ _ANY_ADVICE = "Raise refine.nodes, and refine again."
 
 
 def certify_path(config: Config, machine: Machine, path: Path, progress: Progress = silent) -> Certificate:
-    """Prove that a path is one motion free of singularities, within every limit, from the start to the goal.
+    """Prove that a path is one motion free of singularities, within its limits, from the start to the goal.
+
+    These are the caps on kappa, the distances of links and rails, travel, strokes and tilts. Boxes to avoid are none of
+    them, and of a limit the path may touch `limits.ROUNDING` is given away.
 
     With `certify.what` "tolerances" the largest calibration errors with which it still is one are searched, too.
 

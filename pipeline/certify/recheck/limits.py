@@ -14,12 +14,12 @@ from pipeline.machine.geometry import ACTUATORS, FloatArray, Machine
 from pipeline.refine.caps import TILTS
 from pipeline.route.ends import End
 
-KAPPA = "kappa stays below the bound stated, and that is within its cap"
-SIGN = "det H keeps the sign stated"
-DISTANCES = "axes keep the distances stated, and these are what is asked for"
-ACTUATOR_RANGES = "carts and telescopes stay within the bounds stated, and these are within their limits"
-TILT_RANGES = "tilts stay within the bounds stated, and these are within their limits"
-ENDS = tuple(f"the {name} is the task's, in its working mode and branch" for name in ("start", "goal"))
+KAPPA = "kappa stays below its bound, within the cap"
+SIGN = "det H keeps its sign"
+DISTANCES = "axes keep their distances, as asked for"
+ACTUATOR_RANGES = "carts and telescopes stay within bounds and limits"
+TILT_RANGES = "tilts stay within bounds and limits"
+ENDS = tuple(f"the {name} is the task's, its mode and branch too" for name in ("start", "goal"))
 
 _BEYOND = ROUNDING + SLIP
 """Metres and radians that a stated bound may be beyond a limit."""
@@ -44,8 +44,8 @@ def bound_claims(machine: Machine, limits: Limits, bounds: Bounds, boxes: Boxes,
         ACTUATOR_RANGES,
         _inside(actuators, bounds.actuators_m)
         and _inside(bounds.actuators_m, limits.actuators_m + [-_BEYOND, _BEYOND]),
-        "; ".join(
-            f"{name} {_span(one)}, stated {_span(stated)}, limits {_span(limit)} m"
+        "\n".join(
+            f"{name} {_span(one)}, stated {_span(stated)}, limits {limit[0]:g} to {limit[1]:g} m"
             for name, one, stated, limit in zip(
                 ACTUATORS, actuators, bounds.actuators_m, limits.actuators_m, strict=True
             )
@@ -56,7 +56,7 @@ def bound_claims(machine: Machine, limits: Limits, bounds: Bounds, boxes: Boxes,
     yield Claim(
         TILT_RANGES,
         bool((tilt <= bounds.tilt_rad).all() and (bounds.tilt_rad <= limits.tilt_rad + _BEYOND).all()),
-        "; ".join(
+        "\n".join(
             f"{name} {one:.5g}, stated {stated:.5g}, limit {limit:.5g} degrees"
             for (name, _), one, stated, limit in zip(TILTS, *degrees, strict=True)
         ),

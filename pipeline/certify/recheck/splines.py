@@ -6,7 +6,7 @@ from scipy.interpolate import BSpline
 from pipeline.certify.recheck.claim import Claim
 from pipeline.machine.geometry import ACTUATORS, BoolArray, FloatArray
 
-SPLINES = "the splines reach from s = 0 to s = 1 without a jump"
+SPLINES = "the splines are continuous from s = 0 to 1"
 
 
 def spline_claim(spline: BSpline) -> Claim:

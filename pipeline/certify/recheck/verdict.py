@@ -17,16 +17,16 @@ from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 from pipeline.route.ends import End
 
-PATH = "it speaks of this path"
-PREMISES = "it speaks of this machine, these limits, this start and goal"
-NOMINAL = "its first chain is of the machine as configured, with as many boxes as stated"
-LENGTHS = "the tolerance of link lengths is that of its chain"
-EVERYTHING = "the tolerance of every coordinate is that of its chain"
+PATH = "it is about this path"
+PREMISES = "it is about this machine, limits, start and goal"
+NOMINAL = "its first chain is of the configured machine"
+LENGTHS = "the tolerance of link lengths has its chain"
+EVERYTHING = "the tolerance of coordinates has its chain"
 
-_CONFIGURED = "the machine as configured"
-_REACH = "boxes reach from s = 0 to s = 1"
-_ONE_POSE = "each holds one pose, and is regular"
-_SAME_BRANCH = "neighbours hold the same branch"
+_CONFIGURED = "configured machine"
+_REACH = "boxes reach from s = 0 to 1"
+_ONE_POSE = "each holds one pose, regular"
+_SAME_BRANCH = "neighbours share a branch"
 
 MANDATORY = (
     PATH,
@@ -99,7 +99,7 @@ def _proof(
     of = _CONFIGURED
     if (uncertainty := chain.uncertainty).any:
         lengths, coordinates = 1e3 * uncertainty.length_m, 1e3 * uncertainty.coordinate_m
-        of = f"lengths within {lengths:.4g} mm, coordinates {coordinates:.4g} mm"
+        of = f"lengths ± {lengths:.4g}, coordinates ± {coordinates:.4g} mm"
     # Numbers that are none compare as false: what cannot be computed is not verified.
     with np.errstate(all="ignore"):
         try:

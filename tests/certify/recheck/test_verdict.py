@@ -101,7 +101,7 @@ def test_another_path_or_machine_is_found(check: Verify, machine: Machine, line:
     """By its hash, and by the boxes it does not go through."""
     spline = line.spline
     other = replace(line, spline=type(spline)(spline.t, spline.c + 1e-4, spline.k))
-    assert {claim.what for claim in check(path=other)} >= {"it speaks of this path"}
+    assert {claim.what for claim in check(path=other)} >= {"it is about this path"}
     longer = replace(machine, lengths_m=machine.lengths_m + 1e-4)
     assert check(machine=longer)
 
