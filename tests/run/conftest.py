@@ -159,6 +159,7 @@ class Stages:
     messages: dict[str, list[tuple[str, float | None]]] = field(default_factory=dict)
     objective: float = 100.0
     grids: int = 0
+    proofs: list[str] = field(default_factory=list)
 
     def enter(self, name: str, progress: Progress) -> None:
         """Count a call, talk, and fail where that is asked for."""
@@ -211,6 +212,7 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
 
     def certify_path(config: Config, machine: Machine, path: Path, progress: Progress = silent) -> Certificate:
         fake.enter("certify", progress)
+        fake.proofs.append(config.certify.what)
         return make_certificate(path)
 
     def retime_path(config: Config, path: Path, progress: Progress = silent, verbose: bool = False) -> Trajectory:

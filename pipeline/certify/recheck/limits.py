@@ -20,6 +20,8 @@ DISTANCES = "axes keep their distances, as asked for"
 ACTUATOR_RANGES = "carts and telescopes stay within bounds and limits"
 TILT_RANGES = "tilts stay within bounds and limits"
 ENDS = tuple(f"the {name} is the task's, its mode and branch too" for name in ("start", "goal"))
+CLAIMS = (KAPPA, SIGN, DISTANCES, ACTUATOR_RANGES, TILT_RANGES, *ENDS)
+"""All that is verified here."""
 
 _BEYOND = ROUNDING + SLIP
 """Metres and radians that a stated bound may be beyond a limit."""

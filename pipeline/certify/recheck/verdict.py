@@ -5,10 +5,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from pipeline.certify.limits import Limits
-from pipeline.certify.recheck import limits as bounds_and_limits
 from pipeline.certify.recheck.claim import Claim
 from pipeline.certify.recheck.inclusion import Boxes, Inclusions, build_boxes, holds, include
-from pipeline.certify.recheck.limits import bound_claims, end_claims
+from pipeline.certify.recheck.limits import CLAIMS, bound_claims, end_claims
 from pipeline.certify.recheck.splines import SPLINES, spline_claim
 from pipeline.certify.recheck.statement import StatedTolerance, Statement
 from pipeline.certify.result import ProvenChain, path_sha256
@@ -36,12 +35,7 @@ MANDATORY = (
     LENGTHS,
     EVERYTHING,
     *(f"{_CONFIGURED}: {what}" for what in (_REACH, _ONE_POSE, _SAME_BRANCH)),
-    bounds_and_limits.KAPPA,
-    bounds_and_limits.SIGN,
-    bounds_and_limits.DISTANCES,
-    bounds_and_limits.ACTUATOR_RANGES,
-    bounds_and_limits.TILT_RANGES,
-    *bounds_and_limits.ENDS,
+    *CLAIMS,
 )
 """What has to be verified of any certificate, whatever it holds."""
 

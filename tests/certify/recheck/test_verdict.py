@@ -14,7 +14,7 @@ from pipeline.certify.result import Bounds, ProvenChain
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.refine import Path
-from tests.certify.paths import ends_of, state
+from tests.certify.paths import branching_chains, ends_of, state, torn, two_branches, verified
 
 Verify = Callable[..., list[Claim]]
 
@@ -79,6 +79,11 @@ def test_a_chain_that_was_changed_is_found(check: Verify, certificate: Certifica
 
 
 BOUNDS: dict[str, Callable[[Bounds], Bounds]] = {
+    "kappa beyond the cap": lambda bounds: replace(bounds, kappa=2e9),
+    "distances that are none": lambda bounds: replace(bounds, distances_m=bounds.distances_m - 1.0),
+    "travel beyond the limits": lambda bounds: replace(bounds, actuators_m=bounds.actuators_m + [-9.0, 9.0]),
+    "tilts beyond the limits": lambda bounds: replace(bounds, tilt_rad=bounds.tilt_rad + 1.5),
+    "ends that are missed": lambda bounds: replace(bounds, start_miss=1e-3),
     "kappa": lambda bounds: replace(bounds, kappa=0.98 * bounds.kappa),
     "det_sign": lambda bounds: replace(bounds, det_sign=-bounds.det_sign),
     "no det_sign": lambda bounds: replace(bounds, det_sign=0),
@@ -95,6 +100,28 @@ def test_a_bound_that_was_changed_is_found(check: Verify, certificate: Certifica
     """Claiming more than is true."""
     assert certificate.bounds is not None
     assert check(bounds=BOUNDS[name](certificate.bounds))
+
+
+def test_whatever_is_not_there_is_asked_for(check: Verify) -> None:
+    """Without a chain every claim that needs one fails, not only that there is none."""
+    missing = {claim.what for claim in check(chains=())}
+    assert missing >= {what for what in MANDATORY if "machine: " in what or "kappa" in what or "the start is" in what}
+
+
+def test_boxes_on_two_branches_are_found(machine: Machine, line: Path) -> None:
+    """Each is proven, their joint too, and they reach from 0 to 1: only that neighbours share a branch is wrong."""
+    for chain in branching_chains(machine, line):
+        claims = verified(machine, two_branches(machine, line)[0], chain)
+        assert claims["boxes reach from s = 0 to 1"]
+        assert claims["each holds one pose, regular"]
+        assert not claims["neighbours share a branch"]
+
+
+def test_splines_that_jump_are_not_computed_with(check: Verify, line: Path) -> None:
+    """Nothing is said about boxes along what is no function."""
+    missing = {claim.what for claim in check(path=replace(line, spline=torn(line.spline, 1.0)))}
+    assert "the splines are continuous from s = 0 to 1" in missing
+    assert "configured machine: each holds one pose, regular" in missing
 
 
 def test_another_path_or_machine_is_found(check: Verify, machine: Machine, line: Path) -> None:
