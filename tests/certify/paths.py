@@ -84,7 +84,7 @@ class Jumping(Path):
 
 def two_branches(machine: Machine, line: Path) -> tuple[Path, Path]:
     """Give two paths with the same actuators, a knot at s = 1/2, and poses on two branches."""
-    middle, pose = line.q(0.5), line.pose(0.5)[0]
+    middle, pose = line.q(0.5), line.pose(np.array([0.5]))[0]
     s = np.array([0.0, 0.5, 1.0])
     q = middle + (s[:, None] - 0.5) * np.array([2e-3, 2e-3, 2e-3, 0.0, 0.0])
     spline = BSpline(np.array([0.0, *s, 1.0]), q, 1)
