@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress
-from pipeline.run.fingerprint import grid_fingerprint
+from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
 from pipeline.summary import Section
 
@@ -33,13 +33,20 @@ if TYPE_CHECKING:
 class Results:
     """The results of a run: those it made, and those of earlier runs, loaded when first asked for.
 
-    `anew` says that what other runs computed is not to be used either.
+    `anew` says that what other runs computed is not to be used either, `tolerances` that the proof is to search
+    calibration tolerances although the configuration does not ask for them.
     """
 
     config: Config
     machine: Machine
     folder: Path
     anew: bool = False
+    tolerances: bool = False
+
+    @property
+    def asked(self) -> Config:
+        """The configuration, asking for the proof that is wanted."""
+        return with_proof(self.config, "tolerances") if self.tolerances else self.config
 
     @cached_property
     def regions(self) -> "RegionTable":
@@ -143,11 +150,12 @@ def make_certificate(results: Results, progress: Progress, verbose: bool) -> Pro
     from pipeline.certify import certify_path
     from pipeline.summary import certificate_facts, certificate_section, skipped_certificate
 
-    if results.config.certify.what == "nothing":
+    config = results.asked
+    if config.certify.what == "nothing":
         return Product({}, skipped_certificate())
     began = time.perf_counter()
-    certificate = certify_path(results.config, results.machine, results.refinement.path, progress)
-    facts = certificate_facts(results.config, time.perf_counter() - began)
+    certificate = certify_path(config, results.machine, results.refinement.path, progress)
+    facts = certificate_facts(config, time.perf_counter() - began)
     return Product(certificate_files(certificate, facts), certificate_section(certificate))
 
 
