@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pipeline.config_file import load_config
     from pipeline.machine import Machine, build_machine
     from pipeline.refine import Path, Refinement, kappa_along, pose_derivatives, pose_spline, refine_path
-    from pipeline.retime import Trajectory, retime_path, sample
+    from pipeline.retime import Trajectory, retime_path, sample_trajectory
     from pipeline.route import RegionTable, Route, build_regions, plan_route, plan_routes
 
 _HOME = {
@@ -38,7 +38,7 @@ _HOME = {
     "refine_path": "refine",
     "Trajectory": "retime",
     "retime_path": "retime",
-    "sample": "retime",
+    "sample_trajectory": "retime",
 }
 
 __all__ = [
@@ -62,7 +62,7 @@ __all__ = [
     "pose_spline",
     "refine_path",
     "retime_path",
-    "sample",
+    "sample_trajectory",
     "save_path",
 ]
 

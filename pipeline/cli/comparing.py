@@ -64,7 +64,7 @@ def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: 
     from pipeline.compare import (
         blended,
         common_retiming,
-        comparison_rows,
+        compare_paths,
         markdown_table,
         measure_path,
         table_cells,
@@ -80,7 +80,7 @@ def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: 
             measure_path(results.machine, samples, steps, motion)
             for samples, motion in zip(results.samples, motions, strict=True)
         )
-    rows = comparison_rows(coarse, refined)
+    rows = compare_paths(coarse, refined)
     if as_json:
         typer.echo(json.dumps([asdict(row) for row in rows], indent=2))
     elif markdown:
@@ -92,14 +92,14 @@ def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: 
 
 
 def _compare_runs(results: "Sequence[Results]", markdown: bool, as_json: bool, timing: bool) -> None:
-    from pipeline.compare import common_retiming, runs_cells, runs_header, runs_markdown, runs_rows
+    from pipeline.compare import common_retiming, compare_runs, runs_cells, runs_header, runs_markdown
 
     names = _names(results)
     with messages_console().status("measuring and timing all paths"):
         paths = [(one, one.refinement.path) for one in results] if timing else []
         motions = _motions(paths, common_retiming(results[0].config)) or [None] * len(results)
         measured = [_measured(one, results[0], motion) for one, motion in zip(results, motions, strict=True)]
-    rows = runs_rows(measured)
+    rows = compare_runs(measured)
     if as_json:
         typer.echo(json.dumps({"runs": names, "rows": [asdict(row) for row in rows]}, indent=2))
     elif markdown:

@@ -117,13 +117,13 @@ def simulate_measurement(
     from pipeline.export.csv import format_csv
     from pipeline.measured import SimulationSetting, measurement_columns
     from pipeline.measured import simulate_measurement as simulate
-    from pipeline.retime import sample
+    from pipeline.retime import sample_trajectory
     from pipeline.run.reading import open_results, with_period
 
     if output is not None and output.resolve().is_relative_to(run.resolve()):
         raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
     results = open_results(run, Stage.REFINE, Stage.RETIME)
-    samples = sample(results.trajectory, with_period(results.config, period_s).retime.period_s)
+    samples = sample_trajectory(results.trajectory, with_period(results.config, period_s).retime.period_s)
     reflectors = _reflectors(first, second, noise_m)
     setting = SimulationSetting(geometry_m, seed)
     positions = simulate(results.machine, samples.q_m, samples.pose, reflectors, setting)

@@ -2,10 +2,10 @@
 
 from pipeline.compare.blend import TOLERANCE_M, blended
 from pipeline.compare.figures import all_figures
-from pipeline.compare.metrics import ComparisonRow, comparison_rows, markdown_table, table_cells
+from pipeline.compare.metrics import ComparisonRow, compare_paths, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
 from pipeline.compare.quantities import Measured, measure_path
-from pipeline.compare.runs import RunsRow, runs_cells, runs_header, runs_markdown, runs_rows
+from pipeline.compare.runs import RunsRow, compare_runs, runs_cells, runs_header, runs_markdown
 
 __all__ = [
     "TOLERANCE_M",
@@ -16,7 +16,8 @@ __all__ = [
     "all_figures",
     "blended",
     "common_retiming",
-    "comparison_rows",
+    "compare_paths",
+    "compare_runs",
     "markdown_table",
     "measure_motion",
     "measure_path",
@@ -24,6 +25,5 @@ __all__ = [
     "runs_cells",
     "runs_header",
     "runs_markdown",
-    "runs_rows",
     "table_cells",
 ]

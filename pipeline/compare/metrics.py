@@ -41,7 +41,7 @@ class ComparisonRow:
     better: Better
 
 
-def comparison_rows(coarse: Measured, refined: Measured) -> list[ComparisonRow]:
+def compare_paths(coarse: Measured, refined: Measured) -> list[ComparisonRow]:
     """Compare two paths by every quantity that is known of both."""
     coarse, refined = paced_alike([coarse, refined])
     rows = []

@@ -34,7 +34,7 @@ class RunsRow:
     best: tuple[int, ...]
 
 
-def runs_rows(measured: Sequence[Measured]) -> list[RunsRow]:
+def compare_runs(measured: Sequence[Measured]) -> list[RunsRow]:
     """Compare runs by every quantity that is known of at least two of them."""
     measured = paced_alike(measured)
     rows = []
