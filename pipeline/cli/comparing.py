@@ -14,7 +14,7 @@ from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
-    from pipeline.compare import Measured, MotionFigures
+    from pipeline.compare import MeasuredPath, MotionFigures
     from pipeline.config import RetimeConfig
     from pipeline.refine.result import Path
     from pipeline.run.stages import Results
@@ -111,7 +111,7 @@ def _compare_runs(results: "Sequence[Results]", markdown: bool, as_json: bool, t
         _print_table("refined paths of several runs", runs_header(names), runs_cells(names, rows), how)
 
 
-def _measured(one: "Results", first: "Results", motion: "MotionFigures | None") -> "Measured":
+def _measured(one: "Results", first: "Results", motion: "MotionFigures | None") -> "MeasuredPath":
     """Measure a run's refined path in the metric, and at as many points, as the first run's."""
     import numpy as np
 

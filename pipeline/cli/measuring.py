@@ -15,7 +15,7 @@ from pipeline.errors import UsageError
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
-    from pipeline.measured import Comparison, Reflectors
+    from pipeline.measured import MeasurementComparison, Reflectors
 
 _Point = tuple[float, float, float]
 _First = Annotated[
@@ -71,7 +71,7 @@ def measured(
         messages_console().print(f"{picture}: commanded and measured over time, with errors", soft_wrap=True)
 
 
-def _tell(comparison: "Comparison", as_json: bool, title: str) -> None:
+def _tell(comparison: "MeasurementComparison", as_json: bool, title: str) -> None:
     from pipeline.artifacts import json_bytes
     from pipeline.measured.comparison import TABLE_HEADER, error_rows, table_cells
 

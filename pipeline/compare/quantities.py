@@ -15,7 +15,7 @@ Preference = Literal["lower", "higher", "neither"]
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredPath:
     """A path in numbers, as far as they are known.
 
     Attributes
@@ -38,13 +38,13 @@ class Measured:
 
 def measure_path(
     machine: Machine, samples: PathSamples, steps: FloatArray, motion: MotionFigures | None = None
-) -> Measured:
+) -> MeasuredPath:
     """Reduce samples of a path to numbers; `steps` (5,) are the largest moves per step of x, y, z, rx, rz."""
     modes = working_modes(machine, samples)
-    return Measured(measure(samples, steps), int(np.count_nonzero(np.diff(modes, axis=0))), motion)
+    return MeasuredPath(measure(samples, steps), int(np.count_nonzero(np.diff(modes, axis=0))), motion)
 
 
-def paced_alike(measured: Sequence[Measured]) -> list[Measured]:
+def paced_alike(measured: Sequence[MeasuredPath]) -> list[MeasuredPath]:
     """Slow all motions down to the longest duration, so that their peaks say which curve is the smoother one."""
     durations = [one.motion.duration_s for one in measured if one.motion is not None]
     if len(durations) < len(measured):
@@ -61,9 +61,9 @@ class Quantity:
     unit: str
     prefers: Preference
     resolution: float
-    read: Callable[[Measured], float | None]
+    read: Callable[[MeasuredPath], float | None]
 
-    def value(self, measured: Measured) -> float | None:
+    def value(self, measured: MeasuredPath) -> float | None:
         """Give the value; None where it is unknown or has no bound."""
         value = self.read(measured)
         return None if value is None or not np.isfinite(value) else float(value)
@@ -74,7 +74,7 @@ def _path(name: str, unit: str, prefers: Preference, resolution: float, attribut
 
 
 def _motion(name: str, unit: str, resolution: float, attribute: str, paced: bool = False) -> Quantity:
-    def read(one: Measured) -> float | None:
+    def read(one: MeasuredPath) -> float | None:
         motion = one.paced if paced else one.motion
         return None if motion is None else getattr(motion, attribute)
 

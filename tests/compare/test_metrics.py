@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, compare_paths, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures
-from pipeline.compare.quantities import Measured, measure_path
+from pipeline.compare.quantities import MeasuredPath, measure_path
 from pipeline.machine import Machine
 from pipeline.refine.measure import PathFigures, PathSamples
 
@@ -35,7 +35,7 @@ REFINED_PATH = dataclasses.replace(
     min_rail_distance_m=0.6,
     max_tilt_deg=27.0,
 )
-COARSE, REFINED = Measured(COARSE_PATH), Measured(REFINED_PATH)
+COARSE, REFINED = MeasuredPath(COARSE_PATH), MeasuredPath(REFINED_PATH)
 SLOW, FAST = MotionFigures(8.0, 2.0, 0.5, 40.0, 10.0), MotionFigures(4.0, 2.0, 0.4, 40.0, 10.0)
 
 positive = st.floats(1e-3, 1e3)
@@ -50,7 +50,7 @@ figures = st.builds(
     min_rail_distance_m=positive,
     max_tilt_deg=st.floats(0.0, 85.0),
     det_sign_constant=st.just(True),
-).map(Measured)
+).map(MeasuredPath)
 
 
 def by_name(rows: list[ComparisonRow]) -> dict[str, ComparisonRow]:
@@ -87,7 +87,7 @@ def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, b
 
 def test_no_per_cent_of_zero() -> None:
     """A coarse value of zero has no percentage, and its cell is empty."""
-    rows = compare_paths(Measured(dataclasses.replace(COARSE_PATH, max_tilt_deg=0.0)), REFINED)
+    rows = compare_paths(MeasuredPath(dataclasses.replace(COARSE_PATH, max_tilt_deg=0.0)), REFINED)
     row = by_name(rows)["largest tilt"]
     assert row.per_cent is None
     assert row.better == "coarse"
@@ -124,7 +124,7 @@ def test_no_row_for_jerk_without_bound() -> None:
 
 
 @given(a=figures, b=figures)
-def test_swapping_the_paths_swaps_the_verdicts(a: Measured, b: Measured) -> None:
+def test_swapping_the_paths_swaps_the_verdicts(a: MeasuredPath, b: MeasuredPath) -> None:
     """Differences change sign and better becomes the other one, whatever the values."""
     other = {"coarse": "refined", "refined": "coarse", "equal": "equal", "neither": "neither"}
     for there, back in zip(compare_paths(a, b), compare_paths(b, a), strict=True):
@@ -133,7 +133,7 @@ def test_swapping_the_paths_swaps_the_verdicts(a: Measured, b: Measured) -> None
 
 
 @given(a=figures)
-def test_a_path_equals_itself(a: Measured) -> None:
+def test_a_path_equals_itself(a: MeasuredPath) -> None:
     """No figure of a path is better than its own."""
     assert {row.better for row in compare_paths(a, a)} == {"equal", "neither"}
 

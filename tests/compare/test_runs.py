@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.compare.metrics import compare_paths
 from pipeline.compare.motion import MotionFigures
-from pipeline.compare.quantities import Measured
+from pipeline.compare.quantities import MeasuredPath
 from pipeline.compare.runs import RunsRow, compare_runs, runs_cells, runs_header, runs_markdown
 from tests.compare.test_metrics import COARSE, FAST, REFINED, SLOW
 
@@ -55,7 +55,7 @@ def test_what_is_not_known_of_all_is_left_open() -> None:
     assert "equally long: cart jerk" not in rows
 
 
-def timed(motion: MotionFigures) -> Measured:
+def timed(motion: MotionFigures) -> MeasuredPath:
     """Give the refined path a motion."""
     return dataclasses.replace(REFINED, motion=motion)
 

@@ -9,13 +9,16 @@ from pipeline.certify.recheck import KappaProfile
 from pipeline.compare.figures.clearance import clearance_figure
 from pipeline.compare.figures.kappa import kappa_figure
 from pipeline.compare.figures.loads import loads_figure, usage_figure
-from pipeline.compare.figures.machine import machine_figure
+from pipeline.compare.figures.machine import machine_figure, postures_figure
+from pipeline.compare.figures.map_panels import kappa_map_figure
+from pipeline.compare.figures.measured import measured_figure
 from pipeline.compare.figures.phase import phase_figure
 from pipeline.compare.figures.pose import pose_figure
 from pipeline.compare.figures.proof import proof_figure
 from pipeline.compare.figures.regions import regions_figure
 from pipeline.compare.figures.route import route_figure
 from pipeline.compare.figures.trajectory import trajectory_figure
+from pipeline.compare.figures.workspace import workspace_figure
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
@@ -27,15 +30,19 @@ __all__ = [
     "all_figures",
     "clearance_figure",
     "kappa_figure",
+    "kappa_map_figure",
     "loads_figure",
     "machine_figure",
+    "measured_figure",
     "phase_figure",
     "pose_figure",
+    "postures_figure",
     "proof_figure",
     "regions_figure",
     "route_figure",
     "trajectory_figure",
     "usage_figure",
+    "workspace_figure",
 ]
 
 

@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.compare.figures import style
-from pipeline.measured.comparison import QUANTITIES, SCALES, UNITS, Comparison
+from pipeline.measured.comparison import QUANTITIES, SCALES, UNITS, MeasurementComparison
 
 _SHOWN = 40
 """Measured points drawn over a commanded curve: more would hide it."""
@@ -18,7 +18,7 @@ _BAND = 2.0
 
 
 @style.styled
-def measured_figure(comparison: Comparison) -> Figure:
+def measured_figure(comparison: MeasurementComparison) -> Figure:
     """Draw x, y, z, rx, rz over time: commanded and measured on the left, their difference on the right.
 
     On the left every few measured points are shown, on the right all of them, with two standard deviations of their
@@ -41,7 +41,7 @@ def measured_figure(comparison: Comparison) -> Figure:
     return figure
 
 
-def _draw_motion(axes: Axes, comparison: Comparison, index: int) -> None:
+def _draw_motion(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
     angle = UNITS[index] == "deg"
     scale = SCALES[index] if angle else 1.0
     every = max(len(comparison.t_s) // _SHOWN, 1)
@@ -51,7 +51,7 @@ def _draw_motion(axes: Axes, comparison: Comparison, index: int) -> None:
     axes.yaxis.set_major_locator(style.angle_locator() if angle else MaxNLocator(4))
 
 
-def _draw_error(axes: Axes, comparison: Comparison, index: int) -> None:
+def _draw_error(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
     scale = SCALES[index]
     if comparison.std is not None:
         half = _BAND * scale * comparison.std[:, index]
