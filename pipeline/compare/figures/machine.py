@@ -93,7 +93,7 @@ def _draw(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> Figure
     low, high = _window(machine, stances, tcp_m)
     columns = min(5 if len(stances) > 12 else 4, len(stances))
     rows = -(-len(stances) // columns)
-    size = high - low + np.array([0.0, _TITLE_M])
+    size = high - low + np.array([0.0, _TITLE_M * min(1.0, columns / 4.0)])
     scale = (style.WIDTH_IN - 0.06) / (columns * size[0])
     figure = style.new_figure(float(rows * size[1] * scale + 0.45))
     axes = figure.subplots()

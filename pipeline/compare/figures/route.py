@@ -76,7 +76,11 @@ class _Canvas:
 
 @style.styled
 def route_figure(
-    config: Config, machine: Machine, route: Route, coarse: PathSamples | None, refined: PathSamples | None
+    config: Config,
+    machine: Machine,
+    route: Route,
+    coarse: PathSamples | None = None,
+    refined: PathSamples | None = None,
 ) -> Figure:
     """Draw every step of the route, at most 28, each over the map of kappa for its tilt and working mode.
 
