@@ -31,7 +31,7 @@ def kappa_map_figure(maps: Mapping[str, KappaMap], kappa_max: float = 100.0) -> 
     rows = -(-len(maps) // columns)
     first = next(iter(maps.values()))
     panel_in = (style.WIDTH_IN - 0.5) / columns * float(np.ptp(first.z_m) / np.ptp(first.y_m))
-    figure = style.new_figure(rows * (panel_in + 0.2) + 0.85)
+    figure = style.new_figure(rows * (panel_in + 0.2) + 0.95)
     panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     norm = map_norm(maps.values(), kappa_max)
     for axes, (title, a_map) in zip(panels, maps.items(), strict=False):
