@@ -88,7 +88,7 @@ def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: 
     else:
         title = f"{results.config.name}: coarse path against refined path"
         how = f"coarse path timed with its corners rounded by at most {blend_mm:g} mm of actuator travel"
-        _print_table(title, TABLE_HEADER, table_cells(rows), how if timing else "")
+        _print_table(title, TABLE_HEADER, table_cells(rows), how if motions[0] is not None else "")
 
 
 def _compare_runs(results: "Sequence[Results]", markdown: bool, as_json: bool, timing: bool) -> None:

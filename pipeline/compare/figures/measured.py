@@ -13,6 +13,8 @@ from pipeline.measured.comparison import QUANTITIES, SCALES, UNITS, MeasurementC
 
 _SHOWN = 40
 """Measured points drawn over a commanded curve: more would hide it."""
+_SHORTEST_S = 1e-3
+"""Least time shown, for a measurement of a single instant."""
 _BAND = 2.0
 """Half width of the band of noise in standard deviations."""
 
@@ -33,7 +35,7 @@ def measured_figure(comparison: MeasurementComparison) -> Figure:
     panels[0, 1].set_title("measured - commanded")
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
-        axes.set_xlim(0.0, comparison.t_s[-1])
+        axes.set_xlim(0.0, max(float(comparison.t_s[-1]), _SHORTEST_S))
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     for column in panels.T:
         figure.align_ylabels(column)

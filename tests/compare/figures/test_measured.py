@@ -1,5 +1,6 @@
 """The picture of a measured motion over the commanded one."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -48,3 +49,11 @@ def test_it_is_laid_out(comparison: MeasurementComparison, assert_laid_out: Call
     figure = measured_figure(comparison)
     assert figure.get_figwidth() == style.WIDTH_IN
     assert_laid_out(figure)
+
+
+def test_a_single_instant(comparison: MeasurementComparison) -> None:
+    """One row, at the very start, can be drawn as well."""
+    first = MeasurementComparison(np.zeros(1), comparison.commanded[:1], comparison.measured[:1], None)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        measured_figure(first).draw_without_rendering()
