@@ -159,4 +159,5 @@ from .compare.figures import (
     trajectory_figure as trajectory_figure,
     usage_figure as usage_figure,
     workspace_figure as workspace_figure,
+    workspace_volume_figure as workspace_volume_figure,
 )

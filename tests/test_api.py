@@ -26,7 +26,7 @@ markdown_table measure_motion measure_path measure_trajectory measured_figure mi
 parse_measurement phase_figure plan_route plan_routes pose_derivatives pose_figure pose_spline postures_figure
 proof_figure refine_path regions_figure retime_path route_figure run_pipeline runs_markdown sample_path
 sample_trajectory save_path simulate_measurement slowed statics_matrix step_sizes trajectory_figure usable_workspace
-usage_figure way_back workspace_figure workspace_rows
+usage_figure way_back workspace_figure workspace_rows workspace_volume_figure
 """
 PUBLIC = NAMES.split()
 MADE_STEP_BY_STEP = {"Results"}

@@ -18,6 +18,7 @@ from pipeline.compare.figures.proof import proof_figure
 from pipeline.compare.figures.regions import regions_figure
 from pipeline.compare.figures.route import route_figure
 from pipeline.compare.figures.trajectory import trajectory_figure
+from pipeline.compare.figures.volume import workspace_volume_figure
 from pipeline.compare.figures.workspace import workspace_figure
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
@@ -43,6 +44,7 @@ __all__ = [
     "trajectory_figure",
     "usage_figure",
     "workspace_figure",
+    "workspace_volume_figure",
 ]
 
 
