@@ -41,7 +41,7 @@ from pipeline import (
     postures_figure,
     statics_matrix,
     usable_workspace,
-    workspace_figure,
+    workspace_volume_figure,
 )
 
 # %% [markdown]
@@ -107,7 +107,7 @@ postures_figure(machine, stances.pose, stances.q_m)
 # %%
 workspace = usable_workspace(machine, WorkspaceSetting(step_m=0.01))
 print(f"all modes together reach {workspace.union_m3 / workspace.volumes_m3.max():.2f} times as much as the best one")
-workspace_figure(workspace)
+workspace_volume_figure(machine, workspace)
 
 # %% [markdown]
 # ## Is there a way?
