@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from pipeline.certify.recheck import KappaProfile
 from pipeline.compare.figures.clearance import clearance_figure
 from pipeline.compare.figures.kappa import kappa_figure
-from pipeline.compare.figures.loads import loads_figure, usage_figure
+from pipeline.compare.figures.loads import has_loads, loads_figure, usage_figure
 from pipeline.compare.figures.machine import machine_figure, postures_figure
 from pipeline.compare.figures.map_panels import kappa_map_figure
 from pipeline.compare.figures.measured import measured_figure
@@ -30,6 +30,7 @@ from pipeline.route.table import RegionTable
 __all__ = [
     "all_figures",
     "clearance_figure",
+    "has_loads",
     "kappa_figure",
     "kappa_map_figure",
     "loads_figure",
@@ -76,5 +77,7 @@ def all_figures(
     if trajectory is not None:
         figures["trajectory"] = trajectory_figure(machine, trajectory)
     if timed is not None:
-        figures |= {"loads": loads_figure(timed), "usage": usage_figure(timed), "phase": phase_figure(timed)}
+        if has_loads(timed):
+            figures["loads"] = loads_figure(timed)
+        figures |= {"usage": usage_figure(timed), "phase": phase_figure(timed)}
     return figures
