@@ -54,10 +54,22 @@ def compare(
     from pipeline.run.reading import open_results
 
     results = [open_results(run, Stage.REFINE) for run in runs]
+    _tell_unproven(results)
     if len(results) == 1:
         _compare_paths(results[0], markdown, as_json, blend_mm, timing)
     else:
         _compare_runs(results, markdown, as_json, timing)
+
+
+def _tell_unproven(results: "Sequence[Results]") -> None:
+    """Say which refined paths have no certificate: figures do not tell that they may meet a singularity."""
+    from pipeline.artifacts import read_state
+
+    for one, name in zip(results, _names(results), strict=True):
+        state = read_state(one.folder)
+        record = None if state is None else state.stages.get(Stage.CERTIFY)
+        if record is None or record.summary.get("verdict") != "certified":
+            messages_console().print(f"{name}: the refined path is not certified", soft_wrap=True)
 
 
 def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: float, timing: bool) -> None:
