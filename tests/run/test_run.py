@@ -629,7 +629,7 @@ class TestReading:
         self.run(tmp_path, fast_config, last=Stage.ROUTE)
         with pytest.raises(UsageError, match="no result of refine yet"):
             open_results(tmp_path, Stage.REFINE)
-        assert len(open_results(tmp_path, Stage.ROUTE).route) == 4
+        assert len(open_results(str(tmp_path), Stage.ROUTE).route) == 4
 
     def test_failed_stage(self, tmp_path: Path, fast_config: Config, stages: Any) -> None:
         """A failed stage has no result, and its reason is told."""
