@@ -39,17 +39,6 @@ def open_results(folder: Path | str, *stages: Stage) -> Results:
     return Results(config, build_machine(config.machine), folder)
 
 
-def with_period(config: Config, period_s: float | None) -> Config:
-    """Put another sampling period into a configuration; None leaves it.
-
-    Raises
-    ------
-    ConfigError
-        When the period is not within what the configuration allows.
-    """
-    return with_retime(config, period_s=period_s)
-
-
 def with_retime(config: Config, period_s: float | None = None, speed: float | None = None) -> Config:
     """Put another sampling period or another part of the speed into a configuration; None leaves them.
 
