@@ -27,6 +27,7 @@ import numpy as np
 
 from pipeline import (
     Format,
+    MeasuredPath,
     Measurement,
     Reflectors,
     SimulationSetting,
@@ -98,14 +99,14 @@ machine_figure(machine, route)
 refinement = refine_path(config, machine, route)
 s = np.linspace(0.0, 1.0, 2_001)
 coarse, refined = sample_path(refinement.coarse, s), sample_path(refinement.path, s)
-kappa_figure(config, machine, route, coarse, refined)
+kappa_figure(config, route, coarse, refined)
 
 # %% [markdown]
 # The same in numbers, for a notebook of your own to decide on.
 
 # %%
 steps = step_sizes(config.route)
-for row in compare_paths(measure_path(machine, coarse, steps), measure_path(machine, refined, steps)):
+for row in compare_paths(*(MeasuredPath(measure_path(samples, steps)) for samples in (coarse, refined))):
     print(f"{row.figure:26} {row.coarse:10.4f} {row.refined:10.4f} {row.unit:5} {row.better}")
 
 # %% [markdown]

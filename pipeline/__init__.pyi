@@ -60,6 +60,8 @@ from .retime import (
 from .refine import (
     PathSamples as PathSamples,
     sample_path as sample_path,
+    PathFigures as PathFigures,
+    measure_path as measure_path,
     kappa_along as kappa_along,
     pose_derivatives as pose_derivatives,
     pose_spline as pose_spline,
@@ -103,7 +105,6 @@ from .route.metric import (
 )
 from .compare import (
     MeasuredPath as MeasuredPath,
-    measure_path as measure_path,
     MotionFigures as MotionFigures,
     measure_motion as measure_motion,
     blended as blended,

@@ -5,7 +5,7 @@ from pipeline.compare.figures import all_figures
 from pipeline.compare.figures.maps import KappaMap, kappa_map
 from pipeline.compare.metrics import ComparisonRow, compare_paths, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
-from pipeline.compare.quantities import MeasuredPath, measure_path
+from pipeline.compare.quantities import MeasuredPath
 from pipeline.compare.runs import RunsRow, compare_runs, runs_cells, runs_header, runs_markdown
 from pipeline.compare.workspace import Workspace, WorkspaceSetting, usable_workspace
 from pipeline.compare.workspace_table import WorkspaceRow, workspace_rows
@@ -28,7 +28,6 @@ __all__ = [
     "kappa_map",
     "markdown_table",
     "measure_motion",
-    "measure_path",
     "retimed",
     "runs_cells",
     "runs_header",

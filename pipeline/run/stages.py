@@ -125,7 +125,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     """Smooth the route, and measure what came out against the route joined by straight lines."""
     from pipeline.artifacts.results import path_files
     from pipeline.refine import refine_path
-    from pipeline.refine.measure import measure
+    from pipeline.refine.measure import measure_path
     from pipeline.route.metric import step_sizes
     from pipeline.summary import path_section
 
@@ -133,7 +133,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     progress(f"measuring both paths at {results.config.refine.check_points:,} points")
     coarse, refined = results.samples
     steps = step_sizes(results.config.route)
-    section = path_section(results.refinement, measure(refined, steps), measure(coarse, steps))
+    section = path_section(results.refinement, measure_path(refined, steps), measure_path(coarse, steps))
     return Product(path_files(results.refinement, refined), section)
 
 

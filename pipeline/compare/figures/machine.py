@@ -18,7 +18,6 @@ from scipy.spatial import ConvexHull, QhullError
 
 from pipeline.compare.figures import style
 from pipeline.compare.figures.route import select_steps
-from pipeline.compare.figures.samples import arm_sides, mode_names
 from pipeline.machine.geometry import (
     ARM_OF_LINK,
     MODE_SIGNS,
@@ -28,6 +27,7 @@ from pipeline.machine.geometry import (
     cart_joints,
     platform_arms,
 )
+from pipeline.machine.working_modes import mode_names, reach_along_rails
 from pipeline.route.result import Route
 
 MAX_MACHINES = 30
@@ -80,7 +80,7 @@ def postures_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles:
     Without titles every machine is named by its working mode.
     """
     pose, q_m = np.reshape(pose, (-1, 6)), np.reshape(q_m, (-1, 5))
-    sides = arm_sides(machine, pose, q_m)
+    sides = np.where(reach_along_rails(machine, pose, q_m[:, :3]) < 0.0, -1.0, 1.0)
     names = mode_names(sides) if titles is None else titles
     stances = [
         _Stance(pose=a_pose, q_m=q, sides=side, title=name, way_m=a_pose[None, :3])
