@@ -63,7 +63,7 @@ class RunReport:
 
 def run_pipeline(
     config: Config,
-    out: Path,
+    out: Path | str,
     first: Stage | None = None,
     last: Stage | None = None,
     force: bool = False,

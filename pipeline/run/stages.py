@@ -132,7 +132,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     """Smooth the route, and measure what came out against the route joined by straight lines."""
     from pipeline.artifacts.results import path_files
     from pipeline.refine import refine_path
-    from pipeline.refine.measure import measure
+    from pipeline.refine.measure import measure_path
     from pipeline.route.metric import step_sizes
     from pipeline.summary import path_section
 
@@ -140,7 +140,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     progress(f"measuring both paths at {results.config.refine.check_points:,} points")
     coarse, refined = results.samples
     steps = step_sizes(results.config.route)
-    section = path_section(results.refinement, measure(refined, steps), measure(coarse, steps))
+    section = path_section(results.refinement, measure_path(refined, steps), measure_path(coarse, steps))
     return Product(path_files(results.refinement, refined), section)
 
 
@@ -163,14 +163,14 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
     """Time the path and its way back, and sample both for the controller."""
     from pipeline.artifacts.results import back_files, trajectory_files
     from pipeline.export import sidecar
-    from pipeline.retime import measure_trajectory, retime_path, sample, way_back
+    from pipeline.retime import measure_trajectory, retime_path, sample_trajectory, way_back
     from pipeline.summary import trajectory_section
 
     config, machine = results.config, results.machine
     results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
     back = way_back(config, results.trajectory)
     progress("sampling the trajectory")
-    there_samples, back_samples = (sample(one, config.retime.period_s) for one in (results.trajectory, back))
+    there_samples, back_samples = (sample_trajectory(one, config.retime.period_s) for one in (results.trajectory, back))
     there_figures = measure_trajectory(results.trajectory, there_samples)
     back_figures = measure_trajectory(back, back_samples)
     files = {
@@ -197,11 +197,11 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     """Draw the results."""
     from pipeline.artifacts.results import figure_files
     from pipeline.compare import all_figures
-    from pipeline.retime import sample
+    from pipeline.retime import sample_trajectory
 
     progress("drawing")
     coarse, refined = results.samples
-    samples = sample(results.trajectory, results.config.retime.period_s)
+    samples = sample_trajectory(results.trajectory, results.config.retime.period_s)
     figures = all_figures(
         results.config,
         results.machine,

@@ -498,6 +498,14 @@ class TestLooks:
         assert "duration" not in result.stdout
         assert "stronger motors" in result.stderr
 
+    def test_compare_tells_what_is_not_certified(self, call: Call, config_file: Path) -> None:
+        """A path without a certificate can be compared, and is said to have none; one that has is not spoken of."""
+        call("refine", config_file, "--out", "other")
+        result = call("compare", "out", "other", "--no-timing")
+        assert result.exit_code == 0
+        assert result.stderr.count("not certified") == 1
+        assert "other: the refined path is not certified" in result.stderr
+
     def test_compare_runs(self, call: Call, config_file: Path) -> None:
         """Runs of one name are told apart by their folders; equal runs have no difference."""
         call("run", config_file, "--out", "other")
