@@ -11,7 +11,6 @@ from pipeline.machine.geometry import FloatArray, IntArray, Machine
 from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.machine.statics import condition_number, statics_matrix
 
-
 _COARSE_POINTS = 40
 _MARGIN_M = 0.05
 
