@@ -11,13 +11,13 @@ from pipeline.compare.motion import MotionFigures, common_retiming, measure_moti
 from pipeline.compare.quantities import measure_path
 from pipeline.config import Config
 from pipeline.config_file import config_sha256, dump_config
-from pipeline.errors import NoSolutionError
+from pipeline.errors import NoSolutionError, PipelineError
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Refinement
 from pipeline.report.data import Motion, Proof, Report, Table
 from pipeline.report.motion import build_motion, build_scene
-from pipeline.report.tables import bounds_table, build_proof, comparison_table, workspace_table
+from pipeline.report.tables import bounds_table, build_proof, comparison_table, distances_table, workspace_table
 from pipeline.report.verdicts import Facts, headline, stage_rows, used_limits, verdicts
 from pipeline.retime.result import Trajectory
 from pipeline.route.metric import step_sizes
@@ -62,7 +62,7 @@ def build_report(run: RunResults) -> Report:
         Where a pose along a path cannot be found.
     """
     config, machine = run.config, run.machine
-    coarse, coarse_note = _coarse_trajectory(run)
+    coarse = _drive_coarse(run)
     retime = run.facts.get(Stage.RETIME)
     return Report(
         name=config.name,
@@ -74,36 +74,47 @@ def build_report(run: RunResults) -> Report:
         config_yaml=dump_config(config),
         provenance=_provenance(run),
         scene=build_scene(machine),
-        comparison=_comparison(run, coarse, coarse_note),
+        comparison=_comparison(run, coarse),
         workspace=workspace_table(machine),
         bounds=None if run.bounds is None else bounds_table(config, machine, run.bounds),
+        distances=None if run.bounds is None else distances_table(machine, run.bounds),
         proof=_proof(run),
         motions=_motions(run, coarse),
-        motion_note=coarse_note if run.trajectory is not None else _why_still(run.facts),
+        motion_note=_why_still(run.facts) if run.trajectory is None else coarse.note,
     )
 
 
-def _coarse_trajectory(run: RunResults) -> tuple[Trajectory | None, str]:
-    """Drive the coarse path as a controller would, and say how, or why it cannot be driven."""
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """A path as it was driven, if it could be, and how, or why not."""
+
+    note: str
+    motion: Motion | None = None
+    figures: MotionFigures | None = None
+
+
+def _drive_coarse(run: RunResults) -> _Driven:
+    """Drive the coarse path as a controller would; that it cannot be is no failure of the run."""
     if run.refinement is None or run.trajectory is None:
-        return None, ""
+        return _Driven("")
     try:
-        path = blended(run.refinement.coarse)
-        trajectory = retimed(run.config, common_retiming(run.config), path)
-    except NoSolutionError as error:
-        return None, f"The coarse path cannot be timed within the limits: {error.reason}."
-    millimetres = 1e3 * TOLERANCE_M
-    return trajectory, (
+        trajectory = retimed(run.config, common_retiming(run.config), blended(run.refinement.coarse))
+        motion = build_motion(run.config, trajectory, "coarse")
+    except PipelineError as error:
+        reason = error.reason if isinstance(error, NoSolutionError) else str(error)
+        return _Driven(f"The coarse path is not shown in motion: {reason}.")
+    note = (
         "The coarse path joins the steps of the route by straight moves in actuator space; it is timed like the "
-        f"refined one, at full speed, with its corners rounded by at most {millimetres:g} mm of actuator travel."
+        f"refined one, at full speed, with its corners rounded by at most {1e3 * TOLERANCE_M:g} mm of actuator travel."
     )
+    return _Driven(note, motion, measure_motion(trajectory))
 
 
-def _motions(run: RunResults, coarse: Trajectory | None) -> tuple[Motion, ...]:
+def _motions(run: RunResults, coarse: _Driven) -> tuple[Motion, ...]:
     if run.trajectory is None:
         return ()
     refined = build_motion(run.config, run.trajectory, "refined")
-    return (refined,) if coarse is None else (refined, build_motion(run.config, coarse, "coarse"))
+    return (refined,) if coarse.motion is None else (refined, coarse.motion)
 
 
 def _why_still(facts: Facts) -> str:
@@ -114,21 +125,19 @@ def _why_still(facts: Facts) -> str:
     return "There is no motion to show."
 
 
-def _comparison(run: RunResults, coarse: Trajectory | None, note: str) -> Table | None:
+def _comparison(run: RunResults, coarse: _Driven) -> Table | None:
     """Compare the paths, and how they move where both can: both at full speed, without waiting at the ends."""
     if run.samples is None:
         return None
     steps = step_sizes(run.config.route)
-    motions: tuple[MotionFigures | None, MotionFigures | None] = (None, None)
-    if coarse is not None and run.trajectory is not None:
-        motions = (measure_motion(coarse), measure_motion(_at_full_speed(run.config, run.trajectory)))
-    rows = comparison_rows(
-        *(
-            measure_path(run.machine, samples, steps, motion)
-            for samples, motion in zip(run.samples, motions, strict=True)
-        )
+    refined = None
+    if run.trajectory is not None and coarse.figures is not None:
+        refined = measure_motion(_at_full_speed(run.config, run.trajectory))
+    before, after = (
+        measure_path(run.machine, samples, steps, motion)
+        for samples, motion in zip(run.samples, (coarse.figures, refined), strict=True)
     )
-    return comparison_table(rows, note)
+    return comparison_table(comparison_rows(before, after))
 
 
 def _at_full_speed(config: Config, trajectory: Trajectory) -> Trajectory:

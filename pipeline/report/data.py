@@ -57,8 +57,8 @@ class KappaMaps:
 
     Attributes
     ----------
-    t_s : (k,)
-        The instants.
+    t_s, modes : (k,), (k,)
+        The instants and the working modes then; each working mode of the motion is among them.
     y_m, z_m : (ny,), (nz,)
         Grid values.
     kappa : (k, nz, ny)
@@ -72,6 +72,7 @@ class KappaMaps:
     """
 
     t_s: FloatArray
+    modes: IntArray
     y_m: FloatArray
     z_m: FloatArray
     kappa: FloatArray
@@ -168,8 +169,8 @@ class Report:
         How it ended, in one line.
     verdicts, stages, usage
         The summary.
-    comparison, workspace, bounds : Table or None
-        Coarse against refined; usable workspace; what the certificate proves.
+    comparison, workspace, bounds, distances : Table or None
+        Coarse against refined; usable workspace; what the certificate proves, that of each pair of axes by itself.
     scene, motions
         What is animated; `motion_note` says how the coarse motion came about, or why one is missing.
     proof : Proof or None
@@ -192,6 +193,7 @@ class Report:
     comparison: Table | None = None
     workspace: Table | None = None
     bounds: Table | None = None
+    distances: Table | None = None
     proof: Proof | None = None
     motions: tuple[Motion, ...] = field(default=())
     motion_note: str = ""

@@ -83,8 +83,8 @@ def _samples(trajectory: Trajectory, t_s: FloatArray) -> TrajectorySamples:
 
 
 def _maps(config: Config, machine: Machine, samples: TrajectorySamples, modes: IntArray) -> KappaMaps:
-    """Map kappa at evenly spaced instants; all maps show the same part of the plane."""
-    at = np.unique(np.linspace(0, len(samples) - 1, _MAPS).round().astype(np.int64))
+    """Map kappa at some instants; all maps show the same part of the plane."""
+    at = _instants(modes)
     tilts = samples.pose[at][:, _TILTS]
     window = seen_window(config.route.grid, machine, tilts, modes[at], [samples.pose[:, 1:3]])
     y_m, z_m = _grid(window)
@@ -94,6 +94,7 @@ def _maps(config: Config, machine: Machine, samples: TrajectorySamples, modes: I
     ]
     return KappaMaps(
         t_s=samples.t_s[at],
+        modes=modes[at],
         y_m=y_m,
         z_m=z_m,
         kappa=np.stack([one.kappa for one in maps]),
@@ -101,6 +102,14 @@ def _maps(config: Config, machine: Machine, samples: TrajectorySamples, modes: I
         titles=tuple(_title(tilt, int(mode)) for tilt, mode in zip(tilts, modes[at], strict=True)),
         kappa_cap=config.route.kappa_max,
     )
+
+
+def _instants(modes: IntArray) -> IntArray:
+    """Choose samples evenly, and both sides of every change of working mode: the map changes at once there."""
+    evenly = np.linspace(0, len(modes) - 1, _MAPS).round().astype(np.int64)
+    changes = np.flatnonzero(np.diff(modes))
+    instants: IntArray = np.unique(np.concatenate([evenly, changes, changes + 1]))
+    return instants
 
 
 def _grid(window: YzWindow) -> tuple[FloatArray, FloatArray]:

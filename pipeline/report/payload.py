@@ -96,6 +96,7 @@ def _maps(maps: KappaMaps) -> dict[str, Any]:
     least, largest = kappa_range(maps)
     return {
         "t": packed(maps.t_s),
+        "modes": packed(maps.modes, "uint8"),
         "y": packed(maps.y_m),
         "z": packed(maps.z_m),
         "levels": packed(levels(maps.kappa, least, largest), "uint8"),

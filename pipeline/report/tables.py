@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pipeline.certify.ends import TOLERANCE as END_TOLERANCE
 from pipeline.certify.recheck import KappaProfile
 from pipeline.certify.result import Bounds
 from pipeline.compare.figures.proof import boxes_of
@@ -18,14 +19,17 @@ from pipeline.route.metric import arc_length, step_sizes
 
 _WORKSPACE_STEP_M = 0.01
 _PROOF_SAMPLES = 1_000
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def comparison_table(rows: list[ComparisonRow], note: str) -> Table:
+def comparison_table(rows: list[ComparisonRow]) -> Table:
     """Put coarse and refined beside each other, the better one named."""
-    cells = tuple(
-        tuple(cell.replace("-", "−") if i >= 2 else cell for i, cell in enumerate(row)) for row in table_cells(rows)
-    )
-    return Table(TABLE_HEADER, cells, words=(0, 1, 6), note=note)
+    cells = tuple((row[0], _unit(row[1]), *(cell.replace("-", "−") for cell in row[2:])) for row in table_cells(rows))
+    return Table(TABLE_HEADER, cells, words=(0, 1, 6))
+
+
+def _unit(text: str) -> str:
+    return text.replace("^2", "²").replace("^3", "³")
 
 
 def workspace_table(machine: Machine) -> Table:
@@ -33,8 +37,8 @@ def workspace_table(machine: Machine) -> Table:
     setting = WorkspaceSetting(step_m=_WORKSPACE_STEP_M)
     rows = workspace_rows(*at_two_steps(machine, setting))
     return Table(
-        header=tuple(heading.replace("^3", "³").replace("^2", "²") for heading in WORKSPACE_HEADER),
-        rows=tuple(workspace_cells(rows)),
+        header=tuple(_unit(heading) for heading in WORKSPACE_HEADER),
+        rows=tuple((row[0], *(cell.replace("-", "−") for cell in row[1:])) for row in workspace_cells(rows)),
         words=(0,),
         note=setting_text(machine, setting),
     )
@@ -51,17 +55,29 @@ def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
         rows.append((name, f"{bound[0]:.4f} to {bound[1]:.4f} m", f"{limits[0]:g} to {limits[1]:g} m"))
     for name, tilt in zip(("|rx|", "|rz|"), np.rad2deg(bounds.tilt_rad), strict=True):
         rows.append((name, f"at most {tilt:.2f}°", f"at most {config.task.tilt_max_deg:g}°"))
-    for pair, distance in zip(bounds.pairs, bounds.distances_m, strict=True):
-        rows.append((f"distance of {pair}", f"at least {distance:.4f} m", f"at least {_least_m(machine, pair):g} m"))
-    rows += [
-        ("start missed by", f"at most {bounds.start_miss:.1e}", "m or rad"),
-        ("goal missed by", f"at most {bounds.goal_miss:.1e}", "m or rad"),
-    ]
+    if len(bounds.pairs):
+        rows.append(("least distance of axes", *_distance(machine, bounds, int(np.argmin(bounds.distances_m)))))
+    for name, miss in (("start", bounds.start_miss), ("goal", bounds.goal_miss)):
+        rows.append((f"{name} missed by", f"at most {_power(miss)} m or rad", f"at most {_power(END_TOLERANCE)}"))
     return Table(("quantity", "proven for the whole path", "allowed"), tuple(rows), words=(0, 1, 2))
 
 
-def _least_m(machine: Machine, pair: str) -> float:
-    return machine.link_rail_m if "rail" in pair else machine.link_link_m
+def distances_table(machine: Machine, bounds: Bounds) -> Table:
+    """Put the proven distance of every pair of axes beside what is allowed, the nearest first."""
+    order = np.argsort(bounds.distances_m).tolist()
+    rows = tuple((bounds.pairs[i], *_distance(machine, bounds, i)) for i in order)
+    return Table(("axes of", "proven for the whole path", "allowed"), rows, words=(0, 1, 2))
+
+
+def _distance(machine: Machine, bounds: Bounds, pair: int) -> tuple[str, str]:
+    least = machine.link_rail_m if "rail" in bounds.pairs[pair] else machine.link_link_m
+    return f"at least {bounds.distances_m[pair]:.4f} m", f"at least {least:g} m"
+
+
+def _power(value: float) -> str:
+    """Write a very small number as people do: 1.1·10⁻¹¹."""
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPT)}"
 
 
 def build_proof(config: Config, refined: PathSamples, profile: KappaProfile) -> Proof:

@@ -51,6 +51,7 @@ def verdicts(facts: Facts) -> tuple[Verdict, ...]:
         (Stage.CERTIFY, _certificate),
         (Stage.ROUTE, _route),
         (Stage.REFINE, _path),
+        (Stage.REFINE, _clearance),
         (Stage.RETIME, _duration),
         (Stage.RETIME, _limits),
         (Stage.CERTIFY, _tolerances),
@@ -118,25 +119,33 @@ def _certificate(section: Mapping[str, Any]) -> Verdict:
 
 def _route(section: Mapping[str, Any]) -> Verdict:
     detail = (
-        f"Gap {section['gap']:.2%}; {section['steps']} positions, {section['mode_changes']} changes of working mode, "
-        f"sum of κ {section['objective']:.1f}."
+        f"Gap {_per_cent(section['gap'], 2)}; {section['steps']} positions, {section['mode_changes']} changes of "
+        f"working mode, sum of κ {section['objective']:.1f}."
     )
     return Verdict("Route", str(section["status"]).capitalize(), detail, "good")
 
 
 def _path(section: Mapping[str, Any]) -> Verdict:
     coarse, refined = section["coarse_kappa_integral"], section["kappa_integral"]
-    change = f"{refined / coarse - 1.0:+.1%}".replace("-", "−").replace("%", " %")
+    change = _per_cent(refined / coarse - 1.0, 1, sign="+")
     detail = f"Integral of κ {refined:.1f} instead of {coarse:.1f}; largest κ {section['kappa_max']:.1f}."
     return Verdict("Path", change, detail, "good" if refined <= coarse else "open")
+
+
+def _clearance(section: Mapping[str, Any]) -> Verdict:
+    detail = f"Least distance between axes of links; largest tilt {section['max_tilt_deg']:.1f}°."
+    return Verdict("Clearance", f"{1e3 * section['min_link_distance_m']:.1f} mm", detail, "good")
+
+
+def _per_cent(part: float, decimals: int, sign: str = "") -> str:
+    return f"{100.0 * part:{sign}.{decimals}f} %".replace("-", "−")
 
 
 def _duration(section: Mapping[str, Any]) -> Verdict:
     detail = f"{section['samples']:,} rows, {1e3 * section['period_s']:g} ms apart."
     if "gap" in section:
-        detail += (
-            f" Gap to the lower bound {section['gap']:.2%} without jerk limits, which cost {section['jerk_cost']:.1%}."
-        )
+        gap, cost = _per_cent(section["gap"], 2), _per_cent(section["jerk_cost"], 1)
+        detail += f" Gap to the lower bound {gap} without jerk limits, which cost {cost}."
     return Verdict("Duration", f"{section['duration_s']:.2f} s", detail, "good")
 
 
@@ -146,7 +155,7 @@ def _limits(section: Mapping[str, Any]) -> Verdict:
         return Verdict("Limits", "None", "Nothing that moves is limited.", "open")
     most = max(used, key=lambda one: one.part)
     kept = most.part <= 1.0 + _ROUNDING
-    detail = f"Most used: {most.kind} of {most.subject}, {100.0 * most.part:.1f} %."
+    detail = f"Most used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
     return Verdict("Limits", "Kept" if kept else "Exceeded", detail, "good" if kept else "bad")
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from pipeline.artifacts import Record, State, open_run_folder, read_run_folder, write_whole
 from pipeline.artifacts.layout import REPORT
 from pipeline.machine.geometry import build_machine
+from pipeline.run.reading import refuse_damage
 from pipeline.run.stages import Results
 from pipeline.stage import Stage
 
@@ -23,6 +24,10 @@ def write_report(folder: Path, output: Path | None = None) -> Path:
     """
     config, _ = read_run_folder(folder)
     with open_run_folder(folder) as opened:
+        for stage, record in opened.state.stages.items():
+            # Pictures are no part of the report, which may be what was removed.
+            if stage is not Stage.FIGURES:
+                refuse_damage(folder, record)
         page = report_page(Results(config, build_machine(config.machine), folder), opened.state)
         target = folder / REPORT if output is None else output
         write_whole(target, page)

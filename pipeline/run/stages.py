@@ -218,7 +218,7 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     files = figure_files(figures)
     progress("writing the report")
     page = report_page(results, read_state(results.folder) or State())
-    return Product({**files, REPORT: page}, {"status": "done", "count": len(figures), "report_bytes": len(page)})
+    return Product({**files, REPORT: page}, {"status": "done", "count": len(figures)})
 
 
 MAKE: dict[Stage, Callable[[Results, Progress, bool], Product]] = {

@@ -25,6 +25,7 @@ function unpackMaps(maps) {
   return {
     ...maps,
     t: unpack(maps.t).values,
+    modes: unpack(maps.modes).values,
     y: Array.from(unpack(maps.y).values),
     z: Array.from(unpack(maps.z).values),
     levels: unpack(maps.levels),

@@ -2,10 +2,10 @@
 // The machine in 3-D: rails, carts, links of both kinds and the platform, at one instant of a motion.
 
 const CAMERAS = {
-  Overview: { eye: { x: -1.1, y: -1.9, z: 0.75 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: -0.08 } },
-  Front: { eye: { x: 0, y: -2.2, z: 0 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
-  Side: { eye: { x: 2.2, y: 0, z: 0 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
-  Top: { eye: { x: 0, y: -0.001, z: 2.2 }, up: { x: 0, y: 1, z: 0 }, center: { x: 0, y: 0, z: 0 } },
+  Overview: { eye: { x: -0.9, y: -1.7, z: 0.62 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: -0.05 } },
+  Front: { eye: { x: 0, y: -1.7, z: 0 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
+  Side: { eye: { x: 1.8, y: 0, z: 0 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
+  Top: { eye: { x: 0, y: -0.001, z: 1.7 }, up: { x: 0, y: 1, z: 0 }, center: { x: 0, y: 0, z: 0 } },
 };
 const PARTS = ["rails", "way", "beams", "fixed links", "telescopes", "platform", "joints", "carts", "TCP"];
 const MOVING = PARTS.slice(2).map((part) => PARTS.indexOf(part));
@@ -49,10 +49,17 @@ function createMachineView(div, report) {
       font: FONT, margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false,
       hoverlabel: { font: FONT },
       scene: {
-        aspectmode: "data", camera: CAMERAS.Overview, dragmode: "orbit",
+        aspectmode: "data", camera: seenFrom("Overview"), dragmode: "orbit",
         xaxis: axis("x (m)", x), yaxis: axis("y (m)", y), zaxis: axis("z (m)", z),
       },
     };
+  }
+
+  /** A camera that sees everything: farther away where the plot is narrow. */
+  function seenFrom(name) {
+    const { eye, ...rest } = CAMERAS[name];
+    const away = Math.min(1.5, Math.max(1, (1.35 * div.clientHeight) / div.clientWidth));
+    return { ...rest, eye: { x: away * eye.x, y: away * eye.y, z: away * eye.z } };
   }
 
   /** Everything that moves, by part: coordinates and what hovering tells. */
@@ -99,7 +106,7 @@ function createMachineView(div, report) {
       if (parts.some((part) => part.colour)) update["marker.color"] = all("colour");
       return Plotly.restyle(div, update, MOVING);
     },
-    look: (camera) => Plotly.relayout(div, { "scene.camera": CAMERAS[camera] }),
+    look: (camera) => Plotly.relayout(div, { "scene.camera": seenFrom(camera) }),
   };
 }
 

@@ -67,12 +67,18 @@ function hasOwnUse(event) {
   return moves ? focused.matches("select, input, pre, .scroll") : focused.matches("select");
 }
 
+/** Plots have the size of their boxes, whatever changes it. */
+function followSize(div) {
+  new ResizeObserver(() => Plotly.Plots.resize(div)).observe(div);
+}
+
 async function start() {
   const report = readReport();
   if (report.proof) createProofView(element("proof"), report);
   if (!report.motions.refined) return;
-  const views = [createMachineView(element("machine"), report), createMapView(element("map"), report)];
-  const timeline = createTimeline(element("timeline"), report, (t) => player.goToTime(t));
+  const map = { div: element("map"), point: element("point"), title: element("map-title"), scale: element("map-scale") };
+  const views = [createMachineView(element("machine"), report), createMapView(map, report)];
+  const timeline = createTimeline(element("timeline"), element("cursor"), report, (t) => player.goToTime(t));
   const readout = createReadout(element("readout"), report);
   let motion = report.motions.refined;
 
@@ -95,6 +101,7 @@ async function start() {
   const paths = createPathChoice(report.motions, choose);
   const cameras = createCameraChoice((camera) => views[0].look(camera));
   choose("refined");
+  for (const id of ["machine", "map", "timeline"]) followSize(element(id));
   listenToKeys(player, paths, cameras);
   document.body.dataset.ready = "yes";
 }

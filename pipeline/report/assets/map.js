@@ -1,9 +1,10 @@
 "use strict";
 // kappa over the YZ plane, for the tilt and working mode of the machine at the chosen instant.
 
-const [MAP, LOOPS, WAY, SO_FAR, HERE] = [0, 1, 2, 3, 4];
+const [MAP, LOOPS, WAY] = [0, 1, 2];
 
-function createMapView(div, report) {
+function createMapView(parts, report) {
+  const { div, point, title, scale } = parts;
   const { colours } = report;
   let [motion, shown] = [null, -1];
 
@@ -14,23 +15,27 @@ function createMapView(div, report) {
         type: "heatmap", x: [], y: [], z: [[]], customdata: [[]], hoverongaps: false,
         hovertemplate: "y %{x:.2f} m<br>z %{y:.2f} m<br>κ %{customdata:.1f}<extra></extra>",
         colorscale: colours.map.map((colour, i) => [i / (colours.map.length - 1), colour]),
-        colorbar: { title: { text: "κ (moments in m)", side: "right" }, thickness: 12, outlinewidth: 0, xpad: 6 },
+        showscale: false,
       },
       line(colours.singular, 2.5),
-      line("#000000", 1),
-      line("#000000", 3),
-      { type: "scatter", mode: "markers", x: [], y: [], hovertemplate: "TCP: y %{x:.3f} m, z %{y:.3f} m<extra></extra>", marker: { size: 12, line: { color: "#000000", width: 1.5 } } },
+      line("#000000", 2.5),
     ];
   }
 
   function layout() {
     return {
       font: FONT, showlegend: false, dragmode: false, hovermode: "closest", hoverlabel: { font: FONT },
-      margin: { l: 46, r: 10, t: 48, b: 42 }, plot_bgcolor: colours.outOfReach,
-      title: { text: "", font: { size: 13 }, x: 0.5, y: 0.975, yanchor: "top" },
-      xaxis: { title: { text: "y (m)", standoff: 4 }, showgrid: false, zeroline: false, constrain: "domain" },
-      yaxis: { title: { text: "z (m)", standoff: 4 }, showgrid: false, zeroline: false, scaleanchor: "x", constrain: "domain" },
+      margin: { l: 46, r: 14, t: 8, b: 40 }, plot_bgcolor: colours.outOfReach,
+      xaxis: { title: { text: "y (m)", standoff: 4 }, showgrid: false, zeroline: false, fixedrange: true },
+      yaxis: { title: { text: "z (m)", standoff: 4 }, showgrid: false, zeroline: false, fixedrange: true },
     };
+  }
+
+  /** The map nearest in time among those of the same working mode. */
+  function mapAt(frame) {
+    const { t, modes } = motion.maps;
+    const distance = (map) => (modes[map] === motion.modes.values[frame] ? Math.abs(t[map] - motion.t[frame]) : Infinity);
+    return Array.from(t.keys()).reduce((best, map) => (distance(map) < distance(best) ? map : best));
   }
 
   /** kappa of every point of a map (null: out of reach), from its levels on a logarithmic scale. */
@@ -48,7 +53,7 @@ function createMapView(div, report) {
     const loop = maps.loops[map];
     Plotly.restyle(div, { x: [maps.y], y: [maps.z], z: [kappa.map((row) => row.map((value) => value && Math.log10(value)))], customdata: [kappa] }, [MAP]);
     Plotly.restyle(div, { x: [columnOf(loop, 0)], y: [columnOf(loop, 1)] }, [LOOPS]);
-    Plotly.relayout(div, { "title.text": `${maps.titles[map]}<br>κ around the TCP at ${formatted(maps.t[map], 2)} s` });
+    title.textContent = `${maps.titles[map]}, at ${formatted(maps.t[map], 2)} s`;
     shown = map;
   }
 
@@ -58,21 +63,41 @@ function createMapView(div, report) {
       [motion, shown] = [chosen, -1];
       const { maps } = motion;
       const colour = colours[motion.name];
-      const ticks = [1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, 200, 500, 1000].filter((tick) => tick >= maps.kappaRange[0] && tick <= maps.kappaRange[1]);
-      const scale = { zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]), "colorbar.tickvals": [ticks.map(Math.log10)], "colorbar.ticktext": [ticks.map((tick) => (tick === maps.kappaRange[1] ? `≥ ${tick}` : `${tick}`))] };
-      Plotly.restyle(div, scale, [MAP]);
+      drawScale(scale, colours.map, maps.kappaRange);
+      Plotly.restyle(div, { zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]) }, [MAP]);
       Plotly.restyle(div, { x: [columnOf(motion.pose, 1)], y: [columnOf(motion.pose, 2)], "line.color": colour }, [WAY]);
-      Plotly.restyle(div, { "line.color": colour }, [SO_FAR]);
-      Plotly.restyle(div, { "marker.color": colour }, [HERE]);
-      Plotly.relayout(div, { "xaxis.range": ends(maps.y), "yaxis.range": ends(maps.z) });
+      point.style.background = colour;
+      const [y, z] = [ends(maps.y), ends(maps.z)];
+      // The plot gets the shape of what it shows, so that a metre is as long up as across.
+      div.parentElement.style.setProperty("--aspect", (z[1] - z[0]) / (y[1] - y[0]));
+      Plotly.relayout(div, { "xaxis.range": y, "yaxis.range": z });
     },
     moveTo(frame) {
-      const map = nearest(motion.maps.t, motion.t[frame]);
+      const map = mapAt(frame);
       if (map !== shown) showMap(map);
-      const [y, z] = [1, 2].map((axis) => columnOf(motion.pose, axis).slice(0, frame + 1));
-      return Plotly.restyle(div, { x: [y, [y[frame]]], y: [z, [z[frame]]] }, [SO_FAR, HERE]);
+      const [, y, z] = rowOf(motion.pose, frame);
+      const part = (value, [least, largest]) => (value - least) / (largest - least);
+      point.style.setProperty("--part", part(y, ends(motion.maps.y)));
+      point.style.setProperty("--up", part(z, ends(motion.maps.z)));
     },
   };
+}
+
+/** The colours of kappa from least to largest, evenly on a logarithmic scale, with round numbers below. */
+function drawScale(scale, colours, [least, largest]) {
+  const bar = document.createElement("div");
+  bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
+  const label = (text, part) => {
+    const span = document.createElement("span");
+    span.textContent = text;
+    if (part === undefined) span.className = "name";
+    else span.style.left = `${100 * part}%`;
+    return span;
+  };
+  const round = [1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, 200, 500, 1000, 10000].filter((kappa) => kappa >= least && kappa < largest / 1.2);
+  const place = (kappa) => Math.log(kappa / least) / Math.log(largest / least);
+  const ticks = round.map((kappa) => label(String(kappa), place(kappa)));
+  scale.replaceChildren(bar, ...ticks, label(`≥ ${largest}`, 1), label("κ (moments in m)"));
 }
 
 function ends(values) {

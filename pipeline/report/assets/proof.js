@@ -8,7 +8,7 @@ function createProofView(div, report) {
   const bound = [...proof.bound, proof.bound[proof.bound.length - 1]];
   const traces = [
     { name: "proven bound", x: edges, y: bound, mode: "lines", line: { shape: "hv", color: colours.bound, width: 2 }, hovertemplate: "bound %{y:.3f}<extra></extra>" },
-    { name: "sampled", x: length, y: kappa, mode: "lines", line: { color: colours.refined, width: 2 }, hovertemplate: "κ %{y:.3f}<extra></extra>" },
+    { name: "sampled", x: length, y: kappa, mode: "lines", line: { color: colours.refined, width: 2, simplify: false }, hovertemplate: "κ %{y:.3f}<extra></extra>" },
   ];
   const layout = {
     font: FONT, hovermode: "x unified", dragmode: false, hoverlabel: { font: FONT }, margin: { l: 46, r: 14, t: 30, b: 40 },
