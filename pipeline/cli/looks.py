@@ -114,7 +114,7 @@ def report(
         raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
     with messages_console().status("writing the report"):
         target = write_report(run, output)
-    results_console().print(f"{target}: {target.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
+    results_console().print(f"{target}: {target.stat().st_size / 1e3:,.0f} kB", soft_wrap=True)
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

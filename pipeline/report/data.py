@@ -22,12 +22,11 @@ class Verdict:
 
 @dataclass(frozen=True)
 class StageRow:
-    """How a stage ended: its status, its seconds (None: not run), and its figures or its reason in words."""
+    """How a stage ended: its status, and its figures or its reason in words."""
 
     name: str
     status: str
     mood: Mood
-    seconds: float | None
     words: str
     advice: str = ""
 

@@ -18,10 +18,12 @@ _SHOWN = tuple(stage for stage in Stage if stage is not Stage.FIGURES)
 
 @dataclass(frozen=True)
 class StageFacts:
-    """How a stage ended: whether it failed, its seconds, its part of the summary, hashes of its files by name."""
+    """How a stage ended: whether it failed, its part of the summary, hashes of its files by name.
+
+    Seconds are no part of it: the same results make the same report.
+    """
 
     failed: bool
-    seconds: float
     section: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
 
@@ -36,10 +38,10 @@ def headline(facts: Facts) -> Verdict:
         if stage in facts and facts[stage].failed:
             if stage is Stage.CERTIFY:
                 return Verdict(topic, "Not certified", "The proof broke: the path must not be driven.", "bad")
-            return Verdict(topic, f"Failed at {stage}", str(facts[stage].section.get("reason", "")), "bad")
+            return Verdict(topic, f"Failed at {stage}", _sentence(facts[stage].section.get("reason", "")), "bad")
     missing = [stage for stage in _SHOWN if stage not in facts]
     if missing:
-        return Verdict(topic, "Not complete", f"{missing[0]} and what follows have not been run.", "open")
+        return Verdict(topic, "Not complete", f"{missing[0].capitalize()} and what follows have not been run.", "open")
     if _verdict(facts) != CERTIFIED:
         return Verdict(topic, "Not certified", "Sampled densely, but no proof was asked for.", "open")
     return Verdict(topic, "Certified", "One motion, proven free of singularities and within every limit.", "good")
@@ -76,6 +78,11 @@ def used_limits(section: Mapping[str, Any]) -> tuple[UsedLimit, ...]:
     return tuple(used)
 
 
+def _sentence(text: str) -> str:
+    """Begin with a capital and end with a full stop, as statements do."""
+    return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
+
+
 def _numbers(parts: Sequence[float | None]) -> list[float]:
     """Where a subject has no limit, it uses none of it."""
     return [0.0 if part is None else float(part) for part in parts]
@@ -83,14 +90,14 @@ def _numbers(parts: Sequence[float | None]) -> list[float]:
 
 def _stage_row(stage: Stage, facts: StageFacts | None) -> StageRow:
     if facts is None:
-        return StageRow(stage, _NOT_RUN, "open", None, "")
+        return StageRow(stage, _NOT_RUN, "open", "")
     section = facts.section
     if facts.failed:
         reason, advice = str(section.get("reason", "")), str(section.get("advice", ""))
-        return StageRow(stage, "failed", "bad", facts.seconds, reason, advice)
+        return StageRow(stage, "failed", "bad", reason, advice)
     status = str(section["status"])
     mood: Mood = "open" if status == SKIPPED else "good"
-    return StageRow(stage, status, mood, facts.seconds, key_figures(stage, dict(section)))
+    return StageRow(stage, status, mood, key_figures(stage, dict(section)))
 
 
 def _verdict(facts: Facts) -> str:
@@ -104,8 +111,7 @@ def _run(facts: Facts) -> Verdict:
     missing = [stage for stage in _SHOWN if stage not in facts]
     if missing:
         return Verdict("Run", "Not complete", f"Next is {missing[0]}.", "open")
-    seconds = sum(facts[stage].seconds for stage in _SHOWN)
-    return Verdict("Run", "Exit code 0", f"All stages done, in {seconds:.1f} s.", "good")
+    return Verdict("Run", "Exit code 0", "All stages done.", "good")
 
 
 def _certificate(section: Mapping[str, Any]) -> Verdict:

@@ -58,4 +58,4 @@ def report_page(results: Results, state: State) -> bytes:
 def _facts(record: Record) -> "StageFacts":
     from pipeline.report import StageFacts
 
-    return StageFacts(record.status == "failed", record.seconds, record.summary, record.files)
+    return StageFacts(record.status == "failed", record.summary, record.files)
