@@ -28,6 +28,7 @@ reference: $(READY)
 	mkdir -p $(REFERENCE)/figures
 	cp results/agder/route.csv results/agder/trajectory.csv results/agder/summary.json $(REFERENCE)/
 	cp results/agder/figures/*.png $(REFERENCE)/figures/
+	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
 
 # Seconds and memory of stage one, alone and beside other solvers: about a quarter of an hour on a quiet machine.
 .PHONY: bench

@@ -17,8 +17,8 @@ from pipeline.retime.sampling import whole_periods
 
 _FRAMES_PER_S = 50.0
 _FEWEST_FRAMES, _MOST_FRAMES = 100, 600
-_MAPS = 48
-_POINTS_Y, _POINTS_Z = 92, 76
+_MAPS = 40
+_POINTS_Y, _POINTS_Z = 84, 68
 _TILTS = [3, 5]
 
 

@@ -1,11 +1,13 @@
 "use strict";
 // The machine in 3-D: rails, carts, links of both kinds and the platform, at one instant of a motion.
 
+const UP = { x: 0, y: 0, z: 1 };
+const MIDDLE = { x: 0, y: 0, z: 0 };
 const CAMERAS = {
-  Overview: { eye: { x: -0.9, y: -1.7, z: 0.62 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: -0.05 } },
-  Front: { eye: { x: 0, y: -1.7, z: 0 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
-  Side: { eye: { x: 1.8, y: 0, z: 0 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
-  Top: { eye: { x: 0, y: -0.001, z: 1.7 }, up: { x: 0, y: 1, z: 0 }, center: { x: 0, y: 0, z: 0 } },
+  Overview: { eye: { x: -0.95, y: -1.8, z: 0.66 }, up: UP, center: { x: -0.03, y: 0, z: -0.06 } },
+  Front: { eye: { x: 0, y: -2, z: 0 }, up: UP, center: MIDDLE },
+  Side: { eye: { x: 2.15, y: 0, z: 0 }, up: UP, center: MIDDLE },
+  Top: { eye: { x: 0, y: -0.001, z: 1.85 }, up: { x: 0, y: 1, z: 0 }, center: MIDDLE },
 };
 const PARTS = ["rails", "way", "beams", "fixed links", "telescopes", "platform", "joints", "carts", "TCP"];
 const MOVING = PARTS.slice(2).map((part) => PARTS.indexOf(part));
@@ -57,9 +59,11 @@ function createMachineView(div, report) {
 
   /** A camera that sees everything: farther away where the plot is narrow. */
   function seenFrom(name) {
-    const { eye, ...rest } = CAMERAS[name];
-    const away = Math.min(1.5, Math.max(1, (1.35 * div.clientHeight) / div.clientWidth));
-    return { ...rest, eye: { x: away * eye.x, y: away * eye.y, z: away * eye.z } };
+    const { eye, up, center } = CAMERAS[name];
+    const away = Math.min(1.5, Math.max(1, (1.22 * div.clientHeight) / div.clientWidth));
+    // Labels are to the left of the machine: a narrow plot needs room there.
+    const middle = { ...center, x: center.x - 0.55 * (away - 1) };
+    return { up: { ...up }, center: middle, eye: { x: away * eye.x, y: away * eye.y, z: away * eye.z } };
   }
 
   /** Everything that moves, by part: coordinates and what hovering tells. */
