@@ -1,6 +1,7 @@
 """The page in a real browser: it draws, moves, answers mouse and keys, fits a phone, and loads nothing else."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -9,13 +10,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from pipeline.report import Report, RunResults, build_report, render_page
+from pipeline.stage import Stage
 from tests.report.browser import ARGUMENTS, find_browser, why_none
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(bool(why_none()), reason=why_none() or "-"),
-    # One browser for all of them: whichever process gets them gets them all.
-    pytest.mark.xdist_group("browser"),
 ]
 
 DESKTOP = {"width": 1280, "height": 900}
@@ -25,6 +26,20 @@ TRACE = "k => { const t = document.getElementById('machine').data[k]; return [t.
 FRAME = "() => Number(document.getElementById('time').value)"
 CURSOR = "() => document.getElementById('cursor').getBoundingClientRect().x"
 POINT = "() => { const b = document.getElementById('point').getBoundingClientRect(); return [b.x, b.y]; }"
+AXIS = """
+() => {
+  const plot = document.getElementById('timeline');
+  return [plot.layout.margin.l, plot.layout.margin.r, plot.getBoundingClientRect().width];
+}
+"""
+LONGEST = "() => document.getElementById('timeline').layout.xaxis.range[1]"
+DRAWN = "() => { const s = document.getElementById('time'); return s.dataset.drawn === s.value; }"
+SCROLL = """
+([selector, down]) => {
+  const box = document.querySelector(selector).getBoundingClientRect();
+  scrollTo({ top: scrollY + box.top + down * box.height - innerHeight / 2, behavior: 'instant' });
+}
+"""
 OVERLAPS = """
 () => {
   const boxes = [...document.querySelectorAll('main > section > *, .stage > *, .verdicts > li, header > *')]
@@ -80,8 +95,20 @@ class Opened:
         self.settle()
 
     def settle(self) -> None:
-        """Wait until nothing is left to draw."""
-        self.page.wait_for_timeout(700)
+        """Wait until what was wanted last is drawn."""
+        self.page.wait_for_function(DRAWN, timeout=30_000)
+        self.page.wait_for_timeout(100)
+
+    def place(self, selector: str, across: float, down: float) -> tuple[float, float]:
+        """Scroll to a place of an element, given in parts of its size; return where in the window it is."""
+        self.page.evaluate(SCROLL, [selector, down])
+        box = self.page.locator(selector).bounding_box()
+        return box["x"] + across * box["width"], box["y"] + down * box["height"]
+
+    def point_at(self, x: float, y: float) -> None:
+        """Move the mouse to a place, and a little before."""
+        self.page.mouse.move(x - 9, y)
+        self.page.mouse.move(x, y)
 
     def trace(self, number: int) -> np.ndarray:
         """Give x, y, z of a trace of the machine; gaps between lines are NaN."""
@@ -185,31 +212,23 @@ def test_hovering_shows_numbers(desk: Opened) -> None:
         ("#timeline", (0.4, 0.8), "m/s"),
         ("#map", (0.5, 0.4), "κ"),
     ):
-        locator = desk.page.locator(plot)
-        locator.scroll_into_view_if_needed()
-        box = locator.bounding_box()
-        desk.page.mouse.move(box["x"] + place[0] * box["width"] - 9, box["y"] + place[1] * box["height"])
-        desk.page.mouse.move(box["x"] + place[0] * box["width"], box["y"] + place[1] * box["height"])
-        desk.page.wait_for_selector(f"{plot} .hoverlayer text", timeout=5_000)
+        desk.point_at(*desk.place(plot, *place))
+        desk.page.wait_for_selector(f"{plot} .hoverlayer text", timeout=20_000)
         text = " ".join(desk.page.locator(f"{plot} .hoverlayer text").all_text_contents())
         assert wanted in text
         assert any(letter.isdigit() for letter in text)
 
 
 def test_a_click_into_a_plot_goes_there(desk: Opened) -> None:
-    """Clicking at three quarters of the time axis goes to that time."""
-    desk.page.locator("#timeline").scroll_into_view_if_needed()
-    desk.page.evaluate("document.getElementById('timeline').scrollIntoView({ block: 'center', behavior: 'instant' })")
-    box = desk.page.locator("#timeline").bounding_box()
-    # Within the margins of the plots; the axis ends with the longer of both motions.
-    duration = desk.page.evaluate("() => document.getElementById('timeline').layout.xaxis.range[1]")
-    x = box["x"] + 46 + (box["width"] - 60) * 1.5 / duration
-    desk.page.mouse.move(x - 5, box["y"] + 0.5 * box["height"])
-    desk.page.mouse.move(x, box["y"] + 0.5 * box["height"])
-    desk.page.wait_for_timeout(300)
-    desk.page.mouse.click(x, box["y"] + 0.5 * box["height"])
+    """Clicking where the time axis has a second and a half goes to that time."""
+    start, end, width = desk.page.evaluate(AXIS)
+    x, y = desk.place("#timeline", 0.0, 0.5)
+    x += start + (width - start - end) * 1.5 / desk.page.evaluate(LONGEST)
+    desk.point_at(x, y)
+    desk.page.wait_for_selector("#timeline .hoverlayer text", timeout=20_000)
+    desk.page.mouse.click(x, y)
     desk.settle()
-    assert desk.page.locator("#time-text").inner_text().startswith("1.5")
+    assert float(desk.page.locator("#time-text").inner_text().split()[0]) == pytest.approx(1.5, abs=0.05)
 
 
 def test_keys(desk: Opened) -> None:
@@ -322,3 +341,31 @@ def test_on_a_phone(browser: Any, file: Path) -> None:
     phone.page.wait_for_function("() => Number(document.getElementById('time').value) > 2")
     assert phone.complaints == []
     phone.page.close()
+
+
+def test_a_proof_without_motion(
+    browser: Any,
+    complete: RunResults,
+    failed_at: Callable[[RunResults, Stage], RunResults],
+    tmp_path: Path,
+) -> None:
+    """Where the path could not be timed, the proof is still drawn, and nothing complains."""
+    file = tmp_path / "failed.html"
+    file.write_text(render_page(build_report(failed_at(complete, Stage.RETIME))), encoding="utf-8")
+    opened = Opened(browser, file, DESKTOP)
+    assert opened.complaints == []
+    assert opened.picture("#proof").std() > 5.0
+    opened.page.close()
+
+
+def test_without_a_coarse_motion(browser: Any, report: Report, tmp_path: Path) -> None:
+    """Where the coarse path could not be driven, there is one path to choose, and it plays."""
+    file = tmp_path / "refined.html"
+    file.write_text(render_page(replace(report, motions=report.motions[:1])), encoding="utf-8")
+    opened = Opened(browser, file, DESKTOP)
+    assert opened.page.locator("#paths input").count() == 1
+    opened.page.keyboard.press("c")
+    opened.page.keyboard.press("End")
+    opened.settle()
+    assert opened.complaints == []
+    opened.page.close()

@@ -74,8 +74,12 @@ function followSize(div) {
 
 async function start() {
   const report = readReport();
-  if (report.proof) createProofView(element("proof"), report);
-  if (!report.motions.refined) return;
+  if (report.proof) await createProofView(element("proof"), report);
+  if (report.motions.refined) await showMotions(report);
+  document.body.dataset.ready = "yes";
+}
+
+async function showMotions(report) {
   const map = { div: element("map"), point: element("point"), title: element("map-title"), scale: element("map-scale") };
   const views = [createMachineView(element("machine"), report), createMapView(map, report)];
   const timeline = createTimeline(element("timeline"), element("cursor"), report, (t) => player.goToTime(t));
@@ -103,7 +107,6 @@ async function start() {
   choose("refined");
   for (const id of ["machine", "map", "timeline"]) followSize(element(id));
   listenToKeys(player, paths, cameras);
-  document.body.dataset.ready = "yes";
 }
 
 start();

@@ -51,10 +51,12 @@ function createMapView(parts, report) {
     const { maps } = motion;
     const kappa = kappaOf(map);
     const loop = maps.loops[map];
-    Plotly.restyle(div, { x: [maps.y], y: [maps.z], z: [kappa.map((row) => row.map((value) => value && Math.log10(value)))], customdata: [kappa] }, [MAP]);
-    Plotly.restyle(div, { x: [columnOf(loop, 0)], y: [columnOf(loop, 1)] }, [LOOPS]);
+    const colour = kappa.map((row) => row.map((value) => value && Math.log10(value)));
+    // What is undefined stays as it is.
+    const update = { z: [colour, undefined], customdata: [kappa, undefined], x: [undefined, columnOf(loop, 0)], y: [undefined, columnOf(loop, 1)] };
     title.textContent = `${maps.titles[map]}, at ${formatted(maps.t[map], 2)} s`;
     shown = map;
+    return Plotly.restyle(div, update, [MAP, LOOPS]);
   }
 
   return {
@@ -64,7 +66,7 @@ function createMapView(parts, report) {
       const { maps } = motion;
       const colour = colours[motion.name];
       drawScale(scale, colours.map, maps.kappaRange);
-      Plotly.restyle(div, { zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]) }, [MAP]);
+      Plotly.restyle(div, { x: [maps.y], y: [maps.z], zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]) }, [MAP]);
       Plotly.restyle(div, { x: [columnOf(motion.pose, 1)], y: [columnOf(motion.pose, 2)], "line.color": colour }, [WAY]);
       point.style.background = colour;
       const [y, z] = [ends(maps.y), ends(maps.z)];
@@ -73,12 +75,12 @@ function createMapView(parts, report) {
       Plotly.relayout(div, { "xaxis.range": y, "yaxis.range": z });
     },
     moveTo(frame) {
-      const map = mapAt(frame);
-      if (map !== shown) showMap(map);
       const [, y, z] = rowOf(motion.pose, frame);
       const part = (value, [least, largest]) => (value - least) / (largest - least);
       point.style.setProperty("--part", part(y, ends(motion.maps.y)));
       point.style.setProperty("--up", part(z, ends(motion.maps.z)));
+      const map = mapAt(frame);
+      return map === shown ? undefined : showMap(map);
     },
   };
 }

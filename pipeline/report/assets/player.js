@@ -18,6 +18,7 @@ function createPlayer(controls, onFrame) {
     const drawn = frame;
     Promise.resolve(onFrame(drawn)).finally(() => {
       waiting = false;
+      slider.dataset.drawn = drawn;
       if (frame !== drawn && !playing) show(frame);
     });
   }
