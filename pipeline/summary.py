@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 PACKAGE = "gantry-tau"
 SKIPPED = "skipped"
-_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib")
+_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib", "plotly")
 _TERMS = 13
 """Variables of the paper's model per step beside one binary for each region."""
 

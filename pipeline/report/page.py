@@ -14,7 +14,18 @@ _PACKAGE = "pipeline.report"
 _ASSETS = "assets"
 _TEMPLATE = "page.html.j2"
 _STYLES = "page.css"
-_SCRIPTS = ("data.js", "machine.js", "map.js", "timeline.js", "proof.js", "readout.js", "player.js", "main.js")
+_SCRIPTS = (
+    "data.js",
+    "points.js",
+    "machine.js",
+    "map.js",
+    "panels.js",
+    "timeline.js",
+    "proof.js",
+    "readout.js",
+    "player.js",
+    "main.js",
+)
 """In the order they are run: each uses what those before it define."""
 
 

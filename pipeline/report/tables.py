@@ -71,7 +71,7 @@ def distances_table(machine: Machine, bounds: Bounds) -> Table:
 
 def _distance(machine: Machine, bounds: Bounds, pair: int) -> tuple[str, str]:
     least = machine.link_rail_m if "rail" in bounds.pairs[pair] else machine.link_link_m
-    return f"at least {bounds.distances_m[pair]:.4f} m", f"at least {least:g} m"
+    return f"at least {bounds.distances_m[pair]:.5f} m", f"at least {least:g} m"
 
 
 def _power(value: float) -> str:

@@ -134,6 +134,7 @@ def at_start(request: pytest.FixtureRequest) -> None:
         desk = request.getfixturevalue("desk")
         desk.page.evaluate("document.activeElement.blur()")
         desk.page.locator("input[value=refined]").check()
+        desk.page.locator("#speed").select_option("1")
         desk.page.evaluate("document.activeElement.blur()")
         desk.go_to(0)
 
@@ -152,6 +153,8 @@ def test_it_loads_quietly(desk: Opened, record_property: Any) -> None:
 def test_play_moves_the_machine(desk: Opened) -> None:
     """Playing moves links and carts, pausing stops them."""
     before, cursor = desk.trace(FIXED_LINKS), desk.page.evaluate(CURSOR)
+    # Slowly, so that it is not at its end before it is paused.
+    desk.page.locator("#speed").select_option("0.1")
     desk.page.locator("#play").click()
     assert desk.page.locator("#play").inner_text() == "Pause"
     desk.page.wait_for_function("() => Number(document.getElementById('time').value) > 5")
@@ -171,6 +174,7 @@ def test_playing_ends_at_the_goal(desk: Opened) -> None:
     desk.page.locator("#play").click()
     desk.page.wait_for_function("() => document.getElementById('play').textContent === 'Play'")
     assert desk.page.evaluate(FRAME) == last
+    desk.page.locator("#speed").select_option("0.1")
     desk.page.locator("#play").click()
     desk.page.wait_for_function(f"() => Number(document.getElementById('time').value) < {last // 2}")
     desk.page.locator("#play").click()
@@ -245,6 +249,8 @@ def test_keys(desk: Opened) -> None:
     for key, frame in steps:
         keyboard.press(key)
         assert desk.page.evaluate(FRAME) == frame, key
+    desk.page.locator("#speed").select_option("0.1")
+    desk.page.evaluate("document.activeElement.blur()")
     keyboard.press("Space")
     assert desk.page.locator("#play").inner_text() == "Pause"
     keyboard.press("Space")

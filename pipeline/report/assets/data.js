@@ -58,7 +58,11 @@ function nearest(ascending, wanted) {
 }
 
 const DEGREES = 180 / Math.PI;
-const FONT = { family: 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif', size: 12, color: "#1b1f24" };
+const FONT = {
+  family: 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif',
+  size: 12,
+  color: "#1b1f24",
+};
 const CALM = { displaylogo: false, displayModeBar: false, responsive: true };
 /** Fingers scroll the page rather than the plots. */
 const TOUCH = matchMedia("(pointer: coarse)").matches;

@@ -21,20 +21,49 @@ function createMachineView(div, report) {
 
   function traces() {
     const line = (name, colour, width) => ({
-      type: "scatter3d", mode: "lines", name, line: { color: colour, width }, hoverinfo: "text", x: [], y: [], z: [],
+      type: "scatter3d",
+      mode: "lines",
+      name,
+      line: { color: colour, width },
+      hoverinfo: "text",
+      x: [],
+      y: [],
+      z: [],
     });
-    const dots = (name, marker) => ({ type: "scatter3d", mode: "markers", name, marker, hoverinfo: "text", x: [], y: [], z: [] });
+    const dots = (name, marker) => ({
+      type: "scatter3d",
+      mode: "markers",
+      name,
+      marker,
+      hoverinfo: "text",
+      x: [],
+      y: [],
+      z: [],
+    });
     const faces = scene.platformFaces;
     return [
-      { ...line("rails", colours.rail, 7), ...segments(scene.rails), hovertext: repeated(["rail 1", "rail 2", "rail 3"], 3) },
+      {
+        ...line("rails", colours.rail, 7),
+        ...segments(scene.rails),
+        hovertext: repeated(["rail 1", "rail 2", "rail 3"], 3),
+      },
       { ...line("way", colours.refined, 3), hoverinfo: "skip" },
       { ...line("beams", "#000000", 4), hoverinfo: "skip" },
       line("fixed links", colours.fixed, 7),
       line("telescopes", colours.telescope, 7),
       {
-        type: "mesh3d", name: "platform", color: colours.platform, opacity: 0.85, flatshading: true, hoverinfo: "skip",
-        i: faces.map((face) => face[0]), j: faces.map((face) => face[1]), k: faces.map((face) => face[2]),
-        x: [], y: [], z: [],
+        type: "mesh3d",
+        name: "platform",
+        color: colours.platform,
+        opacity: 0.85,
+        flatshading: true,
+        hoverinfo: "skip",
+        i: faces.map((face) => face[0]),
+        j: faces.map((face) => face[1]),
+        k: faces.map((face) => face[2]),
+        x: [],
+        y: [],
+        z: [],
       },
       { ...dots("joints", { size: 3, color: "#000000" }), hoverinfo: "skip" },
       dots("carts", { size: 8, symbol: "square", line: { color: "#000000", width: 2 } }),
@@ -45,14 +74,27 @@ function createMachineView(div, report) {
   function layout() {
     const [x, y, z] = extent(report);
     const axis = (title, range) => ({
-      title: { text: title }, range, nticks: 6, backgroundcolor: "#f5f7f9", gridcolor: "#dfe3e8", showspikes: false, zeroline: false,
+      title: { text: title },
+      range,
+      nticks: 6,
+      backgroundcolor: "#f5f7f9",
+      gridcolor: "#dfe3e8",
+      showspikes: false,
+      zeroline: false,
     });
     return {
-      font: FONT, margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)", showlegend: false,
+      font: FONT,
+      margin: { l: 0, r: 0, t: 0, b: 0 },
+      paper_bgcolor: "rgba(0,0,0,0)",
+      showlegend: false,
       hoverlabel: { font: FONT },
       scene: {
-        aspectmode: "data", camera: seenFrom("Overview"), dragmode: "orbit",
-        xaxis: axis("x (m)", x), yaxis: axis("y (m)", y), zaxis: axis("z (m)", z),
+        aspectmode: "data",
+        camera: seenFrom("Overview"),
+        dragmode: "orbit",
+        xaxis: axis("x (m)", x),
+        yaxis: axis("y (m)", y),
+        zaxis: axis("z (m)", z),
       },
     };
   }
@@ -76,7 +118,10 @@ function createMachineView(div, report) {
     const mode = names.modes[motion.modes.values[frame]];
     const linksOf = (chosen) => ({
       ...segments(chosen.map((link) => [carts[link], joints[link]])),
-      hovertext: repeated(chosen.map((link) => linkText(names.links[link], carts[link], joints[link])), 3),
+      hovertext: repeated(
+        chosen.map((link) => linkText(names.links[link], carts[link], joints[link])),
+        3,
+      ),
     });
     return [
       segments(links.map((link) => [feet[ARM_OF_LINK[link]], carts[link]])),
@@ -86,7 +131,10 @@ function createMachineView(div, report) {
       coordinates([...carts, ...joints]),
       {
         ...coordinates(feet),
-        hovertext: feet.map((_, arm) => `cart ${arm + 1}: ${formatted(q[arm], 4)} m, ${mode[arm] === "L" ? "left" : "right"} of its joint`),
+        hovertext: feet.map(
+          (_, arm) =>
+            `cart ${arm + 1}: ${formatted(q[arm], 4)} m, ${mode[arm] === "L" ? "left" : "right"} of its joint`,
+        ),
         colour: [...mode].map((letter) => (letter === "L" ? colours.left : colours.right)),
       },
       { ...coordinates([tcp]), hovertext: [`TCP: ${tcp.map((value) => formatted(value, 4)).join(", ")} m`] },
@@ -98,7 +146,12 @@ function createMachineView(div, report) {
     show(chosen) {
       motion = chosen;
       const colour = colours[motion.name];
-      const way = { x: [columnOf(motion.pose, 0)], y: [columnOf(motion.pose, 1)], z: [columnOf(motion.pose, 2)], "line.color": colour };
+      const way = {
+        x: [columnOf(motion.pose, 0)],
+        y: [columnOf(motion.pose, 1)],
+        z: [columnOf(motion.pose, 2)],
+        "line.color": colour,
+      };
       Plotly.restyle(div, way, [PARTS.indexOf("way")]);
       Plotly.restyle(div, { "marker.color": colour }, [PARTS.indexOf("TCP")]);
     },
@@ -114,38 +167,7 @@ function createMachineView(div, report) {
   };
 }
 
-function points(flat) {
-  return Array.from({ length: flat.length / 3 }, (_, i) => Array.from(flat.subarray(3 * i, 3 * i + 3)));
-}
-
-function coordinates(list) {
-  const [x, y, z] = [0, 1, 2].map((axis) => list.map((point) => (point ? point[axis] : null)));
-  return { x, y, z };
-}
-
-/** Separate lines as one: a gap after each pair of ends. */
-function segments(pairs) {
-  return coordinates(pairs.flatMap(([from, to]) => [from, to, null]));
-}
-
-function repeated(texts, times) {
-  return texts.flatMap((text) => Array(times).fill(text));
-}
-
 function linkText(name, from, to) {
   const length = Math.hypot(...from.map((value, axis) => value - to[axis]));
   return `link ${name}: ${formatted(length, 4)} m`;
-}
-
-/** Least and largest x, y, z of all there is to see in any motion. */
-function extent(report) {
-  const seen = [report.scene.rails.flat(2)];
-  for (const motion of Object.values(report.motions)) seen.push(motion.feet.values, motion.cartJoints.values, motion.platformJoints.values);
-  const range = [0, 1, 2].map(() => [Infinity, -Infinity]);
-  for (const flat of seen) flat.forEach((value, i) => {
-    const limits = range[i % 3];
-    limits[0] = Math.min(limits[0], value);
-    limits[1] = Math.max(limits[1], value);
-  });
-  return range.map(([least, largest]) => [least - 0.05, largest + 0.05]);
 }

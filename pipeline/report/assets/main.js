@@ -80,7 +80,12 @@ async function start() {
 }
 
 async function showMotions(report) {
-  const map = { div: element("map"), point: element("point"), title: element("map-title"), scale: element("map-scale") };
+  const map = {
+    div: element("map"),
+    point: element("point"),
+    title: element("map-title"),
+    scale: element("map-scale"),
+  };
   const views = [createMachineView(element("machine"), report), createMapView(map, report)];
   const timeline = createTimeline(element("timeline"), element("cursor"), report, (t) => player.goToTime(t));
   const readout = createReadout(element("readout"), report);

@@ -9,10 +9,22 @@ function createMapView(parts, report) {
   let [motion, shown] = [null, -1];
 
   function traces() {
-    const line = (colour, width) => ({ type: "scatter", mode: "lines", hoverinfo: "skip", x: [], y: [], line: { color: colour, width } });
+    const line = (colour, width) => ({
+      type: "scatter",
+      mode: "lines",
+      hoverinfo: "skip",
+      x: [],
+      y: [],
+      line: { color: colour, width },
+    });
     return [
       {
-        type: "heatmap", x: [], y: [], z: [[]], customdata: [[]], hoverongaps: false,
+        type: "heatmap",
+        x: [],
+        y: [],
+        z: [[]],
+        customdata: [[]],
+        hoverongaps: false,
         hovertemplate: "y %{x:.2f} m<br>z %{y:.2f} m<br>κ %{customdata:.1f}<extra></extra>",
         colorscale: colours.map.map((colour, i) => [i / (colours.map.length - 1), colour]),
         showscale: false,
@@ -24,8 +36,13 @@ function createMapView(parts, report) {
 
   function layout() {
     return {
-      font: FONT, showlegend: false, dragmode: false, hovermode: "closest", hoverlabel: { font: FONT },
-      margin: { l: 46, r: 14, t: 8, b: 40 }, plot_bgcolor: colours.outOfReach,
+      font: FONT,
+      showlegend: false,
+      dragmode: false,
+      hovermode: "closest",
+      hoverlabel: { font: FONT },
+      margin: { l: 46, r: 14, t: 8, b: 40 },
+      plot_bgcolor: colours.outOfReach,
       xaxis: { title: { text: "y (m)", standoff: 4 }, showgrid: false, zeroline: false, fixedrange: true },
       yaxis: { title: { text: "z (m)", standoff: 4 }, showgrid: false, zeroline: false, fixedrange: true },
     };
@@ -34,7 +51,8 @@ function createMapView(parts, report) {
   /** The map nearest in time among those of the same working mode. */
   function mapAt(frame) {
     const { t, modes } = motion.maps;
-    const distance = (map) => (modes[map] === motion.modes.values[frame] ? Math.abs(t[map] - motion.t[frame]) : Infinity);
+    const distance = (map) =>
+      modes[map] === motion.modes.values[frame] ? Math.abs(t[map] - motion.t[frame]) : Infinity;
     return Array.from(t.keys()).reduce((best, map) => (distance(map) < distance(best) ? map : best));
   }
 
@@ -53,7 +71,12 @@ function createMapView(parts, report) {
     const loop = maps.loops[map];
     const colour = kappa.map((row) => row.map((value) => value && Math.log10(value)));
     // What is undefined stays as it is.
-    const update = { z: [colour, undefined], customdata: [kappa, undefined], x: [undefined, columnOf(loop, 0)], y: [undefined, columnOf(loop, 1)] };
+    const update = {
+      z: [colour, undefined],
+      customdata: [kappa, undefined],
+      x: [undefined, columnOf(loop, 0)],
+      y: [undefined, columnOf(loop, 1)],
+    };
     title.textContent = `${maps.titles[map]}, at ${formatted(maps.t[map], 2)} s`;
     shown = map;
     return Plotly.restyle(div, update, [MAP, LOOPS]);
@@ -66,8 +89,14 @@ function createMapView(parts, report) {
       const { maps } = motion;
       const colour = colours[motion.name];
       drawScale(scale, colours.map, maps.kappaRange);
-      Plotly.restyle(div, { x: [maps.y], y: [maps.z], zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]) }, [MAP]);
-      Plotly.restyle(div, { x: [columnOf(motion.pose, 1)], y: [columnOf(motion.pose, 2)], "line.color": colour }, [WAY]);
+      Plotly.restyle(
+        div,
+        { x: [maps.y], y: [maps.z], zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]) },
+        [MAP],
+      );
+      Plotly.restyle(div, { x: [columnOf(motion.pose, 1)], y: [columnOf(motion.pose, 2)], "line.color": colour }, [
+        WAY,
+      ]);
       point.style.background = colour;
       const [y, z] = [ends(maps.y), ends(maps.z)];
       // The plot gets the shape of what it shows, so that a metre is as long up as across.
@@ -96,7 +125,9 @@ function drawScale(scale, colours, [least, largest]) {
     else span.style.left = `${100 * part}%`;
     return span;
   };
-  const round = [1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, 200, 500, 1000, 10000].filter((kappa) => kappa >= least && kappa < largest / 1.2);
+  const round = [1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, 200, 500, 1000, 10000].filter(
+    (kappa) => kappa >= least && kappa < largest / 1.2,
+  );
   const place = (kappa) => Math.log(kappa / least) / Math.log(largest / least);
   const ticks = round.map((kappa) => label(String(kappa), place(kappa)));
   scale.replaceChildren(bar, ...ticks, label(`≥ ${largest}`, 1), label("κ (moments in m)"));

@@ -11,7 +11,10 @@ function createReadout(list, report) {
       const box = list.appendChild(document.createElement("div"));
       box.className = kind;
       box.appendChild(document.createElement("dt")).textContent = label;
-      cells.set(label, texts.map(() => box.appendChild(document.createElement("dd"))));
+      cells.set(
+        label,
+        texts.map(() => box.appendChild(document.createElement("dd"))),
+      );
     }
     cells.get(label).forEach((cell, i) => (cell.textContent = texts[i]));
   }
@@ -23,7 +26,9 @@ function createReadout(list, report) {
       ["x", "y", "z"].forEach((name, i) => write(name, "pose", `${formatted(pose[i], 4)} m`));
       write("working mode", "pose", names.modes[motion.modes.values[frame]]);
       ["rx", "ry", "rz"].forEach((name, i) => write(name, "pose", `${formatted(pose[3 + i] * DEGREES, 2)}°`));
-      names.actuators.forEach((name, k) => write(name, "actuator", `${formatted(q[k], 4)} m`, `${formatted(qd[k], 3)} m/s`));
+      names.actuators.forEach((name, k) =>
+        write(name, "actuator", `${formatted(q[k], 4)} m`, `${formatted(qd[k], 3)} m/s`),
+      );
     },
   };
 }
