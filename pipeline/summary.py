@@ -115,6 +115,8 @@ def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "Path
         "coarse_min_link_distance_m": coarse.min_link_distance_m,
         "max_tilt_deg": refined.max_tilt_deg,
         "det_sign_constant": refined.det_sign_constant,
+        "modes": list(refined.modes),
+        "mode_changes": refined.mode_changes,
     }
 
 

@@ -43,6 +43,7 @@ from pipeline.export.columns import POSE
 from pipeline.export.csv import DECIMALS, format_csv, trajectory_columns
 from pipeline.export.motion import needed_decimals
 from pipeline.machine.geometry import Machine
+from pipeline.machine.working_modes import mode_names, working_modes
 from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory, TrajectorySamples
@@ -97,6 +98,7 @@ def path_files(refinement: Refinement, samples: PathSamples) -> Files:
         **_columns(POSE, samples.pose),
         "kappa": samples.kappa,
         **_columns(Q_COLUMNS, samples.q_m),
+        "mode": np.array(mode_names(working_modes(samples.reach_m))),
     }
     return {PATH_NPZ: npz_bytes(pack_refinement(refinement)), PATH_CSV: _csv(columns)}
 

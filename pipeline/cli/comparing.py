@@ -62,14 +62,15 @@ def compare(
 
 def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: float, timing: bool) -> None:
     from pipeline.compare import (
+        Measured,
         blended,
         common_retiming,
         comparison_rows,
         markdown_table,
-        measure_path,
         table_cells,
     )
     from pipeline.compare.metrics import TABLE_HEADER
+    from pipeline.refine.measure import measure
     from pipeline.route.metric import step_sizes
 
     steps = step_sizes(results.config.route)
@@ -77,8 +78,7 @@ def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: 
         paths = [blended(results.refinement.coarse, blend_mm * _MM), results.refinement.path] if timing else []
         motions = _motions([(results, path) for path in paths], common_retiming(results.config)) or [None, None]
         coarse, refined = (
-            measure_path(results.machine, samples, steps, motion)
-            for samples, motion in zip(results.samples, motions, strict=True)
+            Measured(measure(samples, steps), motion) for samples, motion in zip(results.samples, motions, strict=True)
         )
     rows = comparison_rows(coarse, refined)
     if as_json:
@@ -115,13 +115,13 @@ def _measured(one: "Results", first: "Results", motion: "MotionFigures | None") 
     """Measure a run's refined path in the metric, and at as many points, as the first run's."""
     import numpy as np
 
-    from pipeline.compare import measure_path
-    from pipeline.refine.measure import sample_path
+    from pipeline.compare import Measured
+    from pipeline.refine.measure import measure, sample_path
     from pipeline.route.metric import step_sizes
 
     s = np.linspace(0.0, 1.0, first.config.refine.check_points)
     samples = sample_path(one.refinement.path, s)
-    return measure_path(one.machine, samples, step_sizes(first.config.route), motion)
+    return Measured(measure(samples, step_sizes(first.config.route)), motion)
 
 
 def _motions(paths: "Sequence[tuple[Results, Path]]", retiming: "RetimeConfig") -> "list[MotionFigures | None]":

@@ -34,12 +34,15 @@ def check(
         raise UsageError("check needs a CONFIG, or --schema")
     from pipeline.cli.machine_report import machine_report
     from pipeline.machine.geometry import build_machine
+    from pipeline.refine.caps import require_cap
     from pipeline.route.ends import task_ends
 
     loaded = load(config)
     machine = build_machine(loaded.machine)
+    ends = task_ends(loaded, machine)
+    require_cap(loaded, [end.kappa for end in ends])
     console = results_console()
-    for part in machine_report(loaded, machine, task_ends(loaded, machine)):
+    for part in machine_report(loaded, machine, ends):
         console.print(part)
     console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
 

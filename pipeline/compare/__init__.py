@@ -4,7 +4,7 @@ from pipeline.compare.blend import TOLERANCE_M, blended
 from pipeline.compare.figures import all_figures
 from pipeline.compare.metrics import ComparisonRow, comparison_rows, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
-from pipeline.compare.quantities import Measured, measure_path
+from pipeline.compare.quantities import Measured
 from pipeline.compare.runs import RunsRow, runs_cells, runs_header, runs_markdown, runs_rows
 
 __all__ = [
@@ -19,7 +19,6 @@ __all__ = [
     "comparison_rows",
     "markdown_table",
     "measure_motion",
-    "measure_path",
     "retimed",
     "runs_cells",
     "runs_header",

@@ -6,10 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from pipeline.compare.figures.samples import working_modes
 from pipeline.compare.motion import MotionFigures, at_duration
-from pipeline.machine.geometry import FloatArray, Machine
-from pipeline.refine.measure import PathFigures, PathSamples, measure
+from pipeline.refine.measure import PathFigures
 
 Preference = Literal["lower", "higher", "neither"]
 
@@ -22,8 +20,6 @@ class Measured:
     ----------
     path : PathFigures
         Of the curve itself.
-    mode_changes : int or None
-        How many arms change their working mode, counted each time.
     motion : MotionFigures or None
         Of the curve in time.
     paced : MotionFigures or None
@@ -31,17 +27,8 @@ class Measured:
     """
 
     path: PathFigures
-    mode_changes: int | None = None
     motion: MotionFigures | None = None
     paced: MotionFigures | None = None
-
-
-def measure_path(
-    machine: Machine, samples: PathSamples, steps: FloatArray, motion: MotionFigures | None = None
-) -> Measured:
-    """Reduce samples of a path to numbers; `steps` (5,) are the largest moves per step of x, y, z, rx, rz."""
-    modes = working_modes(machine, samples)
-    return Measured(measure(samples, steps), int(np.count_nonzero(np.diff(modes, axis=0))), motion)
 
 
 def paced_alike(measured: Sequence[Measured]) -> list[Measured]:
@@ -92,7 +79,7 @@ QUANTITIES = (
     _path("least link-rail distance", "m", "higher", 1e-6, "min_rail_distance_m"),
     _path("largest tilt", "deg", "lower", 1e-4, "max_tilt_deg"),
     _path("closure residual", "m", "lower", 1e-9, "closure_residual_m"),
-    Quantity("working-mode changes", "", "neither", 0.5, lambda one: one.mode_changes),
+    Quantity("working-mode changes", "", "neither", 0.5, lambda one: one.path.mode_changes),
     _motion("duration", "s", 1e-6, "duration_s"),
     _motion("peak cart acceleration", "m/s^2", 2e-2, "cart_acceleration_mps2"),
     _motion("peak telescope acceleration", "m/s^2", 5e-3, "telescope_acceleration_mps2"),

@@ -26,14 +26,14 @@ class RefineConfig(Section):
     )
     kappa_max: float | None = Field(None, gt=1.0, description="cap on kappa along the path; null: route.kappa_max")
     corridor: Literal["cells", "free"] = Field(
-        "cells", description="keep to the cells of the route, or only to its sequence of working modes"
+        "cells", description="keep to the route's cells and sequence of working modes, or to the sequence alone"
     )
     corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
     start_direction: Vector | None = Field(
-        None, description="(x, y, z) the TCP leaves the start in, not tilting; null: any"
+        None, description="(x, y, z) of the TCP's path at the very start, not tilting; null: any"
     )
     goal_direction: Vector | None = Field(
-        None, description="(x, y, z) the TCP comes to the goal in, not tilting; null: any"
+        None, description="(x, y, z) of the TCP's path at the very goal, not tilting; null: any"
     )
     clearance_margin_m: float = Field(0.001, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")
     tilt_margin_deg: float = Field(0.1, ge=0.0, le=10.0, description="kept at the nodes below the tilt limit")

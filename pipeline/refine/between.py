@@ -5,20 +5,20 @@ rise in between: half of its second derivative times the squared distance, four 
 Elsewhere samples are added until that is so.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError
-from pipeline.machine.geometry import FloatArray
+from pipeline.machine.geometry import MODE_SIGNS, FloatArray
 from pipeline.machine.kinematics import pose_jacobian
+from pipeline.machine.working_modes import working_modes
 from pipeline.refine.caps import TILTS, kappa_cap, tilt_limits_deg
-from pipeline.refine.corridor import corridor_excess
+from pipeline.refine.corridor import cells_excess
 from pipeline.refine.measure import PathSamples, merged, relative_speed, sample_path
 from pipeline.refine.result import Path
+from pipeline.refine.sides import sides_at
 from pipeline.route.boxes import boxes_to_avoid
 from pipeline.route.metric import CONTROLLED
 from pipeline.route.result import Route
@@ -49,14 +49,14 @@ class Breach:
 def breaches(config: Config, route: Route, path: Path, coarse: Path) -> list[Breach]:
     """Sample a path as densely as it takes and list what it breaks.
 
-    One sign of det H, kappa, clearance, tilt, boxes to avoid, strokes, travel, the corridor, and speed along s.
+    One sign of det H, kappa, clearance, tilt, boxes to avoid, strokes, travel, the corridor with the working modes of
+    the route, and speed along s.
     """
-    within = partial(corridor_excess, config, route, path, coarse)
     s = np.linspace(0.0, 1.0, config.refine.check_points + 1)
     try:
         samples = sample_path(path, s)
         for _ in range(_HALVINGS):
-            s = _doubtful(samples.s, [excess for _, excess, _ in _limits(config, path, samples, within)])
+            s = _doubtful(samples.s, [excess for _, excess, _ in _limits(config, route, path, coarse, samples)])
             if len(s) == 0:
                 break
             samples = merged(samples, sample_path(path, s))
@@ -65,7 +65,7 @@ def breaches(config: Config, route: Route, path: Path, coarse: Path) -> list[Bre
         return [Breach(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
     return [
         Breach(what, float(excess.max()), samples.s[excess > _ROUNDING], advice)
-        for what, excess, advice in _ways(path, samples) + _limits(config, path, samples, within)
+        for what, excess, advice in _ways(route, path, samples) + _limits(config, route, path, coarse, samples)
         if (excess > _ROUNDING).any()
     ]
 
@@ -91,18 +91,21 @@ Excess = tuple[str, FloatArray, str]
 """A promise, by how much it is broken at every sample (n,), negative where it is kept, and what would help."""
 
 
-def _ways(path: Path, samples: PathSamples) -> list[Excess]:
+def _ways(route: Route, path: Path, samples: PathSamples) -> list[Excess]:
     """What is wrong with the way itself."""
     return [
         ("det H changes sign", _sign_changes(samples.det_sign), "Raise refine.nodes."),
         ("the pose jumps", _jumps(path, samples), "Raise refine.nodes."),
+        (
+            "an arm changes its working mode more often than on the route",
+            _mode_changes(route, samples),
+            "Raise refine.nodes.",
+        ),
     ]
 
 
-def _limits(
-    config: Config, path: Path, samples: PathSamples, within: Callable[[FloatArray, FloatArray], FloatArray]
-) -> list[Excess]:
-    """Limits that hold all along the path; `within` gives by how much the corridor is left."""
+def _limits(config: Config, route: Route, path: Path, coarse: Path, samples: PathSamples) -> list[Excess]:
+    """Limits that hold all along the path."""
     machine, q = path.machine, samples.q_m
     limits = machine.actuator_limits_m
     more_clearance = "Raise refine.clearance_margin_m or refine.nodes."
@@ -129,9 +132,14 @@ def _limits(
             "Raise refine.nodes.",
         ),
         (
-            "outside the corridor, grid steps (or metres on the wrong side)",
-            within(samples.s, samples.pose),
+            "outside the corridor, grid steps",
+            cells_excess(config, route, coarse, samples.s, samples.pose),
             "Raise refine.nodes or refine.corridor_cells.",
+        ),
+        (
+            "a cart on the side of its joint that is another working mode, metres",
+            (-sides_at(route, coarse, samples.s) * samples.reach_m).max(axis=1),
+            "Raise refine.nodes.",
         ),
         (
             "the actuators nearly stop, relative to the mean speed",
@@ -145,6 +153,15 @@ def _sign_changes(sign: FloatArray) -> FloatArray:
     """One where a sign differs from the one before or is zero, shape (n,)."""
     changes: FloatArray = (np.diff(sign, prepend=sign[:1]) != 0.0) | (sign == 0.0)
     return changes.astype(float)
+
+
+def _mode_changes(route: Route, samples: PathSamples) -> FloatArray:
+    """One where an arm changes its working mode that changes more often than on the route, shape (n,)."""
+    modes = working_modes(samples.reach_m)
+    changes = np.diff(modes, axis=0, prepend=modes[:1]) != 0.0
+    allowed = np.count_nonzero(np.diff(MODE_SIGNS[route.modes], axis=0), axis=0)
+    found: FloatArray = changes[:, changes.sum(axis=0) > allowed].any(axis=1).astype(float)
+    return found
 
 
 def _rail_excess(path: Path, samples: PathSamples) -> FloatArray:

@@ -1,9 +1,10 @@
 """The corridor: which poses the refined path may have at each s.
 
-At s between two neighbouring steps of the route it is the box that holds both, widened by a number of cells; a free
-corridor has no box, and keeps the sequence of working modes instead. Within either the tilt limit holds, a locked axis
-keeps to its tolerance, and a box to avoid cuts at the one of its sides that the coarse path is farthest beyond. Start,
-goal and poses to visit are exact.
+Everywhere the sequence of working modes is that of the route, for which its budget and its difference from other routes
+were proven. At s between two neighbouring steps of the route, besides, the corridor is the box that holds both, widened
+by a number of cells; a free corridor has no box. Within either the tilt limit holds, a locked axis keeps to its
+tolerance, and a box to avoid cuts at the one of its sides that the coarse path is farthest beyond. Start, goal and
+poses to visit are exact.
 """
 
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.config import Config
-from pipeline.machine.geometry import PRIMARY, FloatArray, IntArray, Machine, link_vectors
+from pipeline.machine.geometry import FloatArray, IntArray
 from pipeline.refine.caps import TILTS
 from pipeline.refine.coarse import corner_parameters, move_of
 from pipeline.refine.result import Path
@@ -53,33 +54,20 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corri
     _avoid(config, coarse.pose(s), low, high)
     low[[0, -1]] = high[[0, -1]] = route.pose[[0, -1]]
     _visit(config, route, s, visit_parameters(coarse, route), low, high)
-    sides = _sides_around(route, coarse, s) if config.refine.corridor == "free" else np.zeros((len(s), 3))
+    sides = _sides_around(route, coarse, s)
     # Start, goal and poses to visit are as they are.
     sides[(low == high).all(axis=1, where=np.arange(6) != _RY)] = 0.0
     return Corridor(low, high, sides, _SIDE_MARGIN_M)
 
 
-def corridor_excess(
-    config: Config, route: Route, path: Path, coarse: Path, s: FloatArray, pose: FloatArray
-) -> FloatArray:
-    """How far poses (n, 6) of a path at s (n,) are outside the corridor, negative inside. Shape (n,).
-
-    In grid steps for cells; for a free corridor in metres, how far a cart is on the wrong side.
-    """
+def cells_excess(config: Config, route: Route, coarse: Path, s: FloatArray, pose: FloatArray) -> FloatArray:
+    """How far poses (n, 6) at s (n,) are outside the cells of the corridor, in grid steps, negative inside; (n,)."""
     if config.refine.corridor == "free":
-        reach = reach_along_rails(path.machine, pose, path.q(s)[:, :3])
-        excess: FloatArray = (-sides_at(route, coarse, s) * reach).max(axis=1)
-        return excess
+        return np.full(len(s), -np.inf)
     low, high = _cells(config, route, move_of(coarse, s))
     beyond = np.maximum(low - pose, pose - high)[:, CONTROLLED] / step_sizes(config.route)
     outside: FloatArray = beyond.max(axis=1)
     return outside
-
-
-def reach_along_rails(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
-    """By how much the cart joint of every arm is at larger x than its platform joint: C_x - A_x. Shape (n, 3)."""
-    reach: FloatArray = -link_vectors(machine, pose, carts_m)[:, PRIMARY, 0]
-    return reach
 
 
 def visit_parameters(coarse: Path, route: Route) -> FloatArray:

@@ -11,7 +11,8 @@ from scipy.sparse import csr_array, hstack
 
 from pipeline.machine.clearance import link_distances, link_rail_distances
 from pipeline.machine.geometry import FloatArray, IntArray
-from pipeline.refine.corridor import Corridor, reach_along_rails
+from pipeline.machine.working_modes import reach_along_rails
+from pipeline.refine.corridor import Corridor
 from pipeline.refine.iterate import Iterate, Looks, slopes
 from pipeline.route.metric import CONTROLLED
 
@@ -59,7 +60,7 @@ def least_distances(distance_m: FloatArray, least_m: float, margin_m: float) -> 
 
 
 def pose_limits(looks: Looks, demands: Demands, iterate: Iterate) -> Iterator[Limit]:
-    """Say what poses have to keep: the corridor, clearances, and the sides of the carts in a free corridor."""
+    """Say what poses have to keep: the corridor, clearances, and the sides of the carts."""
     free = np.flatnonzero((demands.corridor.low < demands.corridor.high)[:, CONTROLLED].any(axis=1))
     yield _corridor(looks, demands.corridor, iterate)
     yield _clearance(looks, iterate, link_distances, demands.link_m, free)

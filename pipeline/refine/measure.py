@@ -1,5 +1,6 @@
 """Figures of a path, measured on dense samples: the same way for the coarse and the refined one."""
 
+import itertools
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -8,6 +9,7 @@ from pipeline.machine.clearance import min_distances
 from pipeline.machine.geometry import FloatArray
 from pipeline.machine.kinematics import closure_residual
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix
+from pipeline.machine.working_modes import mode_sequence, reach_along_rails, working_modes
 from pipeline.refine.result import Path
 from pipeline.route.metric import arc_length
 
@@ -31,6 +33,8 @@ class PathSamples:
         Least link-link and link-rail distance between axes.
     closure_residual_m : (n,)
         Largest amount by which a link misses its length.
+    reach_m : (n, 3)
+        By how much each cart joint is at larger x than its platform joint: its sign is the working mode.
     """
 
     s: FloatArray
@@ -41,11 +45,12 @@ class PathSamples:
     link_distance_m: FloatArray
     rail_distance_m: FloatArray
     closure_residual_m: FloatArray
+    reach_m: FloatArray
 
 
 @dataclass(frozen=True)
 class PathFigures:
-    """A path in numbers; lengths and integrals in the metric of the route."""
+    """A path in numbers; lengths and integrals in the metric of the route, working modes in their order."""
 
     kappa_max: float
     kappa_max_s: float
@@ -56,6 +61,12 @@ class PathFigures:
     min_rail_distance_m: float
     max_tilt_deg: float
     det_sign_constant: bool
+    modes: tuple[str, ...]
+
+    @property
+    def mode_changes(self) -> int:
+        """How many arms change their working mode, counted each time."""
+        return sum(a != b for one, other in itertools.pairwise(self.modes) for a, b in zip(one, other, strict=True))
 
 
 def sample_path(path: Path, s: FloatArray) -> PathSamples:
@@ -78,6 +89,7 @@ def sample_path(path: Path, s: FloatArray) -> PathSamples:
         link_distance_m=link_distance,
         rail_distance_m=rail_distance,
         closure_residual_m=np.abs(closure_residual(path.machine, pose, q)).max(axis=1),
+        reach_m=reach_along_rails(path.machine, pose, q[:, :3]),
     )
 
 
@@ -115,4 +127,5 @@ def measure(samples: PathSamples, steps: FloatArray) -> PathFigures:
         min_rail_distance_m=float(samples.rail_distance_m.min()),
         max_tilt_deg=float(np.rad2deg(np.abs(samples.pose[:, _TILTS]).max())),
         det_sign_constant=bool(np.all(samples.det_sign == samples.det_sign[0]) and samples.det_sign[0] != 0.0),
+        modes=tuple(mode_sequence(working_modes(samples.reach_m))),
     )

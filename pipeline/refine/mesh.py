@@ -12,6 +12,8 @@ from pipeline.route.metric import arc_length
 
 _MARKED = 0.5
 """Share of the estimated error whose knot spans are halved: the fewest that have it."""
+_AS_LARGE = 1e-6
+"""Relative difference within which errors are equal: neighbours share a jump, and none is marked without the other."""
 _LOOKS_PER_INTERVAL = 8
 
 
@@ -79,11 +81,14 @@ def _missed(mesh: Mesh, path: Path, steps: FloatArray) -> FloatArray:
 
 
 def _most(error: FloatArray) -> BoolArray:
-    """Mark the fewest entries (m,) that together have their share of the sum."""
-    order = np.argsort(-error)
-    sums = np.cumsum(error[order])
-    marked = np.zeros(len(error), dtype=bool)
-    marked[order[: int(np.searchsorted(sums, _MARKED * sums[-1])) + 1]] = True
+    """Mark the fewest entries (m,) that together have their share of the sum, and all that are as large.
+
+    So the same path, followed backwards, has the same mesh.
+    """
+    falling = np.sort(error)[::-1]
+    sums = np.cumsum(falling)
+    least = falling[int(np.searchsorted(sums, _MARKED * sums[-1]))]
+    marked: BoolArray = error >= least * (1.0 - _AS_LARGE)
     return marked
 
 

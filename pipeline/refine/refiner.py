@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import Config
-from pipeline.errors import ConfigError, ConfigIssue, NoSolutionError
+from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
 from pipeline.refine.between import Breach, breaches
+from pipeline.refine.caps import require_cap
 from pipeline.refine.coarse import coarse_path
 from pipeline.refine.corridor import visit_parameters
 from pipeline.refine.directions import end_directions
@@ -37,19 +38,27 @@ def refine_path(
         When the route cannot be followed, no start leads to a path, or a promise stays broken between the nodes
         after the configured rounds; for the latter two the last path is in its `diagnosis`.
     """
-    options, steps = config.refine, step_sizes(config.route)
-    _require_cap(config, route)
+    steps = step_sizes(config.route)
+    require_cap(config, (route.kappa[0], route.kappa[-1]))
     directions = end_directions(config, machine, route)
     coarse = coarse_path(machine, route, steps)
     problem = Problem(config, machine, route, coarse, steps, directions, progress, verbose)
-    solve, meshes, change = _on_finer_meshes(problem, _first_solve(problem))
+    try:
+        return _checked(problem, *_on_finer_meshes(problem, _first_solve(problem)))
+    except NoSolutionError as failure:
+        raise _with_directions(failure, config) from failure
+
+
+def _checked(problem: Problem, solve: Solve, meshes: int, change: float | None) -> Refinement:
+    """Check between the nodes, and add nodes where a promise is broken, until none is."""
+    options = problem.config.refine
     for round_ in range(1, options.max_rounds + 1):
-        progress("refine: checking between the nodes")
-        found = breaches(config, route, solve.path, coarse)
+        problem.progress("refine: checking between the nodes")
+        found = breaches(problem.config, problem.route, solve.path, problem.coarse)
         if not found:
             return Refinement(
                 path=solve.path,
-                coarse=coarse,
+                coarse=problem.coarse,
                 status=Status.CONVERGED,
                 iterations=solve.iterations,
                 rounds=round_,
@@ -137,17 +146,15 @@ def _minimised(problem: Problem, solve: Solve) -> float:
     return mean + figures.kappa_max
 
 
-def _require_cap(config: Config, route: Route) -> None:
-    """Refuse a cap on kappa that the start or the goal is above already."""
-    ends = float(max(route.kappa[0], route.kappa[-1]))
-    if config.refine.kappa_max is not None and config.refine.kappa_max < ends:
-        raise ConfigError(
-            [
-                ConfigIssue(
-                    "refine.kappa_max", f"is {config.refine.kappa_max:g}; kappa at the start or the goal is {ends:.2f}"
-                )
-            ]
-        )
+def _with_directions(failure: NoSolutionError, config: Config) -> NoSolutionError:
+    """Advise to do without a direction at an end, where one was asked for."""
+    keys = [key for key in ("start_direction", "goal_direction") if getattr(config.refine, key) is not None]
+    if not keys:
+        return failure
+    wished = " and ".join(f"refine.{key}" for key in keys)
+    return NoSolutionError(
+        failure.stage, failure.reason, f"{failure.advice} Or change {wished}, or leave it out.", failure.diagnosis
+    )
 
 
 def _broken(rounds: int, solve: Solve, found: list[Breach]) -> NoSolutionError:

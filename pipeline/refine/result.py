@@ -35,16 +35,16 @@ class Path:
         return values
 
     def pose(self, s: FloatArray | float) -> FloatArray:
-        """Poses (x, y, z, rx, ry, rz) by forward kinematics, for s (n,). Shape (n, 6).
+        """Poses (x, y, z, rx, ry, rz) by forward kinematics. Shape (..., 6).
 
         Raises
         ------
         ForwardKinematicsError
             Where the closure equations have no solution near the path's known poses.
         """
-        s = np.atleast_1d(np.asarray(s, dtype=float))
+        shape, s = np.shape(s), np.ravel(s)
         guess = CubicSpline(self.node_s, self.node_pose)(s) if self.spline.k > 1 else self._linear_guess(s)
-        return forward_kinematics(self.machine, self.q(s), guess)
+        return forward_kinematics(self.machine, self.q(s), guess).reshape(*shape, 6)
 
     def _linear_guess(self, s: FloatArray) -> FloatArray:
         columns = [np.interp(s, self.node_s, column) for column in self.node_pose.T]

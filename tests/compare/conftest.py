@@ -13,6 +13,7 @@ from pipeline.machine import MODES, Machine, inverse_kinematics, min_distances, 
 from pipeline.machine.geometry import FloatArray
 from pipeline.machine.kinematics import closure_residual
 from pipeline.machine.statics import condition_number, det_sign
+from pipeline.machine.working_modes import reach_along_rails
 from pipeline.refine.measure import PathSamples
 from pipeline.retime.result import TrajectorySamples
 from pipeline.route.result import Route, Search
@@ -80,6 +81,7 @@ def samples_at(machine: Machine, pose: FloatArray, q_m: FloatArray) -> PathSampl
         link_distance_m=link,
         rail_distance_m=rail,
         closure_residual_m=np.abs(closure_residual(machine, pose, q_m)).max(axis=1),
+        reach_m=reach_along_rails(machine, pose, q_m[:, :3]),
     )
 
 

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, comparison_rows, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures
-from pipeline.compare.quantities import Measured, measure_path
-from pipeline.machine import Machine
-from pipeline.refine.measure import PathFigures, PathSamples
+from pipeline.compare.quantities import Measured
+from pipeline.refine.measure import PathFigures, PathSamples, measure
 
 COARSE_PATH = PathFigures(
     kappa_max=40.0,
@@ -23,6 +22,7 @@ COARSE_PATH = PathFigures(
     min_rail_distance_m=0.5,
     max_tilt_deg=30.0,
     det_sign_constant=True,
+    modes=("LLL", "RLL"),
 )
 REFINED_PATH = dataclasses.replace(
     COARSE_PATH,
@@ -50,6 +50,7 @@ figures = st.builds(
     min_rail_distance_m=positive,
     max_tilt_deg=st.floats(0.0, 85.0),
     det_sign_constant=st.just(True),
+    modes=st.sampled_from([("LLL",), ("LLL", "RLL"), ("LLL", "LRR", "RRR")]),
 ).map(Measured)
 
 
@@ -138,10 +139,10 @@ def test_a_path_equals_itself(a: Measured) -> None:
     assert {row.better for row in comparison_rows(a, a)} == {"equal", "neither"}
 
 
-def test_measured_paths_compare(machine: Machine, coarse: PathSamples, refined: PathSamples) -> None:
+def test_measured_paths_compare(coarse: PathSamples, refined: PathSamples) -> None:
     """The swaying path is longer than the straight one and collects more kappa."""
     steps = np.array([0.1, 0.06, 0.06, 0.1, 0.1])
-    rows = by_name(comparison_rows(*(measure_path(machine, path, steps) for path in (coarse, refined))))
+    rows = by_name(comparison_rows(*(Measured(measure(path, steps)) for path in (coarse, refined))))
     assert rows["length"].better == "refined"
     assert rows["kappa integral"].better == "refined"
     assert (rows["working-mode changes"].coarse, rows["working-mode changes"].better) == (0.0, "neither")
@@ -150,12 +151,13 @@ def test_measured_paths_compare(machine: Machine, coarse: PathSamples, refined: 
 def test_markdown_is_a_table() -> None:
     """Every line has as many cells as the header; the second is the rule, numbers to the right."""
     lines = markdown_table(comparison_rows(COARSE, REFINED)).splitlines()
-    assert len(lines) == 2 + 8
+    assert len(lines) == 2 + 9
     assert {line.count("|") for line in lines} == {len(TABLE_HEADER) + 1}
     assert lines[1] == "| :-- | :-- | --: | --: | --: | --: | :-- |"
     assert lines[2] == "| kappa integral | steps | 500 | 350 | -150 | -30.0 | refined |"
     assert lines[4] == "| largest kappa at s |  | 0.4 | 0.5 | +0.1 |  |  |"
     assert lines[9] == "| closure residual | m | 1e-13 | 3e-13 | +2e-13 |  | equal |"
+    assert lines[10] == "| working-mode changes |  | 1 | 1 | +0 |  |  |"
 
 
 def test_cells_fill_the_header() -> None:

@@ -49,16 +49,22 @@ def test_it_begins_and_ends_exactly_where_the_route_does(refinement: Refinement,
     np.testing.assert_allclose(ends, route.q_m[[0, -1]], rtol=0.0, atol=1e-15)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("corridor", ["cells", "free"])
 def test_the_route_backwards_gives_the_same_path(
-    light_config: Config, machine: Machine, route: Route, refinement: Refinement, steps: np.ndarray
+    light_config: Config, machine: Machine, route: Route, steps: np.ndarray, corridor: str
 ) -> None:
-    """Nothing in the program knows a direction."""
-    flipped = {name: getattr(route, name)[::-1] for name in ("region", "modes", "gates", "pose", "q_m", "kappa")}
-    back = refine_path(light_config, machine, replace(route, **flipped))
-    there, again = (
-        measure(sample_path(path, np.linspace(0.0, 1.0, 2_000)), steps) for path in (refinement.path, back.path)
-    )
-    assert again.kappa_integral == pytest.approx(there.kappa_integral, rel=1e-4)
+    """Nothing in the program knows a direction: figures are the same, and meshes that follow the difficulty."""
+    refine = light_config.refine.model_copy(update={"max_meshes": 3, "corridor": corridor})
+    config = light_config.model_copy(update={"refine": refine})
+    fields = ("region", "modes", "gates", "visits", "pose", "q_m", "kappa")
+    flipped = replace(route, **{name: getattr(route, name)[::-1] for name in fields})
+    there, back = (refine_path(config, machine, way) for way in (route, flipped))
+    assert (back.meshes, back.nodes) == (there.meshes, there.nodes)
+    assert back.meshes > 1
+    one, other = (measure(sample_path(result.path, np.linspace(0.0, 1.0, 2_000)), steps) for result in (there, back))
+    assert other.kappa_integral == pytest.approx(one.kappa_integral, rel=1e-6)
+    assert other.modes == one.modes[::-1]
 
 
 def test_too_few_iterations_end_with_what_is_violated(light_config: Config, machine: Machine, route: Route) -> None:

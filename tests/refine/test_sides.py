@@ -1,15 +1,19 @@
-"""The sequence of working modes along a path in a free corridor."""
+"""The sequence of working modes along a path, in any corridor."""
+
+from dataclasses import itertools, replace
 
 import numpy as np
+import pytest
 
 from pipeline.config import Config
-from pipeline.machine import Machine
+from pipeline.machine import MODES, Machine
 from pipeline.machine.geometry import MODE_SIGNS
-from pipeline.refine import Path, refine_path, sample_path
+from pipeline.refine import Path, Refinement, measure, refine_path, sample_path
+from pipeline.refine.between import breaches
 from pipeline.refine.coarse import corner_parameters
-from pipeline.refine.corridor import reach_along_rails
 from pipeline.refine.sides import sides_at
 from pipeline.route import Route
+from pipeline.route.metric import step_sizes
 
 
 def test_both_ends_have_the_modes_of_the_route(route: Route, coarse: Path) -> None:
@@ -29,23 +33,36 @@ def test_an_arm_is_free_around_its_gate_and_nowhere_else(route: Route, coarse: P
         assert (sides[np.searchsorted(s, gate), arm] == 0.0).any()
 
 
-def test_the_coarse_path_is_within(route: Route, coarse: Path, machine: Machine) -> None:
+def test_the_coarse_path_is_within(route: Route, coarse: Path) -> None:
     """Carts are on the side that they have to be on, all along."""
     s = np.linspace(0.0, 1.0, 1_001)
     samples = sample_path(coarse, s)
-    reach = reach_along_rails(machine, samples.pose, samples.q_m[:, :3])
-    assert (sides_at(route, coarse, s) * reach > -1e-9).all()
+    assert (sides_at(route, coarse, s) * samples.reach_m > -1e-9).all()
 
 
-def test_a_free_corridor_keeps_the_sequence_and_leaves_the_cells(
-    light_config: Config, machine: Machine, route: Route
+@pytest.mark.parametrize("corridor", ["cells", "free"])
+def test_a_path_has_the_working_modes_of_its_route(
+    light_config: Config, machine: Machine, route: Route, corridor: str
 ) -> None:
-    """Carts change sides once each, in the order of the route; poses are where no cell of the route is."""
-    refine = light_config.refine.model_copy(update={"corridor": "free"})
+    """Carts change sides once each, in the order of the route: its budget of mode changes is kept."""
+    refine = light_config.refine.model_copy(update={"corridor": corridor})
     result = refine_path(light_config.model_copy(update={"refine": refine}), machine, route)
-    samples = sample_path(result.path, np.linspace(0.0, 1.0, 4_001))
-    side = np.sign(reach_along_rails(machine, samples.pose, samples.q_m[:, :3]))
-    changes = [np.flatnonzero(np.diff(side[:, arm])) for arm in range(3)]
-    assert [len(change) for change in changes] == [1, 1, 1]
-    _, first = np.unique(route.gates[route.gates > 0], return_index=True)
-    assert np.argsort([change[0] for change in changes]).tolist() == np.argsort(first).tolist()
+    figures = measure(sample_path(result.path, np.linspace(0.0, 1.0, 4_001)), step_sizes(light_config.route))
+    assert list(figures.modes) == [name for name, _ in itertools.groupby(route.mode_names)]
+    assert figures.mode_changes == route.mode_changes == 3
+
+
+def test_other_working_modes_are_a_breach(light_config: Config, route: Route, refinement: Refinement) -> None:
+    """A path along a route whose first and third arm change in each other's place is told to be in other modes."""
+    swapped = [MODES.index(name[::-1]) for name in route.mode_names]
+    gates = np.array([0, 3, 2, 1])[route.gates]
+    other = replace(route, gates=gates, modes=np.array(swapped))
+    found = [breach.what for breach in breaches(light_config, other, refinement.path, refinement.coarse)]
+    assert any("another working mode" in what for what in found)
+
+
+def test_changing_to_and_fro_is_a_breach(light_config: Config, route: Route, refinement: Refinement) -> None:
+    """Where a route changes no mode at all, every change of its path is one too many."""
+    still = replace(route, modes=np.zeros_like(route.modes), gates=np.zeros_like(route.gates))
+    found = [breach.what for breach in breaches(light_config, still, refinement.path, refinement.coarse)]
+    assert any("more often than on the route" in what for what in found)

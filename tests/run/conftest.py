@@ -26,6 +26,13 @@ from pipeline.status import Status
 NODES = 21
 
 
+@pytest.fixture(autouse=True)
+def no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run every command without the settings of whoever runs the tests."""
+    for name in ("FORCE_COLOR", "PY_COLORS", "GITHUB_ACTIONS", "NO_COLOR", "COLUMNS", "TTY_COMPATIBLE"):
+        monkeypatch.delenv(name, raising=False)
+
+
 def changed(config: Config, **changes: Any) -> Config:
     """Change keys of a configuration, named by paths with two underscores for a dot."""
     data = config.model_dump(mode="json")

@@ -33,7 +33,6 @@ def alternatives(
         return make["route"](machine, 100.0 + rank)
 
     monkeypatch.setattr("pipeline.route.plan_route", plan_route)
-    monkeypatch.delenv("COLUMNS", raising=False)
     (tmp_path / "work").mkdir()
     monkeypatch.chdir(tmp_path / "work")
     Path("quick.yaml").write_text(dump_config(fast_config))

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -33,10 +34,8 @@ HIDE_CURSOR, SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 
 
 @pytest.fixture(autouse=True)
-def no_terminal(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Run every command in an empty folder, without the settings of whoever runs the tests."""
-    for name in ("FORCE_COLOR", "PY_COLORS", "GITHUB_ACTIONS", "NO_COLOR", "COLUMNS", "TTY_COMPATIBLE"):
-        monkeypatch.delenv(name, raising=False)
+def empty_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Run every command in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
 
@@ -371,6 +370,12 @@ class TestCheck:
         text = " ".join(call("check", edit(config_file, task__locked_axes=locked)).stdout.split())
         assert expected in text
 
+    def test_a_cap_below_the_ends(self, call: Call, config_file: Path) -> None:
+        """A cap on the path's kappa that the start is above already is told before anything is computed."""
+        result = call("check", edit(config_file, refine__kappa_max=10.0))
+        assert result.exit_code == 2
+        assert "refine.kappa_max" in result.stderr
+
     def test_rail_clearance(self, call: Call, config_file: Path) -> None:
         """A distance to rails that is asked for is shown as a limit."""
         result = call("check", edit(config_file, machine__clearance__link_rail_m=0.05))
@@ -648,10 +653,15 @@ class TestProcess:
     """The command line as a process of its own."""
 
     def start(self, *arguments: object, **options: Any) -> subprocess.Popen[str]:
-        """Start `python -m pipeline`."""
-        command = [sys.executable, "-m", "pipeline", *map(str, arguments)]
+        """Start `python -m pipeline`; Ctrl-C reaches it even where the tests run in the background."""
         return subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=subprocess_env(), **options
+            [sys.executable, "-m", "pipeline", *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=subprocess_env(),
+            preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
+            **options,
         )
 
     def test_help_loads_no_solver(self) -> None:

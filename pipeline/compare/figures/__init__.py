@@ -58,7 +58,7 @@ def all_figures(
     if regions is not None:
         figures["regions"] = regions_figure(config, regions)
     if coarse is not None and refined is not None:
-        figures["kappa"] = kappa_figure(config, machine, route, coarse, refined)
+        figures["kappa"] = kappa_figure(config, route, coarse, refined)
         figures["clearance"] = clearance_figure(config, machine, coarse, refined)
     if refined is not None and proven is not None:
         figures["proof"] = proof_figure(config, refined, proven)

@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.compare.figures import style
-from pipeline.compare.figures.samples import corner_samples, working_modes
+from pipeline.compare.figures.samples import corner_samples
 from pipeline.config import Config
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.geometry import FloatArray
+from pipeline.machine.working_modes import working_modes
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
 from pipeline.route.result import Route
@@ -22,7 +23,7 @@ _LEAST_LABELLED = 0.04
 
 
 @style.styled
-def kappa_figure(config: Config, machine: Machine, route: Route, coarse: PathSamples, refined: PathSamples) -> Figure:
+def kappa_figure(config: Config, route: Route, coarse: PathSamples, refined: PathSamples) -> Figure:
     """Draw kappa over the length, both in the route's metric, and on top the working mode of each arm.
 
     The area under a curve is the integral that the refinement minimises and its legend states.
@@ -31,7 +32,7 @@ def kappa_figure(config: Config, machine: Machine, route: Route, coarse: PathSam
     lengths = arc_length(coarse.pose, steps), arc_length(refined.pose, steps)
     figure = style.new_figure(3.5)
     strips, axes = figure.subplots(2, 1, sharex=True, height_ratios=[0.32, 1.0])
-    _draw_modes(strips, [working_modes(machine, coarse), working_modes(machine, refined)], lengths)
+    _draw_modes(strips, [working_modes(coarse.reach_m), working_modes(refined.reach_m)], lengths)
     handles = _draw_kappa(axes, lengths, (coarse.kappa, refined.kappa))
     corners = corner_samples(coarse, route)
     handles += axes.plot(

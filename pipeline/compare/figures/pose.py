@@ -6,9 +6,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.compare.figures import style
-from pipeline.compare.figures.samples import corner_samples, mode_names, working_modes
+from pipeline.compare.figures.samples import corner_samples
 from pipeline.config import Config
 from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 from pipeline.refine.measure import PathSamples
 from pipeline.retime.result import TrajectorySamples
 from pipeline.route.metric import arc_length, step_sizes
@@ -72,7 +73,7 @@ def _step_times(config: Config, route: Route, coarse: PathSamples, trajectory: T
 
 def _mark_modes(panels: list[Axes], machine: Machine, trajectory: TrajectorySamples) -> None:
     """Draw a line where an arm changes its mode, and write every mode over the middle of its stretch."""
-    modes = working_modes(machine, trajectory)
+    modes = working_modes(reach_along_rails(machine, trajectory.pose, trajectory.q_m[:, :3]))
     changes = 1 + np.flatnonzero((np.diff(modes, axis=0) != 0.0).any(axis=1))
     bounds = trajectory.t_s[np.concatenate([[0], changes, [len(modes) - 1]])]
     for axes in panels:

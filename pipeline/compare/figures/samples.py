@@ -1,14 +1,10 @@
-"""What the figures read off samples of a path: where the route's steps are, and which working mode holds."""
+"""What the figures read off samples of a path: where the route's steps are."""
 
 import numpy as np
 
-from pipeline.machine.geometry import PRIMARY, FloatArray, IntArray, Machine, link_vectors
+from pipeline.machine.geometry import IntArray
 from pipeline.refine.measure import PathSamples
-from pipeline.retime.result import TrajectorySamples
 from pipeline.route.result import Route
-
-_AT_GATE_M = 1e-6
-"""An arm this close to its serial singularity is in neither mode: rounding would decide."""
 
 
 def corner_samples(coarse: PathSamples, route: Route) -> IntArray:
@@ -16,20 +12,3 @@ def corner_samples(coarse: PathSamples, route: Route) -> IntArray:
     distance = np.linalg.norm(coarse.q_m[None] - route.q_m[:, None], axis=2)
     nearest: IntArray = np.argmin(distance, axis=1)
     return nearest
-
-
-def working_modes(machine: Machine, samples: PathSamples | TrajectorySamples) -> FloatArray:
-    """Tell the mode of each arm along a path: -1 (L, cart at smaller x than the platform joint) or +1 (R).
-
-    At a gate the arm keeps the mode it comes from. Shape (n, 3).
-    """
-    along = -link_vectors(machine, samples.pose, samples.q_m[:, :3])[:, PRIMARY, 0]
-    decided = np.abs(along) > _AT_GATE_M
-    rows = np.where(decided, np.arange(len(along))[:, None], 0)
-    last_decided = np.maximum.accumulate(rows, axis=0)
-    return np.where(np.take_along_axis(along, last_decided, axis=0) < 0.0, -1.0, 1.0)
-
-
-def mode_names(modes: FloatArray) -> list[str]:
-    """Name working modes (n, 3) as given by `working_modes`: LLL to RRR, arm 1 first."""
-    return ["".join("L" if sign < 0.0 else "R" for sign in row) for row in modes]

@@ -9,16 +9,15 @@ from matplotlib.figure import Figure
 
 from pipeline.compare.figures.kappa import kappa_figure
 from pipeline.config import Config
-from pipeline.machine import Machine
 from pipeline.refine.measure import PathSamples, measure
 from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 
 
 @pytest.fixture(scope="module")
-def figure(agder_config: Config, machine: Machine, route: Route, coarse: PathSamples, refined: PathSamples) -> Figure:
+def figure(agder_config: Config, route: Route, coarse: PathSamples, refined: PathSamples) -> Figure:
     """Draw both paths."""
-    return kappa_figure(agder_config, machine, route, coarse, refined)
+    return kappa_figure(agder_config, route, coarse, refined)
 
 
 def test_curves_end_at_the_measured_lengths(
@@ -71,12 +70,12 @@ def test_a_path_in_one_mode_has_one_strip_per_arm(figure: Figure) -> None:
 
 
 def test_mode_changes_are_where_the_cart_passes_the_joint(
-    agder_config: Config, machine: Machine, route: Route, coarse: PathSamples, refined: PathSamples
+    agder_config: Config, route: Route, coarse: PathSamples, refined: PathSamples
 ) -> None:
     """Moving cart 2 to the other side for the last part of the path splits its strip there and nowhere else."""
-    q = coarse.q_m.copy()
-    q[100:, 1] += 2.0
-    changed = kappa_figure(agder_config, machine, route, dataclasses.replace(coarse, q_m=q), refined)
+    reach = coarse.reach_m.copy()
+    reach[100:, 1] += 2.0
+    changed = kappa_figure(agder_config, route, dataclasses.replace(coarse, reach_m=reach), refined)
     strips = changed.axes[0]
     bars = [bar for bar in strips.patches if round(bar.get_y() + 0.45, 3) == 1.0]
     length = changed.axes[1].get_lines()[0].get_xdata()
@@ -89,12 +88,12 @@ def test_mode_changes_are_where_the_cart_passes_the_joint(
 
 
 def test_short_stretches_get_no_letter(
-    agder_config: Config, machine: Machine, route: Route, coarse: PathSamples, refined: PathSamples
+    agder_config: Config, route: Route, coarse: PathSamples, refined: PathSamples
 ) -> None:
     """A mode that lasts for two samples of 141 is drawn without a letter that would not fit."""
-    q = coarse.q_m.copy()
-    q[100:102, 1] += 2.0
-    strips = kappa_figure(agder_config, machine, route, dataclasses.replace(coarse, q_m=q), refined).axes[0]
+    reach = coarse.reach_m.copy()
+    reach[100:102, 1] += 2.0
+    strips = kappa_figure(agder_config, route, dataclasses.replace(coarse, reach_m=reach), refined).axes[0]
     assert len(strips.patches) == 8
     assert {text.get_text() for text in strips.texts} == {"L"}
 
