@@ -8,12 +8,12 @@ from pipeline.certify.result import Bounds
 from pipeline.compare.blend import TOLERANCE_M, blended
 from pipeline.compare.metrics import comparison_rows
 from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
-from pipeline.compare.quantities import measure_path
+from pipeline.compare.quantities import Measured
 from pipeline.config import Config
 from pipeline.config_file import config_sha256, dump_config
 from pipeline.errors import NoSolutionError, PipelineError
 from pipeline.machine.geometry import Machine
-from pipeline.refine.measure import PathSamples
+from pipeline.refine.measure import PathSamples, measure
 from pipeline.refine.result import Refinement
 from pipeline.report.data import Motion, Proof, Report, Table
 from pipeline.report.motion import build_motion, build_scene
@@ -134,7 +134,7 @@ def _comparison(run: RunResults, coarse: _Driven) -> Table | None:
     if run.trajectory is not None and coarse.figures is not None:
         refined = measure_motion(_at_full_speed(run.config, run.trajectory))
     before, after = (
-        measure_path(run.machine, samples, steps, motion)
+        Measured(measure(samples, steps), motion)
         for samples, motion in zip(run.samples, (coarse.figures, refined), strict=True)
     )
     return comparison_table(comparison_rows(before, after))

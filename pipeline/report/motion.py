@@ -7,10 +7,10 @@ from contourpy import LineType, contour_generator
 from scipy.spatial import ConvexHull
 
 from pipeline.compare.figures.maps import KappaMap, YzWindow, kappa_map, seen_window
-from pipeline.compare.figures.samples import mode_names, working_modes
 from pipeline.config import Config
 from pipeline.machine.geometry import MODES, FloatArray, IntArray, Machine, cart_joints, platform_arms
 from pipeline.machine.statics import condition_number, statics_matrix
+from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 from pipeline.report.data import KappaMaps, Motion, MotionName, Scene
 from pipeline.retime.result import Trajectory, TrajectorySamples
 from pipeline.retime.sampling import whole_periods
@@ -52,7 +52,8 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
     frames = int(np.clip(math.ceil(trajectory.duration_s * _FRAMES_PER_S), _FEWEST_FRAMES, _MOST_FRAMES))
     samples = _samples(trajectory, np.linspace(0.0, trajectory.duration_s, frames + 1))
     carts = samples.q_m[:, :3]
-    modes = np.array([MODES.index(mode) for mode in mode_names(working_modes(machine, samples))])
+    reach = reach_along_rails(machine, samples.pose, carts)
+    modes = np.array([MODES.index(mode) for mode in mode_names(working_modes(reach))])
     return Motion(
         name=name,
         t_s=samples.t_s,
