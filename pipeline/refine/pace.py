@@ -99,11 +99,11 @@ def _ends(looks: Looks, directions: FloatArray, iterate: Iterate) -> Iterator[Li
     for first, direction, mean, pace in zip((0, len(c) - 2), directions, means, paces, strict=True):
         leg = c[first + 1] - c[first]
         least = max(END_SPEED * float(np.linalg.norm(mean)), _LEAST_END_SPEED * travelled) / pace
-        unit = leg / max(float(np.linalg.norm(leg)), 1e-12)
-        yield _along_leg(unit[None], first, leg, len(c), least, np.inf, max(0.1 * least, _EXACT))
-        if np.isfinite(direction).all():
+        given = bool(np.isfinite(direction).all())
+        along = direction if given else leg / max(float(np.linalg.norm(leg)), 1e-12)
+        yield _along_leg(along[None], first, leg, len(c), least, np.inf, max(0.1 * least, _EXACT))
+        if given:
             yield _along_leg(null_space(direction[None]).T, first, leg, len(c), 0.0, 0.0, _EXACT)
-            yield _along_leg(direction[None], first, leg, len(c), 0.0, np.inf, _EXACT)
 
 
 def _along_leg(

@@ -23,6 +23,8 @@ from pipeline.status import Status
 
 _EVENNESS_FIRST, _EVENNESS = 10.0, 0.1
 """Cost of uneven speed along s, in units of kappa: much to begin with, in the end what no figure notices."""
+_ROUGH_MOST = 150
+"""Iterations of the rough solve at most: where IPOPT needs more it has lost its way, and the other start is faster."""
 
 
 def refine_path(
@@ -98,7 +100,7 @@ def _first_solve(problem: Problem) -> Solve:
 def solve_by_ipopt(problem: Problem, begin: Solve) -> Solve:
     """Solve with the Frobenius kappa at even speed, roughly, and from there with the Schatten kappa."""
     most = problem.config.refine.max_iterations
-    rough = solve_from(problem, begin, Aim(FROBENIUS, _EVENNESS_FIRST, most, "rough"))
+    rough = solve_from(problem, begin, Aim(FROBENIUS, _EVENNESS_FIRST, min(most, _ROUGH_MOST), "rough"))
     return solve_from(problem, rough, Aim(SCHATTEN, _EVENNESS, most, "precise"))
 
 

@@ -135,11 +135,20 @@ def figures_of(problem: Problem, solve: Solve) -> PathFigures:
 
 
 def coarse_fit(problem: Problem, mesh: Mesh) -> Solve:
-    """Fit splines to the coarse path; poses by forward kinematics from the coarse ones."""
+    """Fit splines to the coarse path; poses by forward kinematics from the coarse ones.
+
+    An end with a direction is left or reached in it from the first, as fast as it would be in any other.
+    """
     coarse = problem.coarse
     # Beside the nodes of the coarse path, enough samples for every coefficient to have some.
     samples = np.union1d(coarse.node_s, np.linspace(0.0, 1.0, 4 * mesh.coefficients))
-    return _near(coarse, mesh, fit(mesh.knots, samples, coarse.q(samples)), 0)
+    c = fit(mesh.knots, samples, coarse.q(samples))
+    start, goal = problem.directions
+    if np.isfinite(start).all():
+        c[1] = c[0] + np.linalg.norm(c[1] - c[0]) * start
+    if np.isfinite(goal).all():
+        c[-2] = c[-1] - np.linalg.norm(c[-1] - c[-2]) * goal
+    return _near(coarse, mesh, c, 0)
 
 
 def carried(solve: Solve, mesh: Mesh) -> Solve:

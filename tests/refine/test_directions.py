@@ -28,7 +28,7 @@ def test_actuators_along_x_are_the_carts_alone(light_config: Config, machine: Ma
     np.testing.assert_allclose(found[1], np.array([-1.0, -1.0, -1.0, 0.0, 0.0]) / np.sqrt(3.0), atol=1e-9)
 
 
-@pytest.mark.parametrize("direction", [(0.0, 0.0, -1.0), (0.3, 0.5, -0.4)])
+@pytest.mark.parametrize("direction", [(0.0, 0.0, -1.0), (0.3, 0.5, -0.4), (0.0, 1.0, 0.0)])
 def test_a_path_leaves_and_arrives_as_asked(
     light_config: Config, machine: Machine, route: Route, direction: tuple[float, float, float]
 ) -> None:

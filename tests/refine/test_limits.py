@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.machine import link_distances
-from pipeline.refine.corridor import reach_along_rails
+from pipeline.machine.working_modes import reach_along_rails
 from pipeline.refine.descent import Ground
 from pipeline.refine.iterate import Iterate, iterate_at
 from pipeline.refine.limits import Limit, least_distances

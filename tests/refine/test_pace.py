@@ -14,13 +14,19 @@ def test_speeds_are_relative_to_the_mean(looks: Looks, iterate: Iterate, free: n
     np.testing.assert_allclose(speeds.value, np.concatenate([relative - 0.5, relative - 1.5]))
 
 
-def test_a_direction_adds_what_is_across_and_what_is_along(looks: Looks, iterate: Iterate, free: np.ndarray) -> None:
-    """Four equations and an inequality for an end that has one."""
+def test_an_end_with_a_direction_moves_along_it_and_not_across(
+    looks: Looks, iterate: Iterate, free: np.ndarray
+) -> None:
+    """Its least speed is asked for in that direction, whichever way the leg points yet; four equations are added."""
     given = free.copy()
     given[1] = [1.0, 0.0, 0.0, 0.0, 0.0]
-    rows = [[len(limit.value) for limit in pace_limits(looks, ends, iterate)] for ends in (free, given)]
-    assert rows[1][: len(rows[0])] == rows[0]
-    assert rows[1][len(rows[0]) :] == [4, 1]
+    without, with_one = (list(pace_limits(looks, ends, iterate)) for ends in (free, given))
+    assert [len(limit.value) for limit in with_one] == [*(len(limit.value) for limit in without), 4]
+    leg = iterate.coefficients[-1] - iterate.coefficients[-2]
+    along, across = with_one[-2:]
+    np.testing.assert_allclose(along.value, leg[:1])
+    np.testing.assert_allclose(np.linalg.norm(across.value), np.linalg.norm(leg[1:]))
+    np.testing.assert_allclose(along.low, without[-1].low)
 
 
 def test_curvature_is_that_of_the_length_of_moved_chords(looks: Looks, iterate: Iterate, direction: np.ndarray) -> None:
