@@ -146,7 +146,7 @@ def prove_joint(
 ) -> tuple[Inclusion | None, str]:
     """Prove a box at a single s."""
     try:
-        box = point_box(s, path.pose(s)[0])
+        box = point_box(s, path.pose(s))
     except ForwardKinematicsError:
         return None, NO_POSE
     inclusion = include(machine, along(machine, piece, box), box, uncertainty)

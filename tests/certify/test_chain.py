@@ -98,7 +98,7 @@ def test_a_path_that_swaps_its_assembly_branch_is_refused_where_it_does(
 ) -> None:
     """The actuators are continuous and every pose closes: only the chain can tell."""
     q = line.q(0.5)
-    other = _other_solution(machine, q, line.pose(0.5)[0])
+    other = _other_solution(machine, q, line.pose(0.5))
     swapped = np.array([newton(machine, line.q(s)[None], other[None])[0][0] for s in line.node_s])
     poses = np.where(line.node_s[:, None] < 0.5, line.node_pose, swapped)
     certificate = prove(machine, replace(line, node_pose=poses), least_width=1e-5)
