@@ -29,6 +29,7 @@ reference: $(READY)
 	cp results/agder/route.csv results/agder/trajectory.csv results/agder/summary.json $(REFERENCE)/
 	cp results/agder/figures/*.png $(REFERENCE)/figures/
 	$(BIN)/gantry-tau workspace configs/agder.yaml --picture-3d $(REFERENCE)/figures/workspace_3d.png
+	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
 
 # The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.
 .PHONY: notebooks

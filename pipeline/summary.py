@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 PACKAGE = "gantry-tau"
 SKIPPED = "skipped"
-_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib")
+_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib", "plotly")
 _TERMS = 13
 """Variables of the paper's model per step beside one binary for each region."""
 
@@ -35,10 +35,10 @@ def package_version() -> str:
 
 
 @functools.cache
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
     """Versions of everything that has a say in the results."""
-    versions = {name: metadata.version(name) for name in (PACKAGE, *_LIBRARIES)}
-    return {**versions, "python": platform.python_version()}
+    known = {name: metadata.version(name) for name in (PACKAGE, *_LIBRARIES)}
+    return {**known, "python": platform.python_version()}
 
 
 def summarise(config: Config, sections: Mapping[str, Section]) -> Section:
@@ -52,7 +52,7 @@ def summarise(config: Config, sections: Mapping[str, Section]) -> Section:
     return {
         "name": config.name,
         "config_sha256": config_sha256(config),
-        "versions": _versions(),
+        "versions": versions(),
         **{name: sections.get(name, {"status": SKIPPED}) for name in ("regions", "route", "path")},
         "certificate": _with_verdict(sections.get("certificate", skipped_certificate())),
         **{name: sections.get(name, {"status": SKIPPED}) for name in ("trajectory", "figures")},
@@ -144,7 +144,7 @@ def certificate_facts(config: Config, seconds: float) -> Section:
     """What a certificate's file says of how it came about."""
     return {
         "settings": config.certify.model_dump(mode="json"),
-        "versions": _versions(),
+        "versions": versions(),
         "seconds": seconds,
     }
 

@@ -22,6 +22,7 @@ TRAJECTORY_CSV = "trajectory.csv"
 TRAJECTORY_JSON = "trajectory.json"
 BACK_CSV = "trajectory_back.csv"
 BACK_JSON = "trajectory_back.json"
+REPORT = "report.html"
 
 RESULT = {
     Stage.REGIONS: REGIONS_NPZ,
@@ -38,7 +39,7 @@ _FIXED = {
     Stage.REFINE: (PATH_NPZ, PATH_CSV),
     Stage.CERTIFY: (CERTIFICATE_JSON,),
     Stage.RETIME: (TRAJECTORY_NPZ, TRAJECTORY_CSV, TRAJECTORY_JSON, BACK_CSV, BACK_JSON),
-    Stage.FIGURES: (),
+    Stage.FIGURES: (REPORT,),
 }
 _FIGURES = "figures"
 _PICTURE_KINDS = ("png", "pdf")
@@ -52,7 +53,10 @@ _SIGHTS = {
         (TRAJECTORY_CSV, "for the controller: one row per period"),
         (BACK_CSV, "the same for the way back"),
     ),
-    Stage.FIGURES: ((_FIGURES, "pictures: the route, the machine, kappa, clearance, motion over time"),),
+    Stage.FIGURES: (
+        (REPORT, "to open in a browser: the machine in motion, kappa around it, the proof, all figures"),
+        (_FIGURES, "pictures: the route, the machine, kappa, clearance, motion over time"),
+    ),
 }
 
 

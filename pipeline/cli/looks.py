@@ -1,4 +1,4 @@
-"""Commands that look at things: check a configuration, compare the paths of a run, export its trajectory."""
+"""Commands that look at things: check a configuration, compare the paths of a run, report on it, export its motion."""
 
 import json
 import shlex
@@ -100,6 +100,26 @@ def export(
     )
 
 
+def report(
+    run: RunArgument,
+    output: Annotated[
+        Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: RUN/report.html.")
+    ] = None,
+) -> None:
+    """Write the report of a run once more: one page to open in a browser, without a server and offline.
+
+    It shows what there is: a run that failed, or has not been run to its end,
+    has a report, too, which says so. A whole run writes its report by itself.
+    """
+    from pipeline.run.reporting import write_report
+
+    if output is not None and output.resolve().is_relative_to(run.resolve()):
+        raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
+    with messages_console().status("writing the report"):
+        target = write_report(run, output)
+    results_console().print(f"{target}: {target.stat().st_size / 1e3:,.0f} kB", soft_wrap=True)
+
+
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
     (
         check,
@@ -116,6 +136,13 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau compare results/agder",
             "gantry-tau compare results/agder --markdown >> notes.md",
             "gantry-tau compare results/agder results/quick",
+        ),
+    ),
+    (
+        report,
+        (
+            "gantry-tau report results/agder",
+            "gantry-tau report results/agder --output agder.html",
         ),
     ),
     (

@@ -57,7 +57,7 @@ def run(
     verbose: VerboseOption = False,
     no_why_not: NoWhyNotOption = False,
 ) -> None:
-    """Run everything: regions, route, path, trajectory, figures.
+    """Run everything: regions, route, path, certificate, trajectory, figures and report.
 
     Only stages whose part of CONFIG, or whose earlier results, have changed
     are run; the others are kept. What a new result replaces moves to
@@ -232,12 +232,14 @@ def load(path: Path) -> "Config":
 
 def _next_step(path: Path, folder: Path, out: Path | None, last: Stage) -> str:
     """Recommend what to do after a run that ended with a stage."""
+    from pipeline.artifacts.layout import REPORT
+
     config, results = shlex.quote(str(path)), shlex.quote(str(folder))
     where = f" --out {results}" if out else ""
     if last in (Stage.REGIONS, Stage.ROUTE):
         return f"gantry-tau refine {config}{where}"
     if last is Stage.FIGURES:
-        return f"look at the pictures, then gantry-tau compare {results}"
+        return f"open {shlex.quote(str(folder / REPORT))} in a browser, then gantry-tau compare {results}"
     return f"gantry-tau compare {results}, and pictures with gantry-tau run {config}{where}"
 
 

@@ -27,7 +27,7 @@ _CODE = {
     Stage.REFINE: ("artifacts", "machine", "route", "refine"),
     Stage.CERTIFY: ("artifacts", "machine", "route", "refine", "certify"),
     Stage.RETIME: ("artifacts", "machine", "refine", "retime", "export"),
-    Stage.FIGURES: ("artifacts", "machine", "route", "refine", "certify", "retime", "compare"),
+    Stage.FIGURES: ("artifacts", "machine", "route", "refine", "certify", "retime", "compare", "report"),
 }
 PROOFS = ("nothing", "path", "tolerances")
 """What `certify.what` may be; each proves what those before it do."""
@@ -117,7 +117,9 @@ def with_proof(config: Config, what: str) -> Config:
 @functools.cache
 def _code_sha256(package: str) -> str:
     digest = hashlib.sha256()
-    for source in sorted((_PACKAGE / package).rglob("*.py")):
+    # Templates, styles and scripts are code, too.
+    sources = (file for file in (_PACKAGE / package).rglob("*") if file.is_file() and "__pycache__" not in file.parts)
+    for source in sorted(sources):
         digest.update(source.relative_to(_PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()

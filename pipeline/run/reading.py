@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pipeline.artifacts import read_run_folder
+from pipeline.artifacts import Record, read_run_folder
 from pipeline.config import Config
 from pipeline.config_file import parse_config
 from pipeline.errors import UsageError
@@ -31,12 +31,23 @@ def open_results(folder: Path | str, *stages: Stage) -> Results:
             )
         if record.status == "failed":
             raise UsageError(f"{folder} has no result of {stage}, which failed: {record.summary['reason']}")
-        if damage := record.damage(folder):
-            raise UsageError(
-                f"{folder} has files that were removed or changed after the run: {', '.join(damage)}.\n"
-                "  What to change: run the pipeline again; it makes what is damaged anew."
-            )
+        refuse_damage(folder, record)
     return Results(config, build_machine(config.machine), folder)
+
+
+def refuse_damage(folder: Path, record: Record) -> None:
+    """Insist that the files of a stage are as they were written.
+
+    Raises
+    ------
+    UsageError
+        When they are not.
+    """
+    if damage := record.damage(folder):
+        raise UsageError(
+            f"{folder} has files that were removed or changed after the run: {', '.join(damage)}.\n"
+            "  What to change: run the pipeline again; it makes what is damaged anew."
+        )
 
 
 def with_retime(config: Config, period_s: float | None = None, speed: float | None = None) -> Config:

@@ -21,7 +21,7 @@ from pipeline.stage import Stage
 from pipeline.summary import Section
 
 if TYPE_CHECKING:
-    from pipeline.certify.recheck import KappaProfile
+    from pipeline.certify.recheck import KappaProfile, Statement
     from pipeline.refine.measure import PathSamples
     from pipeline.refine.result import Refinement
     from pipeline.retime.result import Trajectory
@@ -68,6 +68,22 @@ class Results:
         from pipeline.artifacts.results import load_refinement
 
         return load_refinement(self.folder, self.machine)
+
+    @cached_property
+    def certificate(self) -> "Statement":
+        """What the certificate's file claims."""
+        from pipeline.artifacts.results import load_certificate
+
+        return load_certificate(self.folder)
+
+    @cached_property
+    def profile(self) -> "KappaProfile | None":
+        """What the certificate proves of kappa, box by box; None where no proof was wanted."""
+        if self.config.certify.what == "nothing":
+            return None
+        from pipeline.certify.recheck import kappa_profile
+
+        return kappa_profile(self.machine, self.refinement.path, self.certificate.chains[0])
 
     @cached_property
     def trajectory(self) -> "Trajectory":
@@ -182,22 +198,15 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
     return Product(files, trajectory_section(there_figures, back_figures))
 
 
-def _proven(results: Results) -> "KappaProfile | None":
-    """Tell what the certificate proves of kappa, box by box; None where none was wanted."""
-    if results.config.certify.what == "nothing":
-        return None
-    from pipeline.artifacts.results import load_certificate
-    from pipeline.certify.recheck import kappa_profile
-
-    chain = load_certificate(results.folder).chains[0]
-    return kappa_profile(results.machine, results.refinement.path, chain)
-
-
 def make_figures(results: Results, progress: Progress, verbose: bool) -> Product:
-    """Draw the results."""
+    """Draw the results, and put all that people look at into one page."""
+    from pipeline.artifacts import read_state
+    from pipeline.artifacts.layout import REPORT
     from pipeline.artifacts.results import figure_files
+    from pipeline.artifacts.state import State
     from pipeline.compare import all_figures
     from pipeline.retime import sample_trajectory
+    from pipeline.run.reporting import report_page
 
     progress("drawing")
     coarse, refined = results.samples
@@ -211,9 +220,12 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
         samples,
         results.trajectory,
         results.regions,
-        _proven(results),
+        results.profile,
     )
-    return Product(figure_files(figures), {"status": "done", "count": len(figures)})
+    files = figure_files(figures)
+    progress("writing the report")
+    page = report_page(results, read_state(results.folder) or State())
+    return Product({**files, REPORT: page}, {"status": "done", "count": len(figures)})
 
 
 MAKE: dict[Stage, Callable[[Results, Progress, bool], Product]] = {

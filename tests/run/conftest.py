@@ -237,6 +237,7 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
     monkeypatch.setattr("pipeline.certify.certify_path", certify_path)
     monkeypatch.setattr("pipeline.retime.retime_path", retime_path)
     monkeypatch.setattr("pipeline.compare.all_figures", all_figures)
+    monkeypatch.setattr("pipeline.run.reporting.report_page", lambda results, state: b"<!doctype html>")
     return fake
 
 

@@ -20,10 +20,10 @@ from typer.testing import CliRunner, Result
 from pipeline.cli import app, main
 from pipeline.cli.machine_report import machine_report, usable_reach
 from pipeline.cli.reporter import LiveReporter, PlainReporter, make_reporter
-from pipeline.cli.stage_table import key_figures
 from pipeline.config import Config
 from pipeline.config_file import dump_config, load_config
 from pipeline.errors import NoSolutionError
+from pipeline.key_figures import key_figures
 from pipeline.machine import MODES, Machine
 from pipeline.route import task_ends
 from pipeline.stage import STAGES, Stage

@@ -31,6 +31,7 @@ RESULT_FILES = {
     "trajectory.json",
     "trajectory_back.csv",
     "trajectory_back.json",
+    "report.html",
     "figures/route.png",
     "figures/route.pdf",
     "figures/kappa.png",

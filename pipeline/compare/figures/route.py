@@ -1,7 +1,7 @@
 """The route in the YZ plane, step by step over maps of kappa (as in Fig. 6 of the paper)."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,11 +12,10 @@ from matplotlib.patches import Patch
 
 from pipeline.compare.figures import style
 from pipeline.compare.figures.map_panels import add_kappa_bar, draw_map, map_handles, map_norm
-from pipeline.compare.figures.maps import KappaMap, kappa_map
+from pipeline.compare.figures.maps import KappaMap, YzWindow, kappa_map, seen_window
 from pipeline.compare.figures.samples import corner_samples
 from pipeline.config import Config
 from pipeline.machine.geometry import FloatArray, IntArray, Machine
-from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.refine.measure import PathSamples
 from pipeline.route.result import Route
 
@@ -24,8 +23,6 @@ MAX_PANELS = 28
 _FEW = 12
 """Panels that go three to a row; more go four to a row."""
 _POINTS_Y, _POINTS_Z = 100, 80
-_COARSE_POINTS = 40
-_MARGIN_M = 0.05
 
 _REFINED_LINE: dict[str, Any] = {"color": style.REFINED, "linewidth": 0.8, "label": "refined path"}
 _ROUTE_LINE: dict[str, Any] = {"color": style.COARSE, "linewidth": 1.4, "label": "route so far"}
@@ -53,21 +50,12 @@ _HERE: dict[str, Any] = {
 }
 
 
-class _Window(NamedTuple):
-    """The part of the YZ plane that is shown, in metres."""
-
-    y_least: float
-    y_largest: float
-    z_least: float
-    z_largest: float
-
-
 @dataclass(frozen=True, eq=False)
 class _Canvas:
     """What all panels share; the coarse path (m, 2) reaches step i at its row `corners[i]`."""
 
     norm: LogNorm
-    window: _Window
+    window: YzWindow
     route: Route
     coarse_yz: FloatArray
     corners: IntArray
@@ -89,7 +77,10 @@ def route_figure(
     steps = select_steps(route, MAX_PANELS)
     coarse_yz = (route.pose if coarse is None else coarse.pose)[:, 1:3]
     refined_yz = None if refined is None else refined.pose[:, 1:3]
-    window = _window(config, machine, route, steps, [coarse_yz] if refined_yz is None else [coarse_yz, refined_yz])
+    paths = [coarse_yz] if refined_yz is None else [coarse_yz, refined_yz]
+    window = seen_window(
+        config.route.grid, machine, route.pose[steps][:, [3, 5]], route.modes[steps], [route.pose[:, 1:3], *paths]
+    )
     maps = _maps(machine, route, steps, window)
     canvas = _Canvas(
         norm=map_norm(maps, config.route.kappa_max),
@@ -129,27 +120,11 @@ def select_steps(route: Route, count: int) -> IntArray:
     return steps
 
 
-def _maps(machine: Machine, route: Route, steps: IntArray, window: _Window) -> list[KappaMap]:
+def _maps(machine: Machine, route: Route, steps: IntArray, window: YzWindow) -> list[KappaMap]:
     y_m = np.linspace(window.y_least, window.y_largest, _POINTS_Y)
     z_m = np.linspace(window.z_least, window.z_largest, _POINTS_Z)
     tilts = [(float(route.pose[i, 3]), float(route.pose[i, 5])) for i in steps]
     return [kappa_map(machine, y_m, z_m, tilt, int(route.modes[i])) for i, tilt in zip(steps, tilts, strict=True)]
-
-
-def _window(config: Config, machine: Machine, route: Route, steps: IntArray, paths: list[FloatArray]) -> _Window:
-    """Bounds of everything there is to see: what the grid and some step can reach, and the paths."""
-    grid = config.route.grid
-    y, z = np.meshgrid(*(np.linspace(axis.min, axis.max, _COARSE_POINTS) for axis in (grid.y_m, grid.z_m)))
-    points = [route.pose[:, 1:3], *paths]
-    for i in steps:
-        controlled = np.column_stack(
-            [np.zeros(y.size), y.ravel(), z.ravel(), np.tile(route.pose[i, [3, 5]], (y.size, 1))]
-        )
-        reachable = inverse_kinematics(machine, controlled, np.full(y.size, route.modes[i])).reachable
-        points.append(controlled[reachable, 1:3])
-    seen = np.concatenate(points)
-    (y_least, z_least), (y_largest, z_largest) = seen.min(axis=0) - _MARGIN_M, seen.max(axis=0) + _MARGIN_M
-    return _Window(float(y_least), float(y_largest), float(z_least), float(z_largest))
 
 
 def _height_in(canvas: _Canvas, rows: int, columns: int) -> float:

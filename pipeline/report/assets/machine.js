@@ -1,0 +1,173 @@
+"use strict";
+// The machine in 3-D: rails, carts, links of both kinds and the platform, at one instant of a motion.
+
+const UP = { x: 0, y: 0, z: 1 };
+const MIDDLE = { x: 0, y: 0, z: 0 };
+const CAMERAS = {
+  Overview: { eye: { x: -0.95, y: -1.8, z: 0.66 }, up: UP, center: { x: -0.03, y: 0, z: -0.06 } },
+  Front: { eye: { x: 0, y: -2, z: 0 }, up: UP, center: MIDDLE },
+  Side: { eye: { x: 2.15, y: 0, z: 0 }, up: UP, center: MIDDLE },
+  Top: { eye: { x: 0, y: -0.001, z: 1.85 }, up: { x: 0, y: 1, z: 0 }, center: MIDDLE },
+};
+const PARTS = ["rails", "way", "beams", "fixed links", "telescopes", "platform", "joints", "carts", "TCP"];
+const MOVING = PARTS.slice(2).map((part) => PARTS.indexOf(part));
+const ARM_OF_LINK = [0, 1, 1, 2, 2, 2];
+
+function createMachineView(div, report) {
+  const { colours, scene, names } = report;
+  const isTelescope = (link) => names.telescopes.includes(link);
+  const links = names.links.map((_, link) => link);
+  let motion = null;
+
+  function traces() {
+    const line = (name, colour, width) => ({
+      type: "scatter3d",
+      mode: "lines",
+      name,
+      line: { color: colour, width },
+      hoverinfo: "text",
+      x: [],
+      y: [],
+      z: [],
+    });
+    const dots = (name, marker) => ({
+      type: "scatter3d",
+      mode: "markers",
+      name,
+      marker,
+      hoverinfo: "text",
+      x: [],
+      y: [],
+      z: [],
+    });
+    const faces = scene.platformFaces;
+    return [
+      {
+        ...line("rails", colours.rail, 7),
+        ...segments(scene.rails),
+        hovertext: repeated(["rail 1", "rail 2", "rail 3"], 3),
+      },
+      { ...line("way", colours.refined, 3), hoverinfo: "skip" },
+      { ...line("beams", "#000000", 4), hoverinfo: "skip" },
+      line("fixed links", colours.fixed, 7),
+      line("telescopes", colours.telescope, 7),
+      {
+        type: "mesh3d",
+        name: "platform",
+        color: colours.platform,
+        opacity: 0.85,
+        flatshading: true,
+        hoverinfo: "skip",
+        i: faces.map((face) => face[0]),
+        j: faces.map((face) => face[1]),
+        k: faces.map((face) => face[2]),
+        x: [],
+        y: [],
+        z: [],
+      },
+      { ...dots("joints", { size: 3, color: "#000000" }), hoverinfo: "skip" },
+      dots("carts", { size: 8, symbol: "square", line: { color: "#000000", width: 2 } }),
+      dots("TCP", { size: 6, color: colours.refined, line: { color: "#000000", width: 1 } }),
+    ];
+  }
+
+  function layout() {
+    const [x, y, z] = extent(report);
+    const axis = (title, range) => ({
+      title: { text: title },
+      range,
+      nticks: 6,
+      backgroundcolor: "#f5f7f9",
+      gridcolor: "#dfe3e8",
+      showspikes: false,
+      zeroline: false,
+    });
+    return {
+      font: FONT,
+      margin: { l: 0, r: 0, t: 0, b: 0 },
+      paper_bgcolor: "rgba(0,0,0,0)",
+      showlegend: false,
+      hoverlabel: { font: FONT },
+      scene: {
+        aspectmode: "data",
+        camera: seenFrom("Overview"),
+        dragmode: "orbit",
+        xaxis: axis("x (m)", x),
+        yaxis: axis("y (m)", y),
+        zaxis: axis("z (m)", z),
+      },
+    };
+  }
+
+  /** A camera that sees everything: farther away where the plot is narrow. */
+  function seenFrom(name) {
+    const { eye, up, center } = CAMERAS[name];
+    const away = Math.min(1.5, Math.max(1, (1.22 * div.clientHeight) / div.clientWidth));
+    // Labels are to the left of the machine: a narrow plot needs room there.
+    const middle = { ...center, x: center.x - 0.55 * (away - 1) };
+    return { up: { ...up }, center: middle, eye: { x: away * eye.x, y: away * eye.y, z: away * eye.z } };
+  }
+
+  /** Everything that moves, by part: coordinates and what hovering tells. */
+  function partsAt(frame) {
+    const feet = points(rowOf(motion.feet, frame));
+    const carts = points(rowOf(motion.cartJoints, frame));
+    const joints = points(rowOf(motion.platformJoints, frame));
+    const [pose, q] = [rowOf(motion.pose, frame), rowOf(motion.q, frame)];
+    const tcp = [pose[0], pose[1], pose[2]];
+    const mode = names.modes[motion.modes.values[frame]];
+    const linksOf = (chosen) => ({
+      ...segments(chosen.map((link) => [carts[link], joints[link]])),
+      hovertext: repeated(
+        chosen.map((link) => linkText(names.links[link], carts[link], joints[link])),
+        3,
+      ),
+    });
+    return [
+      segments(links.map((link) => [feet[ARM_OF_LINK[link]], carts[link]])),
+      linksOf(links.filter((link) => !isTelescope(link))),
+      linksOf(links.filter(isTelescope)),
+      coordinates([tcp, ...joints]),
+      coordinates([...carts, ...joints]),
+      {
+        ...coordinates(feet),
+        hovertext: feet.map(
+          (_, arm) =>
+            `cart ${arm + 1}: ${formatted(q[arm], 4)} m, ${mode[arm] === "L" ? "left" : "right"} of its joint`,
+        ),
+        colour: [...mode].map((letter) => (letter === "L" ? colours.left : colours.right)),
+      },
+      { ...coordinates([tcp]), hovertext: [`TCP: ${tcp.map((value) => formatted(value, 4)).join(", ")} m`] },
+    ];
+  }
+
+  return {
+    create: () => Plotly.newPlot(div, traces(), layout(), { ...CALM, scrollZoom: !TOUCH }),
+    show(chosen) {
+      motion = chosen;
+      const colour = colours[motion.name];
+      const way = {
+        x: [columnOf(motion.pose, 0)],
+        y: [columnOf(motion.pose, 1)],
+        z: [columnOf(motion.pose, 2)],
+        "line.color": colour,
+      };
+      Plotly.restyle(div, way, [PARTS.indexOf("way")]);
+      Plotly.restyle(div, { "marker.color": colour }, [PARTS.indexOf("TCP")]);
+    },
+    moveTo(frame) {
+      const parts = partsAt(frame);
+      const all = (key) => parts.map((part) => part[key]);
+      const update = { x: all("x"), y: all("y"), z: all("z"), hovertext: all("hovertext") };
+      // The carts alone change their colour: what is undefined stays as it is.
+      if (parts.some((part) => part.colour)) update["marker.color"] = all("colour");
+      return Plotly.restyle(div, update, MOVING);
+    },
+    look: (camera) => Plotly.relayout(div, { "scene.camera": seenFrom(camera) }),
+  };
+}
+
+function linkText(name, from, to) {
+  const length = Math.hypot(...from.map((value, axis) => value - to[axis]));
+  return `link ${name}: ${formatted(length, 4)} m`;
+}

@@ -1,0 +1,91 @@
+"use strict";
+// What the panels over time show of a motion: their curves, limits and ranges, and when working modes change.
+
+/** What the panels show of a motion: title, decimals, curves and lines for limits. */
+function panelsOf(report, motion) {
+  const { colours, names, scene } = report;
+  const curve = (name, unit, values, colour) => ({ name, unit, t: motion.t, values, colour });
+  const pose = (name, axis, unit, scale, colour) =>
+    curve(name, unit, columnOf(motion.pose, axis, scale), colours.axes[colour]);
+  const actuator = (k, table, unit) => curve(names.actuators[k], unit, columnOf(table, k), colours.actuators[k]);
+  const speeds = (k) => (scene.qdLimits[k] === null ? [] : [scene.qdLimits[k], -scene.qdLimits[k]]);
+  const limits = (group, of) => group.flatMap((k) => of(k).map((value) => ({ value, colour: colours.actuators[k] })));
+  const [carts, telescopes] = [
+    [0, 1, 2],
+    [3, 4],
+  ];
+  return [
+    { title: "κ (moments in m)", decimals: 2, curves: kappaCurves(report, motion), limits: bounds(report) },
+    {
+      title: "position (m)",
+      decimals: 4,
+      limits: [],
+      curves: [pose("x", 0, "m", 1, 0), pose("y", 1, "m", 1, 1), pose("z", 2, "m", 1, 2)],
+    },
+    {
+      title: "tilt (°)",
+      decimals: 2,
+      limits: [],
+      curves: [pose("rx", 3, "°", DEGREES, 0), pose("ry", 4, "°", DEGREES, 1), pose("rz", 5, "°", DEGREES, 2)],
+    },
+    {
+      title: "carts (m)",
+      decimals: 4,
+      curves: carts.map((k) => actuator(k, motion.q, "m")),
+      limits: limits(carts, (k) => scene.qLimits[k]),
+    },
+    {
+      title: "telescopes (m)",
+      decimals: 4,
+      curves: telescopes.map((k) => actuator(k, motion.q, "m")),
+      limits: limits(telescopes, (k) => scene.qLimits[k]),
+    },
+    {
+      title: "cart velocity (m/s)",
+      decimals: 4,
+      curves: carts.map((k) => actuator(k, motion.qd, "m/s")),
+      limits: limits(carts, speeds),
+    },
+    {
+      title: "telescope velocity (m/s)",
+      decimals: 4,
+      curves: telescopes.map((k) => actuator(k, motion.qd, "m/s")),
+      limits: limits(telescopes, speeds),
+    },
+  ];
+}
+
+function kappaCurves(report, chosen) {
+  const last = Object.values(report.motions).sort((a) => (a === chosen ? 1 : -1));
+  return last.map((motion) => ({
+    name: motion.name,
+    unit: "",
+    t: motion.t,
+    values: Array.from(motion.kappa),
+    colour: report.colours[motion.name],
+    faint: motion !== chosen,
+  }));
+}
+
+/** The largest bound of kappa that is proven, where there is a proof. */
+function bounds(report) {
+  if (!report.proof || report.proof.bound.includes(null)) return [];
+  return [{ value: Math.max(...report.proof.bound), colour: report.colours.bound, name: "proven bound" }];
+}
+
+/** When which working mode begins. */
+function modeChanges(report, motion) {
+  const modes = Array.from(motion.modes.values, (mode) => report.names.modes[mode]);
+  const begins = modes.map((mode, i) => ({ t: motion.t[i], mode, isNew: i === 0 || mode !== modes[i - 1] }));
+  return begins.filter((one) => one.isNew);
+}
+
+function rangeOf(panel) {
+  const values = [...panel.curves.flatMap((curve) => curve.values), ...panel.limits.map(({ value }) => value)];
+  const [least, largest] = values.reduce(
+    ([a, b], value) => [Math.min(a, value), Math.max(b, value)],
+    [Infinity, -Infinity],
+  );
+  const margin = 0.06 * (largest - least) || 0.01;
+  return [least - margin, largest + margin];
+}

@@ -1,0 +1,35 @@
+"use strict";
+// Points and lines in space, as the numbers of the page become what the library draws.
+
+function points(flat) {
+  return Array.from({ length: flat.length / 3 }, (_, i) => Array.from(flat.subarray(3 * i, 3 * i + 3)));
+}
+
+function coordinates(list) {
+  const [x, y, z] = [0, 1, 2].map((axis) => list.map((point) => (point ? point[axis] : null)));
+  return { x, y, z };
+}
+
+/** Separate lines as one: a gap after each pair of ends. */
+function segments(pairs) {
+  return coordinates(pairs.flatMap(([from, to]) => [from, to, null]));
+}
+
+function repeated(texts, times) {
+  return texts.flatMap((text) => Array(times).fill(text));
+}
+
+/** Least and largest x, y, z of all there is to see in any motion. */
+function extent(report) {
+  const seen = [report.scene.rails.flat(2)];
+  for (const motion of Object.values(report.motions))
+    seen.push(motion.feet.values, motion.cartJoints.values, motion.platformJoints.values);
+  const range = [0, 1, 2].map(() => [Infinity, -Infinity]);
+  for (const flat of seen)
+    flat.forEach((value, i) => {
+      const limits = range[i % 3];
+      limits[0] = Math.min(limits[0], value);
+      limits[1] = Math.max(limits[1], value);
+    });
+  return range.map(([least, largest]) => [least - 0.05, largest + 0.05]);
+}

@@ -1,0 +1,157 @@
+"""From the results of a run to all that its report shows: no files, no clocks, no HTML."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pipeline.certify.recheck import KappaProfile
+from pipeline.certify.result import Bounds
+from pipeline.compare.blend import TOLERANCE_M, blended
+from pipeline.compare.metrics import compare_paths
+from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
+from pipeline.compare.quantities import MeasuredPath
+from pipeline.config import Config
+from pipeline.config_file import config_sha256, dump_config
+from pipeline.errors import NoSolutionError, PipelineError
+from pipeline.machine.geometry import Machine
+from pipeline.refine.measure import PathSamples, measure_path
+from pipeline.refine.result import Refinement
+from pipeline.report.data import Motion, Proof, Report, Table
+from pipeline.report.motion import build_motion, build_scene
+from pipeline.report.tables import bounds_table, build_proof, comparison_table, distances_table, workspace_table
+from pipeline.report.verdicts import Facts, headline, stage_rows, used_limits, verdicts
+from pipeline.retime.result import Trajectory
+from pipeline.route.metric import step_sizes
+from pipeline.stage import Stage
+
+
+@dataclass(frozen=True, eq=False)
+class RunResults:
+    """What a run has made so far; None where it has not got there, or failed.
+
+    Attributes
+    ----------
+    facts : mapping
+        How every stage that was run ended.
+    versions : mapping
+        Of everything that has a say in the results.
+    refinement, samples
+        Both paths, and dense samples of the coarse and the refined one.
+    bounds, profile
+        What the certificate proves, and its bound of kappa box by box.
+    trajectory
+        The refined path in time.
+    """
+
+    config: Config
+    machine: Machine
+    facts: Facts
+    versions: Mapping[str, str]
+    refinement: Refinement | None = None
+    samples: tuple[PathSamples, PathSamples] | None = None
+    bounds: Bounds | None = None
+    profile: KappaProfile | None = None
+    trajectory: Trajectory | None = None
+
+
+def build_report(run: RunResults) -> Report:
+    """Collect everything, the coarse path timed like the refined one so that both can be looked at in motion.
+
+    Raises
+    ------
+    ForwardKinematicsError
+        Where a pose along a path cannot be found.
+    """
+    config, machine = run.config, run.machine
+    coarse = _drive_coarse(run)
+    retime = run.facts.get(Stage.RETIME)
+    return Report(
+        name=config.name,
+        task=f"{config.task.start.mode} → {config.task.goal.mode}",
+        headline=headline(run.facts),
+        verdicts=verdicts(run.facts),
+        stages=stage_rows(run.facts),
+        usage=() if retime is None or retime.failed else used_limits(retime.section),
+        config_yaml=dump_config(config),
+        provenance=_provenance(run),
+        scene=build_scene(machine),
+        comparison=_comparison(run, coarse),
+        workspace=workspace_table(machine),
+        bounds=None if run.bounds is None else bounds_table(config, machine, run.bounds),
+        distances=None if run.bounds is None else distances_table(machine, run.bounds),
+        proof=_proof(run),
+        motions=_motions(run, coarse),
+        motion_note=_why_still(run.facts) if run.trajectory is None else coarse.note,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """A path as it was driven, if it could be, and how, or why not."""
+
+    note: str
+    motion: Motion | None = None
+    figures: MotionFigures | None = None
+
+
+def _drive_coarse(run: RunResults) -> _Driven:
+    """Drive the coarse path as a controller would; that it cannot be is no failure of the run."""
+    if run.refinement is None or run.trajectory is None:
+        return _Driven("")
+    try:
+        trajectory = retimed(run.config, common_retiming(run.config), blended(run.refinement.coarse))
+        motion = build_motion(run.config, trajectory, "coarse")
+    except PipelineError as error:
+        reason = error.reason if isinstance(error, NoSolutionError) else str(error)
+        return _Driven(f"The coarse path is not shown in motion: {reason}.")
+    note = (
+        "The coarse path joins the steps of the route by straight moves in actuator space; it is timed like the "
+        f"refined one, at full speed, with its corners rounded by at most {1e3 * TOLERANCE_M:g} mm of actuator travel."
+    )
+    return _Driven(note, motion, measure_motion(trajectory))
+
+
+def _motions(run: RunResults, coarse: _Driven) -> tuple[Motion, ...]:
+    if run.trajectory is None:
+        return ()
+    refined = build_motion(run.config, run.trajectory, "refined")
+    return (refined,) if coarse.motion is None else (refined, coarse.motion)
+
+
+def _why_still(facts: Facts) -> str:
+    for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE, Stage.CERTIFY, Stage.RETIME):
+        if stage not in facts or facts[stage].failed:
+            what = "failed" if stage in facts else "has not been run"
+            return f"There is no motion to show: {stage} {what}."
+    return "There is no motion to show."
+
+
+def _comparison(run: RunResults, coarse: _Driven) -> Table | None:
+    """Compare the paths, and how they move where both can: both at full speed, without waiting at the ends."""
+    if run.samples is None:
+        return None
+    steps = step_sizes(run.config.route)
+    refined = None
+    if run.trajectory is not None and coarse.figures is not None:
+        refined = measure_motion(_at_full_speed(run.config, run.trajectory))
+    before, after = (
+        MeasuredPath(measure_path(samples, steps), motion)
+        for samples, motion in zip(run.samples, (coarse.figures, refined), strict=True)
+    )
+    return comparison_table(compare_paths(before, after))
+
+
+def _at_full_speed(config: Config, trajectory: Trajectory) -> Trajectory:
+    common = common_retiming(config)
+    return trajectory if common == config.retime else retimed(config, common, trajectory.path)
+
+
+def _proof(run: RunResults) -> Proof | None:
+    if run.profile is None or run.samples is None:
+        return None
+    return build_proof(run.config, run.samples[1], run.profile)
+
+
+def _provenance(run: RunResults) -> tuple[tuple[str, str], ...]:
+    """List versions, the hash of the configuration, and those of all files that stages have written."""
+    files = [(name, digest) for facts in run.facts.values() if not facts.failed for name, digest in facts.files.items()]
+    return (*run.versions.items(), ("configuration (SHA-256)", config_sha256(run.config)), *files)

@@ -1,0 +1,198 @@
+"""What a report shows, as plain data: made by `build`, written as a page by `page`."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from pipeline.machine.geometry import FloatArray, IntArray
+
+Mood = Literal["good", "bad", "open"]
+"""What a statement means for the reader: all is well, something failed, or nothing was decided."""
+MotionName = Literal["refined", "coarse"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A statement that people look for first: its topic, the answer in a word or number, and what stands behind it."""
+
+    topic: str
+    answer: str
+    detail: str
+    mood: Mood
+
+
+@dataclass(frozen=True)
+class StageRow:
+    """How a stage ended: its status, and its figures or its reason in words."""
+
+    name: str
+    status: str
+    mood: Mood
+    words: str
+    advice: str = ""
+
+
+@dataclass(frozen=True)
+class UsedLimit:
+    """The largest part of a limit that the motion uses, and whose it is."""
+
+    kind: str
+    subject: str
+    part: float
+
+
+@dataclass(frozen=True)
+class Table:
+    """Text in cells under headings; columns `words` are text, all others numbers; `note` says how it came about."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    words: tuple[int, ...]
+    note: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class KappaMaps:
+    """kappa over the YZ plane at instants of a motion, for the tilt and working mode the machine has there.
+
+    Attributes
+    ----------
+    t_s, modes : (k,), (k,)
+        The instants and the working modes then; each working mode of the motion is among them.
+    y_m, z_m : (ny,), (nz,)
+        Grid values.
+    kappa : (k, nz, ny)
+        NaN out of reach.
+    loops : k arrays (m, 2)
+        y and z along the curves det H = 0, a row of NaN between two curves.
+    titles : k texts
+        Working mode and tilt.
+    kappa_cap : float
+        Beyond it kappa is not told apart.
+    """
+
+    t_s: FloatArray
+    modes: IntArray
+    y_m: FloatArray
+    z_m: FloatArray
+    kappa: FloatArray
+    loops: tuple[FloatArray, ...]
+    titles: tuple[str, ...]
+    kappa_cap: float
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The machine at n instants of a motion: what it does, and where its joints are.
+
+    Attributes
+    ----------
+    name : str
+        Of which path.
+    t_s, kappa : (n,)
+        Times, condition number of H.
+    pose, q_m, qd_mps : (n, 6), (n, 5), (n, 5)
+        x, y, z, rx, ry, rz; actuator positions and velocities.
+    modes : (n,)
+        Working modes, 0 (LLL) to 7 (RRR).
+    feet_m, cart_joints_m, platform_joints_m : (n, 3, 3), (n, 6, 3), (n, 6, 3)
+        Carts on their rails, both ends of every link.
+    maps : KappaMaps
+        kappa around it.
+    """
+
+    name: MotionName
+    t_s: FloatArray
+    kappa: FloatArray
+    pose: FloatArray
+    q_m: FloatArray
+    qd_mps: FloatArray
+    modes: IntArray
+    feet_m: FloatArray
+    cart_joints_m: FloatArray
+    platform_joints_m: FloatArray
+    maps: KappaMaps
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What does not move, and what all motions are measured by.
+
+    Attributes
+    ----------
+    rails_m : (3, 2, 3)
+        Both ends of each rail.
+    platform_faces : (m, 3)
+        Triangles between the TCP (0) and the platform's joints (1 to 6).
+    q_limits_m, qd_limits_mps : (5, 2), (5,)
+        Least and largest actuator position; largest speed.
+    """
+
+    rails_m: FloatArray
+    platform_faces: IntArray
+    q_limits_m: FloatArray
+    qd_limits_mps: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """The certificate's bound of kappa over every box, and kappa as sampled, over the length along the path.
+
+    Attributes
+    ----------
+    edges : (n + 1,)
+        Where boxes begin and end, in steps of the route's metric.
+    bound : (n,)
+        Upper bounds; infinite where nothing is proven.
+    length, kappa : (m,), (m,)
+        The samples.
+    least_excess : float
+        By which part of a sample its bound is above it at least.
+    """
+
+    edges: FloatArray
+    bound: FloatArray
+    length: FloatArray
+    kappa: FloatArray
+    least_excess: float
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """Everything on the page; what a run has not got is empty or None.
+
+    Attributes
+    ----------
+    name, task : str
+        The run, and from where to where it goes.
+    headline : Verdict
+        How it ended, in one line.
+    verdicts, stages, usage
+        The summary.
+    comparison, workspace, bounds, distances : Table or None
+        Coarse against refined; usable workspace; what the certificate proves, that of each pair of axes by itself.
+    scene, motions
+        What is animated; `motion_note` says how the coarse motion came about, or why one is missing.
+    proof : Proof or None
+        kappa and its bound.
+    config_yaml : str
+        The whole configuration.
+    provenance : pairs of text
+        Versions and hashes.
+    """
+
+    name: str
+    task: str
+    headline: Verdict
+    verdicts: tuple[Verdict, ...]
+    stages: tuple[StageRow, ...]
+    config_yaml: str
+    provenance: tuple[tuple[str, str], ...]
+    scene: Scene
+    usage: tuple[UsedLimit, ...] = ()
+    comparison: Table | None = None
+    workspace: Table | None = None
+    bounds: Table | None = None
+    distances: Table | None = None
+    proof: Proof | None = None
+    motions: tuple[Motion, ...] = field(default=())
+    motion_note: str = ""

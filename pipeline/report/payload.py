@@ -1,0 +1,122 @@
+"""The numbers of a report as the page's scripts read them: JSON, in which arrays are compact base64 text."""
+
+import base64
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+from matplotlib.colors import to_hex
+
+from pipeline.compare.figures import style
+from pipeline.machine.geometry import ACTUATORS, LINKS, MODES, TELESCOPES, FloatArray
+from pipeline.report.data import KappaMaps, Motion, Proof, Report, Scene
+
+OUT_OF_REACH = 0
+"""Level of a map where the machine cannot be."""
+_LEVELS = 255
+_MAP_COLOURS = 9
+
+COLOURS = {
+    "refined": style.REFINED,
+    "coarse": style.COARSE,
+    "limit": style.GREY,
+    "rail": style.GREY,
+    "fixed": style.BLUE,
+    "telescope": style.GREEN,
+    "platform": style.LIGHT_GREY,
+    "left": style.SKY_BLUE,
+    "right": style.ORANGE,
+    "singular": style.YELLOW,
+    "outOfReach": style.LIGHT_GREY,
+    "bound": style.BLUE,
+    "ends": style.GREEN,
+    "axes": [style.BLUE, style.ORANGE, style.GREEN],
+    "actuators": [style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE],
+    "map": [to_hex(mpl.colormaps["Blues"](part)) for part in np.linspace(0.0, 1.0, _MAP_COLOURS)],
+}
+"""Those of the figures; names as the scripts use them."""
+
+
+def payload(report: Report) -> dict[str, Any]:
+    """Arrange what the scripts draw; the rest of the report is in the page itself."""
+    return {
+        "colours": COLOURS,
+        "names": {
+            "actuators": ACTUATORS,
+            "links": LINKS,
+            "telescopes": TELESCOPES.tolist(),
+            "modes": MODES,
+        },
+        "scene": _scene(report.scene),
+        "motions": {motion.name: _motion(motion) for motion in report.motions},
+        "proof": None if report.proof is None else _proof(report.proof),
+    }
+
+
+def packed(array: npt.NDArray[Any], kind: str = "float32") -> dict[str, Any]:
+    """Write an array of any shape as little-endian bytes of one kind, in base64."""
+    data = np.ascontiguousarray(array, dtype=np.dtype(kind).newbyteorder("<"))
+    return {"kind": kind, "shape": list(data.shape), "base64": base64.b64encode(data.tobytes()).decode()}
+
+
+def levels(kappa: FloatArray, least: float, largest: float) -> npt.NDArray[np.uint8]:
+    """Round kappa to levels 1 to 255, evenly on a logarithmic scale from least to largest; out of reach is 0."""
+    scale = np.log(np.clip(kappa, least, largest) / least) / np.log(largest / least)
+    rounded = 1.0 + np.rint(scale * (_LEVELS - 1))
+    return np.where(np.isnan(kappa), OUT_OF_REACH, rounded).astype(np.uint8)
+
+
+def _scene(scene: Scene) -> dict[str, Any]:
+    return {
+        "rails": scene.rails_m.tolist(),
+        "platformFaces": scene.platform_faces.tolist(),
+        "qLimits": scene.q_limits_m.tolist(),
+        # JSON knows no infinity: where there is no limit, there is no number.
+        "qdLimits": [limit if np.isfinite(limit) else None for limit in scene.qd_limits_mps.tolist()],
+    }
+
+
+def _motion(motion: Motion) -> dict[str, Any]:
+    return {
+        "t": packed(motion.t_s),
+        "kappa": packed(motion.kappa),
+        "pose": packed(motion.pose),
+        "q": packed(motion.q_m),
+        "qd": packed(motion.qd_mps),
+        "modes": packed(motion.modes, "uint8"),
+        "feet": packed(motion.feet_m),
+        "cartJoints": packed(motion.cart_joints_m),
+        "platformJoints": packed(motion.platform_joints_m),
+        "maps": _maps(motion.maps),
+    }
+
+
+def _maps(maps: KappaMaps) -> dict[str, Any]:
+    least, largest = kappa_range(maps)
+    return {
+        "t": packed(maps.t_s),
+        "modes": packed(maps.modes, "uint8"),
+        "y": packed(maps.y_m),
+        "z": packed(maps.z_m),
+        "levels": packed(levels(maps.kappa, least, largest), "uint8"),
+        "kappaRange": [least, largest],
+        "loops": [packed(loop) for loop in maps.loops],
+        "titles": maps.titles,
+    }
+
+
+def kappa_range(maps: KappaMaps) -> tuple[float, float]:
+    """Least kappa of all maps, and the largest that is told apart."""
+    known = maps.kappa[np.isfinite(maps.kappa)]
+    least = float(known.min()) if known.size else 1.0
+    return min(least, 0.5 * maps.kappa_cap), maps.kappa_cap
+
+
+def _proof(proof: Proof) -> dict[str, Any]:
+    return {
+        "edges": packed(proof.edges),
+        "bound": [value if np.isfinite(value) else None for value in proof.bound.tolist()],
+        "length": packed(proof.length),
+        "kappa": packed(proof.kappa),
+    }

@@ -1,0 +1,173 @@
+"""What people look for first: how the run ended, what is proven, how good it is, and what of the limits is used."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline.key_figures import key_figures
+from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
+from pipeline.retime.limits import kind_named
+from pipeline.stage import Stage
+
+CERTIFIED, SKIPPED = "certified", "skipped"
+_ROUNDING = 1e-6
+_NOT_RUN = "not run"
+_SHOWN = tuple(stage for stage in Stage if stage is not Stage.FIGURES)
+"""The stages that are told of: the report is part of the last one."""
+
+
+@dataclass(frozen=True)
+class StageFacts:
+    """How a stage ended: whether it failed, its part of the summary, hashes of its files by name.
+
+    Seconds are no part of it: the same results make the same report.
+    """
+
+    failed: bool
+    section: Mapping[str, Any]
+    files: Mapping[str, str] = field(default_factory=dict)
+
+
+Facts = Mapping[Stage, StageFacts]
+
+
+def headline(facts: Facts) -> Verdict:
+    """Say in one line what a reader may rely on."""
+    topic = "Verdict"
+    for stage in _SHOWN:
+        if stage in facts and facts[stage].failed:
+            if stage is Stage.CERTIFY:
+                return Verdict(topic, "Not certified", "The proof broke: the path must not be driven.", "bad")
+            return Verdict(topic, f"Failed at {stage}", _sentence(facts[stage].section.get("reason", "")), "bad")
+    missing = [stage for stage in _SHOWN if stage not in facts]
+    if missing:
+        return Verdict(topic, "Not complete", f"{missing[0].capitalize()} and what follows have not been run.", "open")
+    if _verdict(facts) != CERTIFIED:
+        return Verdict(topic, "Not certified", "Sampled densely, but no proof was asked for.", "open")
+    return Verdict(topic, "Certified", "One motion, proven free of singularities and within every limit.", "good")
+
+
+def verdicts(facts: Facts) -> tuple[Verdict, ...]:
+    """Answer the questions of whoever decides on the motion, one by one."""
+    tellers = (
+        (Stage.CERTIFY, _certificate),
+        (Stage.ROUTE, _route),
+        (Stage.REFINE, _path),
+        (Stage.REFINE, _clearance),
+        (Stage.RETIME, _duration),
+        (Stage.RETIME, _limits),
+        (Stage.CERTIFY, _tolerances),
+    )
+    told = [tell(facts[stage].section) for stage, tell in tellers if stage in facts and not facts[stage].failed]
+    return (_run(facts), *told)
+
+
+def stage_rows(facts: Facts) -> tuple[StageRow, ...]:
+    """Tell of every stage how it went; a failed one says why and what to change."""
+    return tuple(_stage_row(stage, facts.get(stage)) for stage in _SHOWN)
+
+
+def used_limits(section: Mapping[str, Any]) -> tuple[UsedLimit, ...]:
+    """Pick from each kind of limit the subject that uses most of it."""
+    used = []
+    for name, parts in section.get("usage", {}).items():
+        if not isinstance(parts, str):
+            kind = kind_named(name)
+            part, subject = max(zip(_numbers(parts), kind.subjects, strict=True))
+            used.append(UsedLimit(kind.words, subject, part))
+    return tuple(used)
+
+
+def _sentence(text: str) -> str:
+    """Begin with a capital and end with a full stop, as statements do."""
+    return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
+
+
+def _numbers(parts: Sequence[float | None]) -> list[float]:
+    """Where a subject has no limit, it uses none of it."""
+    return [0.0 if part is None else float(part) for part in parts]
+
+
+def _stage_row(stage: Stage, facts: StageFacts | None) -> StageRow:
+    if facts is None:
+        return StageRow(stage, _NOT_RUN, "open", "")
+    section = facts.section
+    if facts.failed:
+        reason, advice = str(section.get("reason", "")), str(section.get("advice", ""))
+        return StageRow(stage, "failed", "bad", reason, advice)
+    status = str(section["status"])
+    mood: Mood = "open" if status == SKIPPED else "good"
+    return StageRow(stage, status, mood, key_figures(stage, dict(section)))
+
+
+def _verdict(facts: Facts) -> str:
+    return str(facts[Stage.CERTIFY].section["verdict"]) if Stage.CERTIFY in facts else SKIPPED
+
+
+def _run(facts: Facts) -> Verdict:
+    failed = [stage for stage in _SHOWN if stage in facts and facts[stage].failed]
+    if failed:
+        return Verdict("Run", "Exit code 1", f"No result of {failed[0]}; earlier results are kept.", "bad")
+    missing = [stage for stage in _SHOWN if stage not in facts]
+    if missing:
+        return Verdict("Run", "Not complete", f"Next is {missing[0]}.", "open")
+    return Verdict("Run", "Exit code 0", "All stages done.", "good")
+
+
+def _certificate(section: Mapping[str, Any]) -> Verdict:
+    if section["verdict"] != CERTIFIED:
+        return Verdict("Certificate", str(section["verdict"]).capitalize(), "No proof was asked for.", "open")
+    distance = section["min_distance_bound_m"]
+    axes = "" if distance is None else f"; link axes at least {1e3 * distance:.1f} mm apart"
+    detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{axes}."
+    return Verdict("Certificate", "Certified", detail, "good")
+
+
+def _route(section: Mapping[str, Any]) -> Verdict:
+    detail = (
+        f"Gap {_per_cent(section['gap'], 2)}; {section['steps']} positions, {section['mode_changes']} changes of "
+        f"working mode, sum of κ {section['objective']:.1f}."
+    )
+    return Verdict("Route", str(section["status"]).capitalize(), detail, "good")
+
+
+def _path(section: Mapping[str, Any]) -> Verdict:
+    coarse, refined = section["coarse_kappa_integral"], section["kappa_integral"]
+    change = _per_cent(refined / coarse - 1.0, 1, sign="+")
+    detail = f"Integral of κ {refined:.1f} instead of {coarse:.1f}; largest κ {section['kappa_max']:.1f}."
+    return Verdict("Path", change, detail, "good" if refined <= coarse else "open")
+
+
+def _clearance(section: Mapping[str, Any]) -> Verdict:
+    detail = f"Least distance between axes of links; largest tilt {section['max_tilt_deg']:.1f}°."
+    return Verdict("Clearance", f"{1e3 * section['min_link_distance_m']:.1f} mm", detail, "good")
+
+
+def _per_cent(part: float, decimals: int, sign: str = "") -> str:
+    return f"{100.0 * part:{sign}.{decimals}f} %".replace("-", "−")
+
+
+def _duration(section: Mapping[str, Any]) -> Verdict:
+    detail = f"{section['samples']:,} rows, {1e3 * section['period_s']:g} ms apart."
+    if "gap" in section:
+        gap, cost = _per_cent(section["gap"], 2), _per_cent(section["jerk_cost"], 1)
+        detail += f" Gap to the lower bound {gap} without jerk limits, which cost {cost}."
+    return Verdict("Duration", f"{section['duration_s']:.2f} s", detail, "good")
+
+
+def _limits(section: Mapping[str, Any]) -> Verdict:
+    used = used_limits(section)
+    if not used:
+        return Verdict("Limits", "None", "Nothing that moves is limited.", "open")
+    most = max(used, key=lambda one: one.part)
+    kept = most.part <= 1.0 + _ROUNDING
+    detail = f"Most used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
+    return Verdict("Limits", "Kept" if kept else "Exceeded", detail, "good" if kept else "bad")
+
+
+def _tolerances(section: Mapping[str, Any]) -> Verdict:
+    lengths, coordinates = section.get("tolerance_m"), section.get("coordinates_tolerance_m")
+    if lengths is None or coordinates is None:
+        return Verdict("Calibration", "Not searched", "certify --tolerance finds the errors the proof bears.", "open")
+    detail = f"Link lengths may be wrong by that much; every coordinate by ±{1e3 * coordinates:.3f} mm. Proven."
+    return Verdict("Calibration", f"±{1e3 * lengths:.2f} mm", detail, "good")

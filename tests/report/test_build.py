@@ -1,0 +1,202 @@
+"""What a report says: the figures of the run, the motion as it is driven, kappa as it is."""
+
+import base64
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.compare.figures.maps import kappa_map
+from pipeline.errors import NoSolutionError
+from pipeline.machine import Machine, inverse_kinematics, statics_matrix
+from pipeline.machine.geometry import MODES
+from pipeline.report import Report, RunResults, build_report
+from pipeline.report.motion import build_scene, singular_loops
+from pipeline.report.payload import OUT_OF_REACH, levels, packed, payload
+from pipeline.report.tables import build_proof
+from pipeline.report.verdicts import headline, used_limits, verdicts
+from pipeline.stage import Stage
+
+
+class TestMotion:
+    """The machine in motion."""
+
+    def test_links_keep_their_lengths(self, report: Report, machine: Machine) -> None:
+        """At every instant of both motions the links of fixed length have it, and telescopes that of their actuator."""
+        for motion in report.motions:
+            lengths = np.linalg.norm(motion.platform_joints_m - motion.cart_joints_m, axis=2)
+            fixed = ~np.isnan(machine.lengths_m)
+            assert np.allclose(lengths[:, fixed], machine.lengths_m[fixed], atol=1e-9)
+            assert np.allclose(lengths[:, ~fixed], motion.q_m[:, 3:], atol=1e-9)
+
+    def test_motions_begin_and_end_at_rest(self, report: Report, complete: RunResults) -> None:
+        """Both motions go from the same pose at rest to the same pose at rest, in whole periods."""
+        refined, coarse = report.motions
+        for motion in report.motions:
+            assert np.allclose(motion.qd_mps[[0, -1]], 0.0, atol=1e-9)
+            assert motion.t_s[-1] == pytest.approx(round(motion.t_s[-1] / 0.01) * 0.01)
+        assert np.allclose(refined.pose[[0, -1]], coarse.pose[[0, -1]], atol=1e-9)
+
+    def test_carts_stand_on_their_rails(self, report: Report, machine: Machine) -> None:
+        """Feet are on the rails, at the position of their cart."""
+        feet = report.motions[0].feet_m
+        assert np.array_equal(feet[:, :, 1:], np.broadcast_to(machine.rails_m, (len(feet), 3, 2)))
+        assert np.array_equal(feet[:, :, 0], report.motions[0].q_m[:, :3])
+
+    def test_maps_hold_kappa_of_the_motion(self, report: Report) -> None:
+        """Interpolated at the TCP, each map has nearly the kappa of the motion at its instant."""
+        motion = report.motions[0]
+        maps = motion.maps
+        for instant in range(0, len(maps.t_s), 10):
+            frame = int(np.argmin(np.abs(motion.t_s - maps.t_s[instant])))
+            y, z = motion.pose[frame, 1:3]
+            i, j = int(np.argmin(np.abs(maps.z_m - z))), int(np.argmin(np.abs(maps.y_m - y)))
+            around = maps.kappa[instant, i - 1 : i + 2, j - 1 : j + 2]
+            assert np.nanmin(around) <= motion.kappa[frame] <= np.nanmax(around)
+
+    def test_the_platform_is_a_closed_surface(self, machine: Machine) -> None:
+        """Every edge of the platform's triangles belongs to exactly two of them."""
+        faces = build_scene(machine).platform_faces
+        edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        _, counts = np.unique(edges, axis=0, return_counts=True)
+        assert np.all(counts == 2)
+
+    def test_a_flat_platform_has_a_surface_too(self, machine: Machine) -> None:
+        """Joints on one plane make no error."""
+        flat = replace(machine, platform_points_m=machine.platform_points_m * [1.0, 1.0, 0.0])
+        assert len(build_scene(flat).platform_faces) >= 2
+
+
+class TestLoops:
+    """Curves of det H = 0."""
+
+    def test_they_are_singular(self, machine: Machine) -> None:
+        """On the curves |det H| is small against what it is elsewhere on the map."""
+        mode, tilt = MODES.index("LRL"), (np.deg2rad(-24.0), np.deg2rad(-14.0))
+        a_map = kappa_map(machine, np.linspace(-0.4, 0.9, 120), np.linspace(0.5, 1.3, 100), tilt, mode)
+        loops = singular_loops(a_map)
+        points = loops[~np.isnan(loops[:, 0])]
+        assert len(points) > 20
+        controlled = np.column_stack([np.zeros(len(points)), points, np.tile(tilt, (len(points), 1))])
+        solution = inverse_kinematics(machine, controlled, np.full(len(points), mode))
+        known = solution.reachable
+        det = np.linalg.det(statics_matrix(machine, solution.pose[known], solution.q_m[known, :3]))
+        assert np.median(np.abs(det)) < 1e-3 * np.nanmax(np.abs(a_map.det))
+
+    def test_there_are_none_without_singularities(self, machine: Machine) -> None:
+        """A map whose determinant keeps its sign has no curves."""
+        a_map = kappa_map(machine, np.linspace(0.2, 0.4, 10), np.linspace(0.8, 1.0, 10), (0.0, 0.0), 0)
+        assert singular_loops(a_map).shape == (0, 2)
+
+
+class TestPayload:
+    """Numbers on their way to the page."""
+
+    def test_arrays_come_back(self) -> None:
+        """Base64 text is the array in little-endian bytes, with its shape."""
+        array = np.arange(6.0).reshape(2, 3)
+        text = packed(array)
+        assert text["shape"] == [2, 3]
+        assert np.array_equal(np.frombuffer(base64.b64decode(text["base64"]), "<f4").reshape(2, 3), array)
+
+    @given(st.lists(st.floats(10.0, 200.0), min_size=1, max_size=20))
+    def test_levels_are_within_half_a_step(self, kappas: list[float]) -> None:
+        """What a level stands for differs from kappa by at most half a step; beyond the cap it is the cap."""
+        kappa = np.array(kappas)
+        level = levels(kappa, 20.0, 100.0).astype(float)
+        shown = 20.0 * 5.0 ** ((level - 1.0) / 254.0)
+        assert np.all(np.abs(np.log(shown / np.clip(kappa, 20.0, 100.0))) <= 0.5001 * np.log(5.0) / 254.0)
+
+    def test_out_of_reach_is_a_level_of_its_own(self) -> None:
+        """What cannot be reached is told apart from the least kappa."""
+        assert levels(np.array([np.nan, 20.0]), 20.0, 100.0).tolist() == [OUT_OF_REACH, 1]
+
+    def test_limits_that_are_none(self, report: Report) -> None:
+        """An infinite limit becomes null, which JSON has."""
+        free = replace(report, scene=replace(report.scene, qd_limits_mps=np.array([np.inf, 1.0, 1.0, 1.0, 1.0])))
+        assert payload(free)["scene"]["qdLimits"] == [None, 1.0, 1.0, 1.0, 1.0]
+
+
+class TestVerdicts:
+    """What people look for first."""
+
+    def test_a_certified_run(self, report: Report) -> None:
+        """A complete and certified run is called so, and every verdict is good."""
+        assert (report.headline.answer, report.headline.mood) == ("Certified", "good")
+        told = {verdict.topic: verdict for verdict in report.verdicts}
+        assert told["Run"].answer == "Exit code 0"
+        assert told["Certificate"].detail.startswith("1 boxes: κ at most 31.00")
+        assert told["Calibration"].answer == "±0.10 mm"
+        assert told["Route"].answer == "Optimal"
+        assert told["Limits"].mood == "good"
+
+    def test_an_exceeded_limit_is_bad(self, complete: RunResults) -> None:
+        """More than the limit is never called kept."""
+        section = {**complete.facts[Stage.RETIME].section, "usage": {"velocity": [0.5, 1.01, 0.2, 0.1, 0.0]}}
+        facts = {**complete.facts, Stage.RETIME: replace(complete.facts[Stage.RETIME], section=section)}
+        limits = next(verdict for verdict in verdicts(facts) if verdict.topic == "Limits")
+        assert (limits.answer, limits.mood) == ("Exceeded", "bad")
+        assert "c2" in limits.detail
+
+    def test_limits_that_do_not_exist_are_left_out(self) -> None:
+        """Only kinds with limits are shown, and of them the subject that uses most."""
+        used = used_limits({"usage": {"velocity": [0.1, 0.2, 0.9, None, 0.3], "tcp_speed": "skipped"}})
+        assert [(one.kind, one.subject, one.part) for one in used] == [("velocity", "c3", 0.9)]
+
+    def test_a_run_that_stopped_early(self, complete: RunResults) -> None:
+        """What has not been run is named."""
+        facts = {stage: complete.facts[stage] for stage in (Stage.REGIONS, Stage.ROUTE)}
+        assert headline(facts).detail.startswith("Refine ")
+
+
+class TestTables:
+    """Comparison and proof."""
+
+    def test_the_proof_compares_all_samples(self, complete: RunResults, report: Report) -> None:
+        """The least excess is of all samples, not only of those drawn, and those drawn hold the largest kappa."""
+        assert report.proof is not None
+        assert complete.samples is not None
+        assert complete.profile is not None
+        refined = complete.samples[1]
+        proof = build_proof(complete.config, refined, complete.profile)
+        bound = np.where(refined.s < 0.5, 30.0, 31.0)
+        assert proof.least_excess == pytest.approx((bound / refined.kappa - 1.0).min())
+        assert proof.kappa.max() == refined.kappa.max()
+        assert (proof.edges[0], proof.edges[-1]) == (0.0, proof.length[-1])
+
+    def test_the_comparison_has_durations(self, report: Report) -> None:
+        """Both paths are timed alike, so that durations compare."""
+        assert report.comparison is not None
+        assert "duration" in [row[0] for row in report.comparison.rows]
+
+    def test_a_coarse_path_that_cannot_be_driven(self, complete: RunResults, monkeypatch: pytest.MonkeyPatch) -> None:
+        """It is told of, and the rest of the report is there."""
+
+        def refuse(*_: object) -> None:
+            raise NoSolutionError("retime", "too heavy", "less load")
+
+        monkeypatch.setattr("pipeline.report.build.retimed", refuse)
+        report = build_report(complete)
+        assert [motion.name for motion in report.motions] == ["refined"]
+        assert report.motion_note == "The coarse path is not shown in motion: too heavy."
+        assert report.comparison is not None
+        assert "duration" not in [row[0] for row in report.comparison.rows]
+
+    def test_hashes_are_told(self, report: Report) -> None:
+        """The provenance has versions, the configuration's hash, and that of every file of a stage."""
+        told = dict(report.provenance)
+        assert {"gantry-tau", "python", "configuration (SHA-256)"} <= set(told)
+        assert told["route.npz"] == "route-hash"
+
+
+def test_failures_keep_what_was_there(
+    complete: RunResults, failed_at: Callable[[RunResults, Stage], RunResults]
+) -> None:
+    """A run that failed at the end still shows what was proven before."""
+    report = build_report(failed_at(complete, Stage.RETIME))
+    assert report.bounds is not None
+    assert report.proof is not None
+    assert report.usage == ()

@@ -1,0 +1,181 @@
+"""The page: one file that loads nothing, is not too large, escapes what it is given, and shows what failed."""
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
+from pipeline.stage import Stage
+
+_OURS = ('{"colours"', "/**\n* plotly.js", '\n"use strict";')
+_VOID = {"meta", "link", "input", "br", "img", "hr"}
+
+
+class Outline(HTMLParser):
+    """What a page consists of: all tags with their attributes, texts by tag, and whether tags close in order."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: dict[str, list[str]] = {}
+        self.open: list[str] = []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Note an element and that it is open."""
+        self.tags.append((tag, dict(attrs)))
+        if tag not in _VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        """Close the element opened last."""
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag, f"</{tag}> closes another element"
+
+    def handle_data(self, data: str) -> None:
+        """Keep text by the element it is in."""
+        if self.open:
+            self.texts.setdefault(self.open[-1], []).append(data)
+
+    def attributes(self, name: str) -> list[str]:
+        """Give all values of an attribute."""
+        return [value or "" for _, attributes in self.tags for key, value in attributes.items() if key == name]
+
+
+@pytest.fixture(scope="module")
+def outline(page: str) -> Outline:
+    """Parse the page of the whole run."""
+    return Outline(page)
+
+
+def test_the_page_is_well_formed(outline: Outline, page: str) -> None:
+    """Every element is closed, in order; identifiers are unique, and labels name what there is."""
+    assert page.startswith("<!doctype html>")
+    assert outline.open == []
+    identifiers = outline.attributes("id")
+    assert len(identifiers) == len(set(identifiers))
+    assert set(outline.attributes("aria-labelledby")) | set(outline.attributes("for")) <= set(identifiers)
+
+
+def test_nothing_is_loaded(outline: Outline, page: str) -> None:
+    """No element refers to anything outside the page, and the page forbids its scripts to load anything."""
+    for attribute in ("src", "href", "srcset", "data", "action", "poster"):
+        assert all(value.startswith(("#", "data:")) for value in outline.attributes(attribute))
+    styles = "".join(outline.texts["style"])
+    assert "url(" not in styles
+    assert "@import" not in styles
+    policy = next(attributes["content"] for tag, attributes in outline.tags if attributes.get("http-equiv"))
+    assert policy is not None
+    assert policy.startswith("default-src 'none'")
+    assert "http" not in policy
+
+
+def test_size(page: str) -> None:
+    """The page is less than ten megabytes, and without the drawing library less than two."""
+    from plotly.offline import get_plotlyjs
+
+    assert len(page.encode()) < 10e6
+    assert len(page.encode()) - len(get_plotlyjs().encode()) < 2e6
+
+
+def test_the_summary_stands_before_all_scripts(page: str) -> None:
+    """What people read first does not wait for the drawing library."""
+    assert page.index("Certified") < page.index('id="motion"') < page.index("<script")
+    assert page.index("Usable workspace") < page.index("<script")
+
+
+def test_the_numbers_are_strict_json(page: str) -> None:
+    """The numbers are there as JSON without NaN, the refined motion first."""
+    found = re.search(r'<script type="application/json" id="report-data">(.*?)</script>', page, re.DOTALL)
+    assert found is not None
+
+    def refuse(name: str) -> None:
+        raise AssertionError(f"{name} is no JSON")
+
+    data = json.loads(found[1], parse_constant=refuse)
+    assert list(data["motions"]) == ["refined", "coarse"]
+    assert set(data) == {"colours", "names", "scene", "motions", "proof"}
+
+
+def test_the_same_report_makes_the_same_page(report: Report, page: str) -> None:
+    """There is nothing in the page that the report does not say, such as a date."""
+    assert render_page(report) == page
+
+
+def test_text_of_the_user_stays_text(complete: RunResults) -> None:
+    """Whatever the configuration holds, none of it becomes an element, an attribute or a script."""
+    evil = "\"><script>alert(1)</script><img src=x onerror=alert(1)>'{{ 7*7 }}</script>&"
+    config = complete.config.model_copy(
+        update={
+            "name": evil,
+            "export": complete.config.export.model_copy(
+                update={"joint_names": (evil, *complete.config.export.joint_names[1:])}
+            ),
+        }
+    )
+    # Without its motion, whose numbers are not the user's to write.
+    run = replace(complete, config=config, versions={evil: evil}, trajectory=None)
+    written = render_page(build_report(run))
+    outline = Outline(written)
+    assert outline.open == []
+    assert "img" not in {tag for tag, _ in outline.tags}
+    assert not any(name.startswith("on") for _, attributes in outline.tags for name in attributes)
+    assert all(text.startswith(_OURS) for text in outline.texts["script"])
+    assert evil in "".join(outline.texts["h1"])
+    assert "49" not in "".join(outline.texts["h1"])
+
+
+@pytest.mark.parametrize("stage", [Stage.REGIONS, Stage.ROUTE, Stage.REFINE, Stage.CERTIFY, Stage.RETIME])
+def test_a_failed_stage_is_shown_as_failed(
+    complete: RunResults, failed_at: Callable[[RunResults, Stage], RunResults], stage: Stage
+) -> None:
+    """The page of a run that failed says so first, with the reason and what to change, and shows no motion."""
+    report = build_report(failed_at(complete, stage))
+    written = render_page(report)
+    outline = Outline(written)
+    assert outline.open == []
+    assert report.headline.mood == "bad"
+    assert report.motions == ()
+    assert {row.name: row.status for row in report.stages}[stage] == "failed"
+    assert all(row.status == "not run" for row in report.stages if row.name in stage.later)
+    text = " ".join(text for texts in outline.texts.values() for text in texts)
+    assert "the <reason> & more" in text.lower()
+    assert "change <this>" in text
+    assert "Exit code 1" in text
+    assert "Certified" not in "".join(outline.texts["strong"])
+    assert f"There is no motion to show: {stage} failed." in text
+
+
+def test_a_failed_certificate_is_no_certificate(
+    complete: RunResults, failed_at: Callable[[RunResults, Stage], RunResults]
+) -> None:
+    """Where the proof broke, the first words are that the path is not certified, and no bounds are shown."""
+    report = build_report(failed_at(complete, Stage.CERTIFY))
+    assert report.headline.answer == "Not certified"
+    assert report.bounds is report.proof is None
+    assert report.comparison is not None
+
+
+def test_a_run_without_proof_is_not_called_certified(complete: RunResults) -> None:
+    """A motion that nothing was proven of is shown, but never called certified."""
+    skipped = StageFacts(False, {"status": "skipped", "verdict": "skipped"})
+    run = replace(complete, facts={**complete.facts, Stage.CERTIFY: skipped}, bounds=None, profile=None)
+    report = build_report(run)
+    assert report.headline.mood == "open"
+    assert report.headline.answer == "Not certified"
+    assert len(report.motions) == 2
+    assert 'id="certificate"' not in render_page(report)
+
+
+def test_a_run_that_was_not_begun_has_a_page(complete: RunResults) -> None:
+    """Nothing but a configuration still makes a page: machine and workspace are known."""
+    bare = RunResults(complete.config, complete.machine, {}, {})
+    report = build_report(bare)
+    assert report.headline.answer == "Not complete"
+    assert "<script" not in render_page(report)
+    assert report.workspace is not None

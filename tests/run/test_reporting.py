@@ -1,0 +1,96 @@
+"""The report of a run folder: of whatever is there, as a command, and without spoiling the folder."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from pipeline.artifacts import read_state
+from pipeline.artifacts.layout import REPORT
+from pipeline.cli import app
+from pipeline.config import Config
+from pipeline.errors import NoSolutionError, UsageError
+from pipeline.machine import Machine
+from pipeline.run import Results, Stage, run_pipeline
+from pipeline.run.reporting import report_page, write_report
+
+# As it is before the fixture `stages` puts a fake in its place.
+real_page = report_page
+
+
+def page_of(config: Config, machine: Machine, folder: Path) -> str:
+    """Make the page of a folder with the real results in it."""
+    state = read_state(folder)
+    assert state is not None
+    return real_page(Results(config, machine, folder), state).decode()
+
+
+def test_a_whole_run(tmp_path: Path, fast_config: Config, machine: Machine, stages: Any) -> None:
+    """From loaded results comes a page with the verdict, both motions, the hashes of all files but the figures."""
+    run_pipeline(fast_config, tmp_path)
+    page = page_of(fast_config, machine, tmp_path)
+    assert "Certified" in page
+    assert '"refined":' in page
+    assert '"coarse":' in page
+    state = read_state(tmp_path)
+    assert state is not None
+    assert state.stages[Stage.RETIME].files["trajectory.csv"] in page
+    assert "figures/route.png" not in page
+
+
+def test_a_failed_proof(tmp_path: Path, fast_config: Config, machine: Machine, stages: Any) -> None:
+    """A run whose proof broke has a page that says so, by the command too, which ends well itself."""
+    stages.failures["certify"] = NoSolutionError("certify", "kappa is beyond its cap at s = 0.3", "plan anew")
+    with pytest.raises(NoSolutionError):
+        run_pipeline(fast_config, tmp_path)
+    page = page_of(fast_config, machine, tmp_path)
+    assert "<title>quick: Not certified</title>" in page
+    assert "kappa is beyond its cap at s = 0.3" in page
+    assert not (tmp_path / REPORT).exists()
+    result = CliRunner().invoke(app, ["report", str(tmp_path)])
+    assert result.exit_code == 0
+    assert (tmp_path / REPORT).exists()
+
+
+def test_it_goes_when_a_new_run_begins(tmp_path: Path, fast_config: Config, stages: Any) -> None:
+    """The page of a failed run does not stay beside the results of the next."""
+    stages.failures["retime"] = NoSolutionError("retime", "too heavy", "less load")
+    with pytest.raises(NoSolutionError):
+        run_pipeline(fast_config, tmp_path)
+    write_report(tmp_path).write_bytes(b"old")
+    stages.failures.clear()
+    run_pipeline(fast_config, tmp_path)
+    assert (tmp_path / REPORT).read_bytes() != b"old"
+    assert [path.read_bytes() for path in (tmp_path / "superseded").rglob(REPORT)] == [b"old"]
+
+
+def test_writing_it_again_spoils_nothing(tmp_path: Path, fast_config: Config, stages: Any) -> None:
+    """After the command the results are as good as before: nothing is run again."""
+    run_pipeline(fast_config, tmp_path)
+    stages.taken()
+    (tmp_path / REPORT).unlink()
+    assert write_report(tmp_path) == tmp_path / REPORT
+    report = run_pipeline(fast_config, tmp_path)
+    assert stages.taken() == []
+    assert {outcome.outcome for outcome in report.outcomes} == {"unchanged"}
+
+
+def test_elsewhere(tmp_path: Path, fast_config: Config, stages: Any) -> None:
+    """With --output the page goes there, but never over the files of the run."""
+    run_pipeline(fast_config, tmp_path / "run")
+    result = CliRunner().invoke(app, ["report", str(tmp_path / "run"), "--output", str(tmp_path / "mine.html")])
+    assert result.exit_code == 0
+    assert (tmp_path / "mine.html").exists()
+    inside = tmp_path / "run" / "state.json"
+    assert CliRunner().invoke(app, ["report", str(tmp_path / "run"), "--output", str(inside)]).exit_code == 2
+
+
+def test_what_cannot_be_reported_on(tmp_path: Path, fast_config: Config, stages: Any) -> None:
+    """Damaged results, and folders that are none of a run, are refused."""
+    with pytest.raises(UsageError, match="does not exist"):
+        write_report(tmp_path / "none")
+    run_pipeline(fast_config, tmp_path)
+    (tmp_path / "path.csv").write_text("")
+    with pytest.raises(UsageError, match=r"path\.csv"):
+        write_report(tmp_path)
