@@ -6,6 +6,7 @@ from rich.table import Table
 
 from pipeline.run import RunReport
 from pipeline.stage import Stage
+from pipeline.summary import failed_part
 
 _UNCHANGED = "unchanged"
 
@@ -19,6 +20,8 @@ def stage_table(report: RunReport) -> Table:
     table.add_column("key figures")
     for outcome in report.outcomes:
         status = str(outcome.section["status"])
+        if failed_part(outcome.section):
+            status += " in part"
         if outcome.outcome == _UNCHANGED:
             status += f", {_UNCHANGED}"
         table.add_row(outcome.stage, status, f"{outcome.seconds:.1f}", key_figures(outcome.stage, outcome.section))
@@ -73,6 +76,8 @@ def _trajectory(section: dict[str, Any]) -> str:
     told = f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; up to {parts}"
     if "gap" in section:
         told += f"; {section['jerk_cost']:+.1%} for jerk, {section['gap']:.2%} above the bound without"
+    if failed_part(section):
+        told += "; the way back failed"
     return told
 
 
