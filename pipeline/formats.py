@@ -2,6 +2,9 @@
 
 from enum import StrEnum
 
+MOST_DECIMALS = 17
+"""Decimals at most: all digits that a number near one has."""
+
 
 class Format(StrEnum):
     """What trajectories can be exported as."""

@@ -3,6 +3,7 @@
 from typing import Any
 
 from pipeline.stage import Stage
+from pipeline.summary import failed_part
 
 
 def key_figures(stage: Stage, section: dict[str, Any]) -> str:
@@ -53,6 +54,8 @@ def _trajectory(section: dict[str, Any]) -> str:
     told = f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; up to {parts}"
     if "gap" in section:
         told += f"; {section['jerk_cost']:+.1%} for jerk, {section['gap']:.2%} above the bound without"
+    if failed_part(section):
+        told += "; the way back failed"
     return told
 
 

@@ -159,7 +159,7 @@ def _with_verdict(section: Section) -> Section:
     return {"verdict": "not certified", **section}
 
 
-def trajectory_section(figures: "TrajectoryFigures", back: "TrajectoryFigures | None" = None) -> Section:
+def trajectory_section(figures: "TrajectoryFigures") -> Section:
     """Duration, how near it is to the shortest possible one, and the largest fraction of each limit.
 
     `usage` has a number per actuator (link forces: per link; TCP: one), `peak` the largest magnitudes in SI units
@@ -190,9 +190,23 @@ def trajectory_section(figures: "TrajectoryFigures", back: "TrajectoryFigures | 
             "jerk_rounds": quality.rounds,
             "jerk_iterations": quality.iterations,
         }
-    if back is not None:
-        section["back"] = {"duration_s": back.duration_s, "samples": back.samples, "usage": _usage(back.usage)}
     return section
+
+
+def back_section(figures: "TrajectoryFigures") -> Section:
+    """Duration of the way back, and the largest fraction of each limit."""
+    return {
+        "status": "done",
+        "duration_s": figures.duration_s,
+        "samples": figures.samples,
+        "usage": _usage(figures.usage),
+    }
+
+
+def failed_part(section: Section) -> Section | None:
+    """The part of a stage that failed though the stage has a result: why, and what to change; None: none did."""
+    back: Section = section.get("back", {})
+    return back if back.get("status") == "failed" else None
 
 
 def _usage(usage: "Usage") -> Section:

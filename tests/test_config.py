@@ -363,3 +363,18 @@ def test_a_switch_takes_nothing_but_on_and_off(value: object) -> None:
 def test_keys_of_motion_are_checked(path: str, value: object, message: str) -> None:
     """Limits, masses, speed and joint names are told like all others."""
     assert message in messages(with_value(path, value))[0]
+
+
+@pytest.mark.parametrize(("section", "key"), [("carts", "force_n"), ("telescopes", "force_n"), (None, "link_force_n")])
+def test_limits_of_forces_need_masses(section: str | None, key: str) -> None:
+    """A limit that nothing can be held against is refused, and both keys are named."""
+    data = with_value("machine.dynamics", None)
+    limits = data["machine"]["limits"]
+    for part in (limits["carts"], limits["telescopes"], limits):
+        part.pop("force_n", None)
+    limits.pop("link_force_n")
+    parse_config(data)
+    (limits if section is None else limits[section])[key] = 100.0
+    (message,) = messages(data)
+    assert message.startswith("machine.dynamics: is missing")
+    assert f"leave out machine.limits.{f'{section}.' if section else ''}{key}" in message

@@ -12,7 +12,7 @@ from pipeline.cli.comparing import compare
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.runs import load
 from pipeline.errors import UsageError
-from pipeline.formats import AngleUnit, Format, LengthUnit, Separator
+from pipeline.formats import MOST_DECIMALS, AngleUnit, Format, LengthUnit, Separator
 from pipeline.stage import Stage
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="The folder a run has written to.")]
@@ -24,7 +24,11 @@ def check(
         bool, typer.Option("--schema", help="Print the JSON schema of configurations instead, for your editor.")
     ] = False,
 ) -> None:
-    """Check a configuration, and show the machine: degrees of freedom, reach, grid, start and goal."""
+    """Check a configuration, and show the machine: degrees of freedom, reach, grid, start and goal.
+
+    A load that drives or links cannot hold at the start or the goal is told,
+    with exit code 1.
+    """
     if schema:
         from pipeline.config import Config
 
@@ -32,9 +36,12 @@ def check(
         return
     if config is None:
         raise UsageError("check needs a CONFIG, or --schema")
+    import numpy as np
+
     from pipeline.cli.machine_report import machine_report
     from pipeline.machine.geometry import build_machine
     from pipeline.refine.caps import require_cap
+    from pipeline.retime import require_ends_held
     from pipeline.route.ends import task_ends
 
     loaded = load(config)
@@ -44,6 +51,7 @@ def check(
     console = results_console()
     for part in machine_report(loaded, machine, ends):
         console.print(part)
+    require_ends_held(machine, np.stack([end.pose for end in ends]), np.stack([end.q_m[:3] for end in ends]))
     console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
 
 
@@ -63,10 +71,15 @@ def export(
     ] = None,
     separator: Annotated[Separator, typer.Option(help="CSV: what stands between values.")] = Separator.COMMA,
     decimals: Annotated[
-        int | None, typer.Option(metavar="N", min=0, max=15, help="CSV: decimals. Default: as the period needs.")
+        int | None,
+        typer.Option(metavar="N", min=0, max=MOST_DECIMALS, help="CSV: decimals. Default: as the period needs."),
     ] = None,
     columns: Annotated[
-        str | None, typer.Option(metavar="NAMES", help="CSV: columns by their names in SI units, comma separated.")
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="CSV: columns by their names in trajectory.csv (in SI units always), comma separated.",
+        ),
     ] = None,
     length: Annotated[LengthUnit, typer.Option(help="CSV: unit of lengths.")] = LengthUnit.M,
     angle: Annotated[AngleUnit, typer.Option(help="CSV: unit of angles.")] = AngleUnit.RAD,
@@ -88,7 +101,7 @@ def export(
     config = with_retime(results.config, period_s=period_s, speed=speed)
     trajectory = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
     samples = sample_trajectory(way_back(config, trajectory) if back else trajectory, config.retime.period_s)
-    names = tuple(name.strip() for name in columns.split(",")) if columns else ()
+    names = None if columns is None else tuple(name.strip() for name in columns.split(",") if name.strip())
     options = CsvOptions(separator, decimals, names, length, angle)
     text = format_samples(kind, samples, results.machine.acceleration_mps2, config.export.joint_names, options)
     if output is None:

@@ -1,5 +1,6 @@
 """What a machine and its task are, as tables: geometry, reach, grid, start and goal."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from pipeline.machine.geometry import (
     FloatArray,
     Machine,
 )
+from pipeline.retime import resting_forces
 from pipeline.route.ends import End
 from pipeline.route.grid import grid_axes
 
@@ -73,7 +75,7 @@ def machine_report(config: Config, machine: Machine, ends: tuple[End, End]) -> l
         _links(machine),
         _reach(config, machine),
         _grid(config),
-        _ends(config, ends),
+        _ends(config, machine, ends),
     ]
 
 
@@ -167,7 +169,7 @@ def _grid(config: Config) -> Table:
     return table
 
 
-def _ends(config: Config, ends: tuple[End, End]) -> Table:
+def _ends(config: Config, machine: Machine, ends: tuple[End, End]) -> Table:
     table = _table("Task", "quantity", "unit", "start", "goal", "limit", text=2)
     table.add_row("working mode", "", *(MODES[end.mode] for end in ends), "")
     tilt = f"+/- {config.task.tilt_max_deg:g}"
@@ -180,6 +182,8 @@ def _ends(config: Config, ends: tuple[End, End]) -> Table:
     machine_limits += [config.machine.links.l2b.stroke_m, config.machine.links.l3b.stroke_m]
     for index, (name, (least, largest)) in enumerate(zip(ACTUATORS, machine_limits, strict=True)):
         table.add_row(name, "m", *(f"{end.q_m[index]:.4f}" for end in ends), f"{least:g} to {largest:g}")
+    for name, forces, limit in _resting(machine, ends):
+        table.add_row(f"{name} holds", "N", *(f"{force:.1f}" for force in forces), limit)
     table.add_row("kappa", "", *(f"{end.kappa:.3f}" for end in ends), f"<= {config.route.kappa_max:g}")
     table.add_row("sign of det H", "", *(f"{end.det_sign:+.0f}" for end in ends), "equal")
     clearance = config.machine.clearance
@@ -187,3 +191,14 @@ def _ends(config: Config, ends: tuple[End, End]) -> Table:
     table.add_row("link to link", "m", *(f"{end.link_distance_m:.4f}" for end in ends), f">= {clearance.link_link_m:g}")
     table.add_row("link to rail", "m", *(f"{end.rail_distance_m:.4f}" for end in ends), rail)
     return table
+
+
+def _resting(machine: Machine, ends: tuple[End, End]) -> Iterator[tuple[str, list[float], str]]:
+    """Tell what each drive, and the links, hold at start and goal; nothing without masses."""
+    forces = resting_forces(machine, np.stack([end.pose for end in ends]), np.stack([end.q_m[:3] for end in ends]))
+    if not forces:
+        return
+    limits = np.append(machine.force_n, machine.link_force_n)
+    held = np.column_stack([forces["force"], np.abs(forces["link_force"]).max(axis=1)])
+    for name, column, limit in zip((*ACTUATORS, "any link"), held.T.tolist(), limits.tolist(), strict=True):
+        yield name, column, f"+/- {limit:g}" if np.isfinite(limit) else ""

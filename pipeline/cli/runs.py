@@ -200,6 +200,7 @@ def _run(
     width = max(len(str(where)) for where, _ in found)
     for where, what in found:
         console.print(f"{where!s:<{width}}  {what}", soft_wrap=True)
+    report.require_complete()
     console.print(f"Next: {_next_step(path, folder, out, stages[-1])}", soft_wrap=True)
 
 

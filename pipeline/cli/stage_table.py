@@ -4,6 +4,7 @@ from rich.table import Table
 
 from pipeline.key_figures import key_figures
 from pipeline.run import RunReport
+from pipeline.summary import failed_part
 
 _UNCHANGED = "unchanged"
 
@@ -17,6 +18,8 @@ def stage_table(report: RunReport) -> Table:
     table.add_column("key figures")
     for outcome in report.outcomes:
         status = str(outcome.section["status"])
+        if failed_part(outcome.section):
+            status += " in part"
         if outcome.outcome == _UNCHANGED:
             status += f", {_UNCHANGED}"
         table.add_row(outcome.stage, status, f"{outcome.seconds:.1f}", key_figures(outcome.stage, outcome.section))

@@ -92,6 +92,15 @@ class LimitsConfig(Section):
     )
     tcp: TcpLimitsConfig = Field(default_factory=lambda: TcpLimitsConfig())
 
+    def of_forces(self) -> list[str]:
+        """Keys, within this section, of the force limits that are given."""
+        given = {
+            "carts.force_n": self.carts.force_n,
+            "telescopes.force_n": self.telescopes.force_n,
+            "link_force_n": self.link_force_n,
+        }
+        return [key for key, limit in given.items() if limit is not None]
+
 
 class ClearanceConfig(Section):
     """Least distances between axes (link diameter plus margin)."""
@@ -150,8 +159,18 @@ class MachineConfig(Section):
     clearance: ClearanceConfig
     limits: LimitsConfig
     dynamics: DynamicsConfig | None = Field(
-        None, description="masses, for forces and their limits; null: forces are not looked at"
+        None, description="masses, for forces and their limits; null: no forces, and no limits of forces either"
     )
+
+    @model_validator(mode="after")
+    def _forces_can_be_computed(self) -> Self:
+        if self.dynamics is None and (limited := self.limits.of_forces()):
+            raise wrong(
+                "dynamics",
+                f"is missing, and without masses there are no forces to hold against machine.limits."
+                f"{limited[0]}; give it, or leave out {' and '.join(f'machine.limits.{key}' for key in limited)}",
+            )
+        return self
 
     @model_validator(mode="after")
     def _triangle_closes(self) -> Self:

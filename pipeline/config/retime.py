@@ -16,7 +16,7 @@ class RetimeConfig(Section):
         1_000,
         ge=50,
         le=20_000,
-        description="points of the first TOPP-RA grid; doubled while limits are broken between them",
+        description="points of the first TOPP-RA grid; doubled while limits are broken or time is lost between them",
     )
     period_s: float = Field(0.01, ge=0.000_125, le=0.1, description="sampling period of trajectory.csv")
     jerk: bool = Field(
@@ -26,7 +26,7 @@ class RetimeConfig(Section):
         300,
         ge=40,
         le=5_000,
-        description="pieces of the law with limited jerk, at first; halved where that is too coarse",
+        description="pieces of the law with limited jerk, at first; more where acceleration changes quickly",
     )
     bound_points: int = Field(
         1_000, ge=50, le=50_000, description="grid of the lower bound on the duration; the finer, the nearer it comes"

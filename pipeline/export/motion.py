@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.formats import MOST_DECIMALS
 from pipeline.machine.geometry import FloatArray
 from pipeline.retime.result import TrajectorySamples
 
 _ROUNDING_SHARE = 1e-4
 """Part of an acceleration limit that rounding may make when written positions are differenced twice."""
-_MOST_DECIMALS = 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,8 @@ def motion_of(samples: TrajectorySamples) -> Motion:
 def needed_decimals(period_s: float, acceleration_mps2: FloatArray, unit_m: float = 1.0) -> int:
     """Count the decimals at which positions differenced twice show accelerations, to 0.01 % of the smallest limit.
 
-    Rounding by half of the last decimal makes up to 4 (10^-d / 2) / period^2 of it.
+    Rounding by half of the last decimal makes up to 4 (10^-d / 2) / period^2 of it. More than all that a number has
+    are never asked for.
 
     Parameters
     ----------
@@ -47,4 +48,4 @@ def needed_decimals(period_s: float, acceleration_mps2: FloatArray, unit_m: floa
         Unit of length in which positions are written: 0.001 for millimetres.
     """
     allowed = _ROUNDING_SHARE * float(np.min(acceleration_mps2)) / unit_m
-    return min(_MOST_DECIMALS, max(0, math.ceil(-math.log10(allowed * period_s**2 / 2.0) - 1e-9)))
+    return min(MOST_DECIMALS, max(0, math.ceil(-math.log10(allowed * period_s**2 / 2.0) - 1e-9)))

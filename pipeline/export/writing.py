@@ -22,11 +22,11 @@ _MILLIMETRE = 0.001
 
 @dataclass(frozen=True)
 class CsvOptions:
-    """How a CSV file is written: columns by their names in SI units (none: all), and decimals (None: as needed)."""
+    """How a CSV file is written: columns by their names in SI units (None: all), and decimals (None: as needed)."""
 
     separator: Separator = Separator.COMMA
     decimals: int | None = None
-    columns: tuple[str, ...] = ()
+    columns: tuple[str, ...] | None = None
     length: LengthUnit = LengthUnit.M
     angle: AngleUnit = AngleUnit.RAD
 
@@ -43,8 +43,8 @@ def format_samples(
     Raises
     ------
     UsageError
-        When the options ask for columns that do not exist, for fewer decimals than the period needs, or for CSV's
-        options in another format.
+        When the options ask for no columns, or for some that do not exist, for fewer decimals than the period needs, or
+        for CSV's options in another format.
     """
     options = options or CsvOptions()
     if kind is Format.CSV:
@@ -66,11 +66,14 @@ def format_samples(
 
 def _csv(samples: TrajectorySamples, acceleration_mps2: FloatArray, options: CsvOptions) -> str:
     columns = trajectory_columns(samples)
-    unknown = [name for name in options.columns if name not in columns]
+    wanted = tuple(columns) if options.columns is None else options.columns
+    if not wanted:
+        raise UsageError(f"--columns names no column; there are {', '.join(columns)}")
+    unknown = [name for name in wanted if name not in columns]
     if unknown:
         raise UsageError(f"there is no column {', '.join(unknown)}; there are {', '.join(columns)}")
-    if len(set(options.columns)) < len(options.columns):
-        raise UsageError(f"--columns names a column twice: {', '.join(options.columns)}")
+    if len(set(wanted)) < len(wanted):
+        raise UsageError(f"--columns names a column twice: {', '.join(wanted)}")
     unit = _MILLIMETRE if options.length is LengthUnit.MM else 1.0
     needed = needed_decimals(samples.period_s, np.asarray(acceleration_mps2), unit)
     if options.decimals is not None and options.decimals < needed:
@@ -79,5 +82,5 @@ def _csv(samples: TrajectorySamples, acceleration_mps2: FloatArray, options: Csv
             f"the accelerations a controller computes from positions.\n  What to change: at least {needed} decimals."
         )
     decimals = max(DECIMALS, needed) if options.decimals is None else options.decimals
-    chosen = {name: columns[name] for name in options.columns or columns}
+    chosen = {name: columns[name] for name in wanted}
     return format_csv(converted(chosen, options.length, options.angle), decimals, options.separator.character)

@@ -1,19 +1,14 @@
-"""Running IPOPT: options, progress, interruption, and which constraints are violated where it ends."""
+"""Solving the program of stage two: options, progress, and which constraints are violated where IPOPT ends."""
 
-import signal
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
-from types import FrameType
 from typing import Any, Literal
 
-import casadi as ca
 import numpy as np
 
 from pipeline.machine.geometry import FloatArray
 from pipeline.progress import Progress
 from pipeline.refine.nlp import Program
+from pipeline.solvers import run_ipopt
 from pipeline.status import Status
 
 _STATUS = {
@@ -40,35 +35,6 @@ class Solution:
     violations: dict[str, float]
 
 
-class _Watch(ca.Callback):
-    """Tells the listener about every iteration, and stops IPOPT once `interrupted` is set."""
-
-    def __init__(self, program: Program, progress: Progress, what: str) -> None:
-        ca.Callback.__init__(self)
-        self._sizes = {"x": program.problem["x"].numel(), "g": program.problem["g"].numel()}
-        self._sizes |= {"lam_x": self._sizes["x"], "lam_g": self._sizes["g"], "f": 1, "lam_p": 0}
-        self._progress, self._what, self._count = progress, what, 0
-        self.interrupted = threading.Event()
-        self.construct("watch", {})
-
-    def get_n_in(self) -> int:
-        return int(ca.nlpsol_n_out())
-
-    def get_n_out(self) -> int:
-        return 1
-
-    def get_name_in(self, i: int) -> str:
-        return str(ca.nlpsol_out(i))
-
-    def get_sparsity_in(self, i: int) -> ca.Sparsity:
-        return ca.Sparsity.dense(self._sizes[ca.nlpsol_out(i)], 1)
-
-    def eval(self, arguments: Sequence[ca.DM]) -> list[int]:
-        self._count += 1
-        self._progress(f"{self._what}: IPOPT iteration {self._count}, objective {float(arguments[1]):.2f}")
-        return [int(self.interrupted.is_set())]
-
-
 def solve_program(
     program: Program,
     max_iterations: int,
@@ -85,34 +51,26 @@ def solve_program(
     KeyboardInterrupt
         When the user interrupts.
     """
-    watch = _Watch(program, progress, what)
     options: dict[str, Any] = {
-        "iteration_callback": watch,
-        "print_time": False,
-        "error_on_fail": False,
         **program.derivatives,
         "no_nlp_grad": True,
         "ipopt": {
-            "linear_solver": "mumps",
             "max_iter": max_iterations,
             "max_wall_time": time_limit_s,
             "print_level": 5 if verbose else 0,
-            "sb": "yes",
             "mu_strategy": "adaptive",
             **_MANNERS[manner],
             # Bounds are promises to a machine: IPOPT must not relax them.
             "bound_relax_factor": 0.0,
         },
     }
-    solver = ca.nlpsol("refine", "ipopt", program.problem, options)
-    low, high = program.variable_bounds
-    with _interrupts_noted(watch.interrupted):
-        result = solver(
-            x0=program.start, lbx=low, ubx=high, lbg=program.constraint_bounds[0], ubg=program.constraint_bounds[1]
-        )
-    if watch.interrupted.is_set():
-        raise KeyboardInterrupt
-    stats = solver.stats()
+    (lbx, ubx), (lbg, ubg) = program.variable_bounds, program.constraint_bounds
+
+    def tell(iteration: int, objective: float) -> None:
+        progress(f"{what}: IPOPT iteration {iteration}, objective {objective:.2f}")
+
+    given = {"x0": program.start, "lbx": lbx, "ubx": ubx, "lbg": lbg, "ubg": ubg}
+    result, stats = run_ipopt("refine", program.problem, options, given, tell)
     message = str(stats["return_status"])
     return Solution(
         status=_STATUS.get(message, Status.NOT_CONVERGED),
@@ -121,26 +79,6 @@ def solve_program(
         iterations=int(stats["iter_count"]),
         violations=_violations(program, np.array(result["g"]).ravel()),
     )
-
-
-@contextmanager
-def _interrupts_noted(interrupted: threading.Event) -> Iterator[None]:
-    """Note Ctrl-C instead of raising: CasADi would swallow the exception and report a failed solve.
-
-    Signals only ever reach the main thread; elsewhere there is nothing to note.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def note(_signal: int, _frame: FrameType | None) -> None:
-        interrupted.set()
-
-    before = signal.signal(signal.SIGINT, note)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _violations(program: Program, g: FloatArray) -> dict[str, float]:

@@ -21,6 +21,7 @@ from pipeline.refine.separation import find_separations
 from pipeline.refine.splines import DEGREE, fit
 from pipeline.route.metric import arc_length
 from pipeline.route.result import Route
+from pipeline.solvers import interrupts_noted
 
 FROBENIUS, SCHATTEN = 2.0, 64.0
 """Exponents of the smooth kappa: with 64 it is within 6 per cent of the true one, whatever the singular values."""
@@ -117,7 +118,9 @@ def solve_from(problem: Problem, begin: Solve, aim: Aim) -> Solve:
     what = f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
     problem.progress(f"{what}: building the program")
     start = Start(begin.path.node_pose, begin.path.spline.c)
-    program = build_program(problem.machine, setting_of(problem, begin, aim), start)
+    # CasADi's wrappers forget errors that come while they convert arguments, and Ctrl-C is one.
+    with interrupts_noted():
+        program = build_program(problem.machine, setting_of(problem, begin, aim), start)
     solution = solve_program(
         program, aim.max_iterations, options.time_limit_s, problem.progress, what, problem.verbose, aim.manner
     )

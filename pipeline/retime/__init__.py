@@ -1,9 +1,11 @@
 """Stage three: the path in time, as fast as the limits of actuators, links and TCP allow."""
 
+from pipeline.retime.back import way_back
 from pipeline.retime.result import Quality, Trajectory, TrajectorySamples, slowed, stretched
-from pipeline.retime.retime import retime_path, way_back
+from pipeline.retime.retime import retime_path
 from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import sample_trajectory, whole_periods
+from pipeline.retime.standing import require_ends_held, resting_forces
 from pipeline.retime.verify import TrajectoryFigures, Usage, measure_trajectory, measure_usage, require_limits
 
 __all__ = [
@@ -14,7 +16,9 @@ __all__ = [
     "Usage",
     "measure_trajectory",
     "measure_usage",
+    "require_ends_held",
     "require_limits",
+    "resting_forces",
     "retime_path",
     "sample_trajectory",
     "slowed",

@@ -21,7 +21,7 @@ from scipy.sparse import coo_array
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray
-from pipeline.retime.rows import Rows, largest_speed, limit_rows
+from pipeline.retime.rows import Rows, largest_speed, limit_rows, speed_caps
 from pipeline.retime.terms import TermsTable
 
 _ROUNDS = 10
@@ -63,11 +63,12 @@ def duration_bound(table: TermsTable, s: FloatArray) -> float:
 
 def build_bound(table: TermsTable, s: FloatArray) -> BoundProgram:
     """Write down what every motion keeps in each of the k cells; rows that nothing comes near are left out."""
-    nodes, middles = limit_rows(table.at(s)), limit_rows(table.at((s[1:] + s[:-1]) / 2.0))
+    at_nodes, at_middles = table.at(s), table.at((s[1:] + s[:-1]) / 2.0)
+    nodes, middles = limit_rows(at_nodes, outer=True), limit_rows(at_middles, outer=True)
     left, right = _part(nodes, slice(None, -1)), _part(nodes, slice(1, None))
     D = np.diff(s)[:, None]
     top = np.maximum(largest_speed(nodes), 0.0) ** 2
-    cap = (left.cap**2 + 4.0 * middles.cap**2 + right.cap**2) / 6.0
+    cap = _mean_cap(speed_caps(at_nodes) ** 2, speed_caps(at_middles) ** 2)
     top_mean = np.minimum(cap, np.maximum(np.maximum(top[1:], top[:-1]), largest_speed(middles) ** 2))
     steepest = np.minimum.reduce([_steepest(rows, top_mean) for rows in (left, middles, right)])[:, None]
     # By parts x has the weights t b - (t a)' / 2 and the like: they stray from their means by (b - a') (t - 1 / 2), and
@@ -131,6 +132,16 @@ def _no_motion() -> NoSolutionError:
         "no motion along the path keeps all limits: the program that bounds the duration has no solution",
         "Raise the limits that gravity, or the path's curvature, uses up.",
     )
+
+
+def _mean_cap(nodes: FloatArray, middles: FloatArray) -> FloatArray:
+    """Bound the mean of x over each of k cells by caps at k + 1 nodes (k + 1, m) and k middles (k, m). Shape (k,).
+
+    The least mean of any cap (Simpson's rule), since the least cap has corners within cells where two of them cross.
+    """
+    means = (nodes[:-1] + 4.0 * middles + nodes[1:]) / 6.0
+    least: FloatArray = means.min(axis=1)
+    return least
 
 
 def _part(rows: Rows, those: slice) -> Rows:

@@ -7,12 +7,14 @@ import numpy as np
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import BoolArray, FloatArray
 from pipeline.progress import Progress, silent
+from pipeline.retime.forces import moving_shares
 from pipeline.retime.jerk_nlp import Checks, build_program, solve_program
 from pipeline.retime.limits import limited, limits
-from pipeline.retime.pieces import Pieces, halved
+from pipeline.retime.pieces import Pieces, halved, slowed
 from pipeline.retime.result import Trajectory
 from pipeline.retime.smooth import first_guess
 from pipeline.retime.terms import TermsTable
+from pipeline.solvers import interrupts_noted
 
 _PARTS = np.arange(1, 20) / 20.0
 """Where within a piece limits are looked at between two solves."""
@@ -26,6 +28,8 @@ _SETTLED = 1e-3
 """Relative gain in time by a round from which on another one is worth it: seconds change within bounds in each."""
 _ROUNDS = 12
 _ITERATIONS = 500
+_SLOWER = (1.0, 2.0, 5.0)
+"""Factors by which the law before is slowed down, one after the other, until a program is solved from it."""
 _SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
@@ -56,17 +60,8 @@ def limit_jerk(
     checks = _middles(law)
     iterations, before = 0, np.inf
     for number in range(_ROUNDS):
-        progress(f"limiting jerk: {len(law.h)} pieces, {len(checks.piece)} checks within")
-        law, status, took = solve_program(build_program(table, law, checks), _ITERATIONS, verbose)
+        law, took = _solved(table, law, checks, progress, verbose)
         iterations += took
-        if status not in _SOLVED:
-            raise NoSolutionError(
-                "retime",
-                f"the motion with limited jerk did not converge ({status.replace('_', ' ').lower()}, "
-                f"{took} iterations on {len(law.h)} pieces)",
-                "Give other retime.jerk_pieces, or retime.jerk: off for a motion whose accelerations jump.",
-                {"status": status, "pieces": len(law.h)},
-            )
         largest, settled = _fractions(table, law), law.h.sum() > before * (1.0 - _SETTLED)
         if largest.max() <= _HELD and settled:
             break
@@ -78,6 +73,31 @@ def limit_jerk(
             checks = _more(checks, largest)
     trajectory = Trajectory(table.path, law.time_law())
     return JerkLimited(trajectory, len(law.h), number + 1, iterations)
+
+
+def _solved(table: TermsTable, law: Pieces, checks: Checks, progress: Progress, verbose: bool) -> tuple[Pieces, int]:
+    """Solve the program from a law, or from the same law slowed down, which leaves more room; counts iterations."""
+    what, iterations = f"limiting jerk: {len(law.h)} pieces, {len(checks.piece)} checks within", 0
+    progress(what)
+
+    def tell(iteration: int, _: float) -> None:
+        progress(f"{what}, IPOPT iteration {iteration}")
+
+    for slower in _SLOWER:
+        # CasADi's wrappers forget errors that come while they convert arguments, and Ctrl-C is one.
+        with interrupts_noted():
+            program = build_program(table, slowed(law, slower), checks)
+        found, status, took = solve_program(program, _ITERATIONS, verbose, tell)
+        iterations += took
+        if status in _SOLVED:
+            return found, iterations
+    raise NoSolutionError(
+        "retime",
+        f"the motion with limited jerk did not converge ({status.replace('_', ' ').lower()}, "
+        f"{iterations} iterations on {len(law.h)} pieces)",
+        "Give other retime.jerk_pieces, or retime.jerk: off for a motion whose accelerations jump.",
+        {"status": status, "pieces": len(law.h)},
+    )
 
 
 def _middles(law: Pieces) -> Checks:
@@ -93,12 +113,15 @@ def _more(checks: Checks, largest: FloatArray) -> Checks:
 
 
 def _fractions(table: TermsTable, law: Pieces) -> FloatArray:
-    """Largest fraction of any limit at places within each piece. Shape (n, places)."""
+    """Largest fraction of any limit at places within each piece, of forces beside those at rest. Shape (n, places)."""
     machine, count = table.path.machine, len(law.h)
-    s, sd, sdd, sddd = law.state(np.repeat(np.arange(count), len(_PARTS)), np.tile(_PARTS, count))
-    values, allowed = table.at(s.clip(0.0, 1.0)).values(sd, sdd, sddd), limits(machine)
-    largest = [(np.abs(values[name]) / allowed[name]).max(axis=1) for name in limited(machine)]
-    found: FloatArray = np.max(largest, axis=0).reshape(count, -1)
+    s, *state = law.state(np.repeat(np.arange(count), len(_PARTS)), np.tile(_PARTS, count))
+    terms = table.at(s.clip(0.0, 1.0))
+    values, allowed = terms.values(*state), limits(machine)
+    parts = [np.abs(values[name]) / allowed[name] for name in limited(machine)]
+    # Where rest takes nearly all of a force, a small part of the limit is much of what is left for motion.
+    parts += moving_shares(terms, values).values()
+    found: FloatArray = np.max([part.max(axis=1) for part in parts], axis=0).reshape(count, -1)
     return found
 
 

@@ -16,6 +16,7 @@ from pipeline.retime.limits import limits
 from pipeline.retime.pieces import Pieces, quartic
 from pipeline.retime.rows import limit_rows
 from pipeline.retime.terms import Terms, TermsTable
+from pipeline.solvers import Iteration, run_ipopt
 
 _NEAR = 0.6
 """Fraction of a limit in the law before from which on the limit is looked at."""
@@ -91,22 +92,26 @@ def build_program(table: TermsTable, before: Pieces, checks: Checks) -> Program:
     )
 
 
-def solve_program(program: Program, max_iterations: int, verbose: bool = False) -> tuple[Pieces, str, int]:
-    """Solve the program with IPOPT; returns the law, how the solver ended, and its iterations."""
-    options = {
-        "print_time": False,
-        "ipopt.print_level": 5 if verbose else 0,
-        "ipopt.sb": "yes",
-        "ipopt.linear_solver": "mumps",
-        "ipopt.nlp_scaling_method": "none",
-        "ipopt.mu_strategy": "adaptive",
-        "ipopt.tol": 1e-7,
-        "ipopt.constr_viol_tol": _HELD,
-        "ipopt.max_iter": max_iterations,
+def solve_program(
+    program: Program, max_iterations: int, verbose: bool = False, listener: Iteration = lambda number, objective: None
+) -> tuple[Pieces, str, int]:
+    """Solve the program with IPOPT; returns the law, how the solver ended, and its iterations.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When the user interrupts.
+    """
+    ipopt = {
+        "print_level": 5 if verbose else 0,
+        "nlp_scaling_method": "none",
+        "mu_strategy": "adaptive",
+        "tol": 1e-7,
+        "constr_viol_tol": _HELD,
+        "max_iter": max_iterations,
     }
-    solver = ca.nlpsol("jerk", "ipopt", program.nlp, options)
-    found = solver(x0=program.guess, lbx=program.lbx, ubx=program.ubx, lbg=program.lbg, ubg=program.ubg)
-    stats = solver.stats()
+    given = {"x0": program.guess, "lbx": program.lbx, "ubx": program.ubx, "lbg": program.lbg, "ubg": program.ubg}
+    found, stats = run_ipopt("jerk", program.nlp, {"ipopt": ipopt}, given, listener)
     return program.pieces(found["x"]), str(stats["return_status"]), int(stats["iter_count"])
 
 

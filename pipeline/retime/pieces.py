@@ -39,6 +39,11 @@ class Pieces:
         return PPoly(np.stack([rise / 24.0, self.j[:-1] / 6.0, self.w[:-1] / 2.0, self.v[:-1], self.s[:-1]]), t)
 
 
+def slowed(law: Pieces, factor: float) -> Pieces:
+    """Take `factor` times as long for everything: v, w, j shrink by its first, second and third power."""
+    return Pieces(law.s, law.v / factor, law.w / factor**2, law.j / factor**3, law.h * factor)
+
+
 def quartic(s0: Any, v0: Any, w0: Any, j0: Any, j1: Any, h: Any, part: Any) -> tuple[Any, Any, Any, Any]:
     """Evaluate s, sd, sdd, sddd in a piece, of numbers or of expressions."""
     t, rise = part * h, (j1 - j0) * part

@@ -1,6 +1,6 @@
 """TOPP-RA on the spline itself: the fastest time law within the limits at the points of a grid, jerk left aside.
 
-The planner sees s in [0, 1] and time in units of a rough guess of the duration; limits are rows of fractions, computed
+The planner sees s in [0, 1] and time in units of its own; limits are rows of fractions, computed
 once for the whole grid. Its tolerances are absolute, and this keeps all it compares near one, whatever the machine.
 """
 
@@ -20,9 +20,12 @@ from pipeline.refine.result import Path
 from pipeline.retime.limits import limits
 from pipeline.retime.result import Trajectory
 from pipeline.retime.rows import Rows, limit_rows
-from pipeline.retime.terms import grid, path_terms
+from pipeline.retime.terms import TermsTable, grid, path_terms
+from pipeline.solvers.interrupts import interrupts_noted
 
 _GUESS_POINTS = 1_000
+_MOST_CRUISING = 2.0
+"""Time at the velocity limits, relative to that for starting, up to which their sum is the unit of time."""
 _LARGEST = 1e8
 """Stands for a path speed without a limit, in the planner's units."""
 _ADVICE = "Raise retime.grid_points, or ask for a smoother path (fewer refine.coefficients)."
@@ -63,11 +66,12 @@ class _GivenRows(LinearConstraint):  # type: ignore[misc]  # toppra has no types
         return a, b, c, F, g, None, np.stack([np.zeros_like(cap), cap], axis=1)
 
 
-def plan(path: Path, grid_points: int) -> Trajectory:
+def plan(path: Path, grid_points: int, table: TermsTable | None = None) -> Trajectory:
     """Find the fastest way along the path, from rest to rest (TOPP-RA; Pham and Pham, 2018).
 
     Velocities hold at the grid points, accelerations and forces at both ends of every interval; the path acceleration
-    is constant in between, so that the law is a piecewise quadratic s(t).
+    is constant in between, so that the law is a piecewise quadratic s(t). Kinematics and dynamics are evaluated at the
+    grid points, or taken from a table that is there already.
 
     Raises
     ------
@@ -75,12 +79,12 @@ def plan(path: Path, grid_points: int) -> Trajectory:
         When the planner fails; says where.
     """
     s = grid(grid_points)
-    return plan_rows(path, s, limit_rows(path_terms(path, s)))
+    return plan_rows(path, s, limit_rows(path_terms(path, s) if table is None else table.at(s)))
 
 
 def plan_rows(path: Path, s: FloatArray, rows: Rows) -> Trajectory:
     """Find the fastest way under limits that are known on a grid s (n,)."""
-    unit_s = _rough_duration(path)
+    unit_s = _unit_s(path)
     sd = _path_velocities(s, _in_units(rows, unit_s)) / unit_s
     ds = np.diff(s)
     return Trajectory.from_breakpoints(
@@ -92,13 +96,17 @@ def plan_rows(path: Path, s: FloatArray, rows: Rows) -> Trajectory:
     )
 
 
-def _rough_duration(path: Path) -> float:
-    """Guess the duration in seconds: at the velocity limits throughout, plus for getting that far at all."""
+def _unit_s(path: Path) -> float:
+    """Guess the duration in seconds: at the velocity limits throughout, plus for getting that far at all.
+
+    Where starting takes next to no time of a slow motion, the unit is between the two: accelerations must not come
+    near the planner's tolerances either.
+    """
     rates = np.abs(path.q(np.linspace(0.0, 1.0, _GUESS_POINTS), 1))
     allowed = limits(path.machine)
     cruising = (rates / allowed["velocity"]).max(axis=1).mean()
     starting = np.sqrt((rates.mean(axis=0) / allowed["acceleration"]).max())
-    return float(cruising + starting)
+    return float(starting + min(cruising, np.sqrt(_MOST_CRUISING * cruising * starting)))
 
 
 def _in_units(rows: Rows, unit_s: float) -> Rows:
@@ -107,7 +115,8 @@ def _in_units(rows: Rows, unit_s: float) -> Rows:
 
 def _path_velocities(s: FloatArray, rows: Rows) -> FloatArray:
     """Path velocities at the grid points. Shape (n,)."""
-    with _solver_messages() as messages:
+    # Compiled code of toppra's would ignore Ctrl-C, and fail for it.
+    with _solver_messages() as messages, interrupts_noted():
         planner = TOPPRA([_GivenRows(rows)], _Unit(), gridpoints=s, solver_wrapper="seidel")
         _, sd, _, controllable = planner.compute_parameterization(0.0, 0.0, return_data=True)
     if sd is None:

@@ -5,8 +5,8 @@ import numpy as np
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import ACTUATORS
 from pipeline.refine.result import Path
-from pipeline.retime.limits import kind_named, limits
-from pipeline.retime.terms import Terms
+from pipeline.retime.limits import limits
+from pipeline.retime.standing import pose_words
 
 _LEAST_RELATIVE_SPEED = 0.05
 """Least |q'(s)| over its mean. Where it is smaller the path velocity peaks too sharply for a law that is piecewise
@@ -59,7 +59,7 @@ def require_motion(path: Path) -> None:
         raise NoSolutionError(
             "retime",
             f"{ACTUATORS[locked]} would have to move, and its velocity limit is 0 m/s, from s = {place:.4f} on, at "
-            f"{pose_words(path, place)}",
+            f"{pose_words(path.pose(np.array([place]))[0])}",
             "Raise machine.limits, or give the task a goal that is reached without this actuator.",
             {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
         )
@@ -74,38 +74,3 @@ def require_motion(path: Path) -> None:
             "Refine with other refine.coefficients or refine.corridor_cells, so that s stays close to arc length.",
             {"s": float(s[slowest]), "relative_speed": float(relative[slowest])},
         )
-
-
-def require_standing(path: Path, terms: Terms) -> None:
-    """Refuse a path somewhere on which gravity and dry friction alone take more force than there is.
-
-    Raises
-    ------
-    NoSolutionError
-        With the limit and the pose at which it is exceeded most.
-    """
-    needed, allowed = terms.resting(), limits(path.machine)
-    if not needed:
-        return
-    name = max(needed, key=lambda kind: float((np.abs(needed[kind]) / allowed[kind]).max()))
-    fractions = np.abs(needed[name]) / allowed[name]
-    row, subject = np.unravel_index(np.argmax(fractions), fractions.shape)
-    if not fractions[row, subject] >= 1.0:
-        return
-    kind, force, limit = kind_named(name), float(needed[name][row, subject]), float(allowed[name][subject])
-    place = float(terms.s[row])
-    raise NoSolutionError(
-        "retime",
-        f"{kind.subjects[subject]} needs {abs(force):.4g} N just to hold the machine at s = {place:.4f}, "
-        f"{fractions[row, subject]:.1%} of its {kind.words} limit of {limit:g} N, at {pose_words(path, place)}",
-        "Raise machine.limits, lighten machine.dynamics (load_kg, platform), or keep farther away from singularities "
-        "with a smaller refine.kappa_max.",
-        {"actuator": kind.subjects[subject], "limit": name, "force_n": force, "limit_n": limit, "s": place},
-    )
-
-
-def pose_words(path: Path, s: float) -> str:
-    """Name the pose at a place of the path."""
-    x, y, z, rx, ry, rz = path.pose(np.array([s]))[0]
-    angles = ", ".join(f"{name} {np.rad2deg(value):.1f}" for name, value in (("rx", rx), ("ry", ry), ("rz", rz)))
-    return f"the pose x {x:.3f}, y {y:.3f}, z {z:.3f} m, {angles} degrees"

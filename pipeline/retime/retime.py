@@ -3,32 +3,42 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path
 from pipeline.retime.limits import JERK, limited
-from pipeline.retime.possible import require_motion, require_smooth, require_standing
+from pipeline.retime.possible import require_motion, require_smooth
 from pipeline.retime.result import Quality, Trajectory, slowed, stretched
-from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import whole_periods
+from pipeline.retime.standing import require_standing
 from pipeline.retime.terms import TABLE_POINTS, TermsTable, grid, table_of
 from pipeline.retime.verify import ALLOWED_USAGE, Usage, measure_usage, require_limits
 
 _MOST_GRID_POINTS = 20_000
-_MOST_STRETCH = 1.01
-"""Factor by which time is stretched at most where limits are still exceeded between the points of a program."""
+_MOST_USAGE = 1.01
+"""Largest fraction of a limit, between the points of a program, that stretching time may take off."""
+_GOOD_STRETCH = 1.001
+"""Factor of such a stretch that a finer grid need not make smaller."""
+_GOOD_GAP = 0.005
+"""Part of the duration above its lower bound that a finer grid need not make smaller."""
+_GAIN = 5e-4
+"""Part of the duration that a finer grid has to gain for another one to be tried."""
 
 
 def retime_path(config: Config, path: Path, progress: Progress = silent, verbose: bool = False) -> Trajectory:
     """Time a path within all limits of the machine, at rest at both ends.
 
     With `retime.jerk` accelerations are continuous, and zero at both ends. The duration is a whole number of
-    `retime.period_s`. What limits are exceeded by between the points of a program (below 0.1 %) is taken off by
-    stretching time, so that all limits hold.
+    `retime.period_s`. What limits are exceeded by between the points of a program is taken off by stretching time, so
+    that all limits hold.
 
     Raises
     ------
+    ConfigError
+        When the motion has more periods than a table may have rows.
     NoSolutionError
         When the path does not move, has a corner or comes to a stop on its way, when forces do not suffice to hold the
         machine, or when a planner fails.
@@ -36,9 +46,8 @@ def retime_path(config: Config, path: Path, progress: Progress = silent, verbose
     require_smooth(path)
     require_motion(path)
     table = table_of(path, max(TABLE_POINTS, config.retime.grid_points))
-    require_standing(path, table.grid)
-    law = _law(config, table, progress, verbose)
-    assert law.quality is not None
+    require_standing(table)
+    law = fastest_law(config, table, progress, verbose)
     options = config.retime
     dwell = tuple(math.ceil(wait / options.period_s - 1e-9) * options.period_s for wait in options.dwell_s)
     waiting = replace(law, dwell_s=(dwell[0], dwell[1]))
@@ -47,45 +56,30 @@ def retime_path(config: Config, path: Path, progress: Progress = silent, verbose
     return trajectory
 
 
-def way_back(config: Config, trajectory: Trajectory) -> Trajectory:
-    """Drive a trajectory backwards, checked by itself; where friction makes forces larger, as much slower as needed.
+def fastest_law(config: Config, table: TermsTable, progress: Progress, verbose: bool) -> Trajectory:
+    """Find the fastest time law along the path of a table, within all limits, and how good it is.
 
     Raises
     ------
     NoSolutionError
-        When forces do not suffice to hold the machine on its way back.
+        When a planner fails, or leaves limits exceeded between its points by more than a percent.
     """
-    back = time_reversed(trajectory)
-    table = table_of(back.path, TABLE_POINTS)
-    require_standing(back.path, table.grid)
-    slower = measure_usage(back, config.retime.period_s, table).stretch
-    back = stretched(back, sum(back.dwell_s) + back.motion_s * slower)
-    back = whole_periods(back, config.retime.period_s)
-    require_limits(back, config.retime.period_s, table)
-    return back
-
-
-def _law(config: Config, table: TermsTable, progress: Progress, verbose: bool) -> Trajectory:
-    """Find the time law itself."""
-    # Solvers, and a plotting library that one of them brings along, take a while to load.
-    from pipeline.retime.bound import duration_bound
-
     options = config.retime
-    fastest, usage, points = _fastest(table, options.grid_points, progress)
-    progress("bounding the duration from below")
-    bound = duration_bound(table, grid(options.bound_points))
+    fastest = _fastest(config, table, progress)
     limit_jerk = options.jerk and JERK in limited(table.path.machine)
-    quality = Quality(limit_jerk, fastest.motion_s, bound, fastest.motion_s, points)
     if not limit_jerk:
-        return replace(_within_limits(fastest, usage), quality=quality)
+        return fastest
+    assert fastest.quality is not None
     from pipeline.retime.jerk import limit_jerk as with_limited_jerk
 
     found = with_limited_jerk(table, fastest, options.jerk_pieces, progress, verbose)
-    law = _within_limits(found.trajectory, measure_usage(found.trajectory, options.period_s, table))
+    usage = measure_usage(found.trajectory, options.period_s, table)
+    law = _within_limits(found.trajectory, usage, table, "Give more retime.jerk_pieces")
     return replace(
         law,
         quality=replace(
-            quality,
+            fastest.quality,
+            jerk_limited=True,
             motion_s=law.motion_s,
             pieces=found.pieces,
             rounds=found.rounds,
@@ -94,40 +88,48 @@ def _law(config: Config, table: TermsTable, progress: Progress, verbose: bool) -
     )
 
 
-def _fastest(table: TermsTable, points: int, progress: Progress) -> tuple[Trajectory, Usage, int]:
-    """Plan without jerk limits; the grid is doubled while limits are broken between its points."""
-    from pipeline.retime.plan import plan_rows
-    from pipeline.retime.rows import limit_rows
+def _fastest(config: Config, table: TermsTable, progress: Progress) -> Trajectory:
+    """Plan without jerk limits; the grid is doubled while limits are broken, or too much time is lost, between points.
 
+    Time lost shows in the gap to the lower bound, unless a finer grid does not gain any: then the bound is too low.
+    """
+    # Solvers, and a plotting library that one of them brings along, take a while to load.
+    from pipeline.retime.bound import duration_bound
+    from pipeline.retime.plan import plan
+
+    points, bound, before = config.retime.grid_points, 0.0, np.inf
     while True:
         progress(f"timing the path on {points:,} grid points")
-        s = grid(points)
-        planned = plan_rows(table.path, s, limit_rows(table.at(s)))
+        planned = plan(table.path, points, table)
         usage = measure_usage(planned, table=table)
-        if usage.largest <= ALLOWED_USAGE:
-            return planned, usage, points
-        if 2 * points > _MOST_GRID_POINTS:
-            return planned, require_limits(planned, table=table), points
+        finest = 2 * points > _MOST_GRID_POINTS
+        if finest or (usage.largest <= ALLOWED_USAGE and usage.stretch <= _GOOD_STRETCH):
+            law = _within_limits(planned, usage, table, "Raise retime.grid_points")
+            if not bound:
+                progress("bounding the duration from below")
+                bound = duration_bound(table, grid(config.retime.bound_points))
+            quality = Quality(False, law.motion_s, bound, law.motion_s, points)
+            if finest or quality.gap <= _GOOD_GAP or law.motion_s > before * (1.0 - _GAIN):
+                return replace(law, quality=quality)
+            before = law.motion_s
         points *= 2
 
 
-def _within_limits(trajectory: Trajectory, usage: Usage) -> Trajectory:
+def _within_limits(trajectory: Trajectory, usage: Usage, table: TermsTable, advice: str) -> Trajectory:
     """Stretch time by what a usage asks for, for nothing to be above its limit.
 
     Raises
     ------
     NoSolutionError
-        When that is too much to be called rounding.
+        When a limit is exceeded by more than what can be called rounding; names it and the place.
     """
+    if usage.largest > _MOST_USAGE:
+        try:
+            require_limits(trajectory, table=table)
+        except NoSolutionError as error:
+            advice = f"{advice}, or ask for a smoother path (fewer refine.coefficients)."
+            raise NoSolutionError(error.stage, error.reason, advice, error.diagnosis) from None
     factor = usage.stretch
-    if factor == 1.0:
-        return trajectory
-    if factor > _MOST_STRETCH:
-        raise NoSolutionError(
-            "retime",
-            f"limits are exceeded between the points of the program: time would have to be stretched by "
-            f"{factor - 1.0:.2%}",
-            "Give more retime.jerk_pieces, or ask for a smoother path (fewer refine.coefficients).",
-            {"stretch": factor},
-        )
-    return stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * factor)
+    return (
+        trajectory if factor == 1.0 else stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * factor)
+    )

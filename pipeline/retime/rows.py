@@ -9,7 +9,7 @@ from pipeline.retime.limits import kind_named, limits
 from pipeline.retime.terms import Terms
 
 _TCP_SIDES = 32
-"""Sides of half the polygon that stands for the circle of TCP accelerations: 0.12 % are given away at each side."""
+"""Sides of half the polygon that stands for the circle of TCP accelerations: corners are 0.12 % farther than sides."""
 
 _DRIVES_LINKS = (slice(0, 5), slice(5, 11))
 """Where the coefficients of drives and of links are among those of all forces."""
@@ -36,11 +36,16 @@ class Rows:
     labels: tuple[tuple[str, str], ...]
 
 
-def limit_rows(terms: Terms) -> Rows:
+def limit_rows(terms: Terms, outer: bool = False) -> Rows:
     """Write all limits but those of jerk as rows; what is not limited has none.
 
-    The TCP's acceleration lies in the plane of its first two derivatives: a polygon about the circle there, with a
-    side towards either end of the tangent, holds it to 0.12 %.
+    The TCP's acceleration lies in the plane of its first two derivatives. A polygon stands for the circle there, with
+    a side towards either end of the tangent: inscribed, so that the rows keep the limit and give away up to 0.12 %.
+
+    Parameters
+    ----------
+    outer : bool
+        Circumscribe the polygon: then whatever keeps the limits keeps the rows, which bounds need.
     """
     limit = limits(terms.machine)
     parts = [_both((terms.q1, terms.q2, np.zeros_like(terms.q1)), limit["acceleration"], "acceleration")]
@@ -49,20 +54,19 @@ def limit_rows(terms: Terms) -> Rows:
         parts.append(_both((*drives[:2], drives[2] + terms.friction()), limit["force"], "force"))
         parts.append(_both(links, limit["link_force"], "link_force"))
     if np.isfinite(limit["tcp_acceleration"]).any():
-        parts.append(_tcp(terms, limit["tcp_acceleration"].item()))
+        parts.append(_tcp(terms, limit["tcp_acceleration"].item(), outer))
     a, b, c = (np.concatenate([part[0][k] for part in parts], axis=1) for k in range(3))
-    return Rows(a, b, c, speed_cap(terms), tuple(label for part in parts for label in part[1]))
+    return Rows(a, b, c, speed_caps(terms).min(axis=1), tuple(label for part in parts for label in part[1]))
 
 
-def speed_cap(terms: Terms) -> FloatArray:
-    """Largest sd within the velocity limits of actuators and TCP, infinite where nothing moves. Shape (n,)."""
+def speed_caps(terms: Terms) -> FloatArray:
+    """Largest sd within the velocity limit of each actuator and of the TCP, infinite for what stands. Shape (n, 6)."""
     limit = limits(terms.machine)
     speeds = np.concatenate([np.abs(terms.q1), np.linalg.norm(terms.tcp1, axis=1, keepdims=True)], axis=1)
     allowed = np.concatenate([limit["velocity"], limit["tcp_speed"]])
     with np.errstate(divide="ignore", invalid="ignore"):
-        caps = np.where(speeds > 0.0, allowed / speeds, np.inf)
-    cap: FloatArray = caps.min(axis=1)
-    return cap
+        caps: FloatArray = np.where(speeds > 0.0, allowed / speeds, np.inf)
+    return caps
 
 
 def largest_speed(rows: Rows) -> FloatArray:
@@ -96,14 +100,14 @@ def _both(coefficients: _Coefficients, limit: FloatArray, kind: str) -> _Part:
     return tuple(np.concatenate([part, -part], axis=1) for part in scaled), labels * 2
 
 
-def _tcp(terms: Terms, limit: float) -> _Part:
-    """Write |tcp1 sdd + tcp2 sd^2| <= limit as the sides of a polygon inside the half circle on the side of tcp2."""
+def _tcp(terms: Terms, limit: float, outer: bool) -> _Part:
+    """Write |tcp1 sdd + tcp2 sd^2| <= limit as the sides of a polygon for the half circle on the side of tcp2."""
     length = np.linalg.norm(terms.tcp1, axis=1, keepdims=True)
     tangent = terms.tcp1 / np.maximum(length, 1e-300)
     along = np.einsum("ni,ni->n", terms.tcp2, tangent)[:, None]
     across = np.linalg.norm(terms.tcp2 - along * tangent, axis=1, keepdims=True)
     angles = np.linspace(0.0, np.pi, _TCP_SIDES + 1)
-    scale = limit * np.cos(np.pi / (2.0 * _TCP_SIDES))
+    scale = limit if outer else limit * np.cos(np.pi / (2.0 * _TCP_SIDES))
     a = length * np.cos(angles) / scale
     b = (along * np.cos(angles) + across * np.sin(angles)) / scale
     return (a, b, np.zeros_like(a)), [("tcp_acceleration", "TCP")] * len(angles)

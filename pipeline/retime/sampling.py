@@ -4,17 +4,38 @@ import math
 
 import numpy as np
 
+from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.machine.geometry import FloatArray
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.retime.result import Trajectory, TrajectorySamples, stretched
 
+MOST_ROWS = 1_000_000
+"""Rows of a table at most: as CSV about 400 MB, and a few GB of memory while it is written."""
 _SAME = 1e-9
 """Part of a period that is rounding: a duration this little above a multiple of the period is that multiple."""
 
 
 def whole_periods(trajectory: Trajectory, period_s: float) -> Trajectory:
-    """Stretch time to the next multiple of the period, so that the last sample is the goal."""
+    """Stretch time to the next multiple of the period, so that the last sample is the goal.
+
+    Raises
+    ------
+    ConfigError
+        When that makes more rows than a table may have.
+    """
     periods = max(1, math.ceil(trajectory.duration_s / period_s - _SAME))
+    if periods + 1 > MOST_ROWS:
+        raise ConfigError(
+            [
+                ConfigIssue(
+                    "retime.period_s",
+                    f"is {period_s:g}, and the trajectory lasts {trajectory.duration_s:,.0f} s, which makes "
+                    f"{periods + 1:,} rows; allowed are {MOST_ROWS:,}. Raise retime.period_s (--period) or "
+                    f"retime.speed (--speed), or shorten retime.dwell_s",
+                    period_s,
+                )
+            ]
+        )
     duration = periods * period_s
     return trajectory if duration == trajectory.duration_s else stretched(trajectory, duration)
 
@@ -24,6 +45,8 @@ def sample_trajectory(trajectory: Trajectory, period_s: float) -> TrajectorySamp
 
     Raises
     ------
+    ConfigError
+        When that makes more rows than a table may have.
     ForwardKinematicsError
         Where the closure equations have no solution near the path's known poses.
     """

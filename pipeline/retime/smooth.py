@@ -1,8 +1,10 @@
 """A first guess with bounded jerk: the fastest law, blurred in time, on breakpoints where jerk will need them."""
 
+import math
+
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from pipeline.machine.geometry import FloatArray
 from pipeline.retime.limits import limits
@@ -22,31 +24,51 @@ _TAPS = 9
 _LEAST = 1e-12
 """Least rise of s between two breakpoints."""
 _MOST_CURVED = 5.0
+_PER_WIDTH = 3.0
+"""Pieces within the width of an average where acceleration changes, at least."""
+_CHANGING = 0.2
+"""Part of the law's largest jerk from which on acceleration changes quickly."""
+_WHOLE = 1e-6
+"""Part of a piece that is rounding."""
 
 
 def first_guess(table: TermsTable, fastest: Trajectory, count: int) -> Pieces:
-    """Blur the fastest law, and lay `count` pieces where time passes and where the path itself asks for jerk.
+    """Blur the fastest law, and lay about `count` pieces where time passes and where jerk needs them.
 
     The density of breakpoints in time is 1 + g, with g the largest fraction of a jerk limit that 3 q'' sd sdd or
-    q''' sd^3 makes by itself, cut off at five: there the path jerk has to compensate within little time.
+    q''' sd^3 makes by itself, cut off at five: there the path jerk has to compensate within little time. Where
+    acceleration changes quickly, at both ends and where the fastest law switches, there are pieces enough whatever
+    `count` is: in a slow motion it does so within a small part of the time that one piece lasts elsewhere.
     """
     machine = table.path.machine
     finite = np.isfinite(machine.jerk_mps3)
     ramp_s = float((machine.acceleration_mps2[finite] / machine.jerk_mps3[finite]).max())
     # A motion too short for its accelerations to build up takes about the cube root of what jerk makes of it.
     width_s = min(_WIDTHS * ramp_s, float(np.cbrt(ramp_s * fastest.motion_s**2)))
-    t, law = _blurred(fastest, width_s)
-    s, v, w = (law(t, nu=order) for order in range(3))
-    terms, jerk = table.at(s.clip(0.0, 1.0)), limits(machine)["jerk"]
-    bent = np.abs(3.0 * terms.q2 * (v * w)[:, None]) / jerk
-    third = np.abs(terms.q3 * (v**3)[:, None]) / jerk
-    density = 1.0 + np.minimum(np.maximum(bent, third).max(axis=1), _MOST_CURVED)
-    passed = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) * np.diff(t))])
-    return _pieces(law, np.interp(np.linspace(0.0, passed[-1], count + 1), passed, t))
+    t, law, width_s = _blurred(fastest, width_s)
+    density = _density(table, t, law, count, width_s)
+    passed = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) * np.diff(t) / 2.0)])
+    pieces = math.ceil(passed[-1] - _WHOLE)
+    return _pieces(law, np.interp(np.linspace(0.0, passed[-1], pieces + 1), passed, t))
 
 
-def _blurred(fastest: Trajectory, width_s: float) -> tuple[FloatArray, BSpline]:
-    """Average s(t) over a width three times; instants (n,), and the law as a spline.
+def _density(table: TermsTable, t: FloatArray, law: BSpline, count: int, width_s: float) -> FloatArray:
+    """Breakpoints per second at instants t (n,): `count` in all, and more within a width of quick changes."""
+    s, v, w, j = (law(t, nu=order) for order in range(4))
+    terms, limit = table.at(s.clip(0.0, 1.0)), limits(table.path.machine)["jerk"]
+    bent = (np.abs(3.0 * terms.q2 * (v * w)[:, None]) / limit).max(axis=1)
+    third = (np.abs(terms.q3 * (v**3)[:, None]) / limit).max(axis=1)
+    density = 1.0 + np.minimum(np.maximum(bent, third), _MOST_CURVED)
+    density *= count / np.trapezoid(density, t)
+    jerk = (np.abs(terms.values(v, w, j)["jerk"]) / limit).max(axis=1)
+    around = maximum_filter1d(jerk, 1 + 2 * round(width_s / (t[1] - t[0])))
+    quickly = around > _CHANGING * jerk.max()
+    found: FloatArray = np.where(quickly, np.maximum(density, _PER_WIDTH / width_s), density)
+    return found
+
+
+def _blurred(fastest: Trajectory, width_s: float) -> tuple[FloatArray, BSpline, float]:
+    """Average s(t) over a width three times; instants (n,), the law as a spline, and the width that came of it.
 
     The motion lasts three widths longer, and reaches velocities and accelerations no larger than before, though at
     other places.
@@ -63,7 +85,7 @@ def _blurred(fastest: Trajectory, width_s: float) -> tuple[FloatArray, BSpline]:
     moving = np.flatnonzero((s > _LEAST) & (s < 1.0 - _LEAST))
     s = s[moving[0] - 1 : moving[-1] + 2]
     passed: FloatArray = dt * np.arange(len(s), dtype=float)
-    return passed, make_interp_spline(passed, s, k=5)
+    return passed, make_interp_spline(passed, s, k=5), dt * taps
 
 
 def _pieces(law: BSpline, t: FloatArray) -> Pieces:

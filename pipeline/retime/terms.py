@@ -26,6 +26,8 @@ TABLE_POINTS = 2_001
 """Places at which kinematics and dynamics are evaluated."""
 _FORCES = ("tcp1", "tcp2", "a", "b", "c")
 """What takes forward kinematics or dynamics to evaluate."""
+_STILL, _STILL_M = 1e-9, 1e-12
+"""An actuator stands still where its |q'| is no more than this part of the largest, and this many metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +83,16 @@ class Terms:
         return {"force": self.c[:, :5] + self.friction(), "link_force": self.c[:, 5:]}
 
     def friction(self) -> FloatArray:
-        """Force of the drives against dry friction while s grows. Shape (n, 5)."""
-        masses = self.machine.masses
-        return np.zeros_like(self.q1) if masses is None else np.sign(self.q1) * masses.friction_n
+        """Force of the drives against dry friction while s grows: sign(q') times theirs. Shape (n, 5).
+
+        What rounding leaves of the q' of an actuator that stands still has no sign.
+        """
+        masses, speed = self.machine.masses, np.abs(self.q1)
+        if masses is None:
+            return np.zeros_like(self.q1)
+        moves = speed > _STILL * speed.max(axis=1, keepdims=True) + _STILL_M
+        against: FloatArray = np.sign(self.q1) * moves * masses.friction_n
+        return against
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import FloatArray, IntArray
+from pipeline.retime.forces import moving_shares
 from pipeline.retime.limits import JERK, KINDS, kind_named, limited, limits
 from pipeline.retime.result import Quality, Trajectory, TrajectorySamples
 from pipeline.retime.terms import TABLE_POINTS, Terms, TermsTable, table_of
@@ -83,12 +84,12 @@ class TrajectoryFigures:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What happens at instants t (n,) of a trajectory: s (n,), and every quantity (n, subjects) by its name."""
+    """What happens at instants t (n,) of a trajectory: s (n,), every quantity (n, subjects) by its name, the terms."""
 
     t_s: FloatArray
     s: FloatArray
     values: dict[str, FloatArray]
-    at_rest: Terms
+    terms: Terms
 
 
 def measure_trajectory(trajectory: Trajectory, samples: TrajectorySamples) -> TrajectoryFigures:
@@ -141,8 +142,19 @@ def _look(
     if trajectory.jerk_jumps:
         del values[JERK]
         if period_s is not None:
-            values[JERK] = np.abs(trajectory.q(t + period_s, 2) - values["acceleration"]) / period_s
+            values[JERK] = _seen_jerk(trajectory, t, values["acceleration"], period_s)
     return Course(t, s, values, terms)
+
+
+def _seen_jerk(trajectory: Trajectory, t: FloatArray, acceleration: FloatArray, period_s: float) -> FloatArray:
+    """Change of the acceleration over the period after t (n,), and over that before, while the motion begins.
+
+    Before the motion the machine stands, so that no instant of it looks ahead over the jump it begins with.
+    """
+    change = np.abs(trajectory.q(t + period_s, 2) - acceleration)
+    begins = (t < trajectory.dwell_s[0] + period_s)[:, None]
+    jerk: FloatArray = np.maximum(change, np.where(begins, np.abs(acceleration), 0.0)) / period_s
+    return jerk
 
 
 def measure_usage(trajectory: Trajectory, period_s: float | None = None, table: TermsTable | None = None) -> Usage:
@@ -153,8 +165,15 @@ def measure_usage(trajectory: Trajectory, period_s: float | None = None, table: 
     return usage
 
 
-def require_limits(trajectory: Trajectory, period_s: float | None = None, table: TermsTable | None = None) -> Usage:
+def require_limits(
+    trajectory: Trajectory, period_s: float | None = None, table: TermsTable | None = None, backwards: bool = False
+) -> Usage:
     """Measure the usage and insist on it.
+
+    Parameters
+    ----------
+    backwards : bool
+        The trajectory is that of the way back: s is told along the way there.
 
     Raises
     ------
@@ -164,7 +183,7 @@ def require_limits(trajectory: Trajectory, period_s: float | None = None, table:
     usage = measure_usage(trajectory, period_s, table)
     if usage.largest > ALLOWED_USAGE:
         parts = course(trajectory, period_s, table)
-        raise _exceeded(trajectory, max(parts, key=lambda part: _usage(trajectory, part).largest))
+        raise _exceeded(trajectory, max(parts, key=lambda part: _usage(trajectory, part).largest), backwards)
     return usage
 
 
@@ -196,26 +215,17 @@ def _usage(trajectory: Trajectory, found: Course) -> Usage:
     machine = trajectory.path.machine
     allowed, names = limits(machine), limited(machine)
     peaks = {name: np.abs(values).max(axis=0) for name, values in found.values.items()}
+    shares = moving_shares(found.terms, found.values)
     fractions = {name: peaks[name] / allowed[name] for name in names if name in peaks}
     return Usage(
         **fractions,
         jerk_held=not trajectory.jerk_jumps,
-        force_stretch=_force_stretch(found, allowed),
+        force_stretch=float(np.sqrt(max((float(part.max()) for part in shares.values()), default=1.0))),
         peaks=peaks,
     )
 
 
-def _force_stretch(found: Course, allowed: dict[str, FloatArray]) -> float:
-    """Least stretch f for all forces: c + (F - c) / f^2 has to be within its limit, with c the force at rest."""
-    factor = 1.0
-    for name, rest in found.at_rest.resting().items():
-        moving = found.values[name] - rest
-        room = np.maximum(allowed[name] - np.sign(moving) * rest, 1e-300)
-        factor = max(factor, float((np.abs(moving) / room).max()))
-    return float(np.sqrt(factor))
-
-
-def _exceeded(trajectory: Trajectory, found: Course) -> NoSolutionError:
+def _exceeded(trajectory: Trajectory, found: Course, backwards: bool) -> NoSolutionError:
     usage = _usage(trajectory, found)
     name = max(usage.held(), key=lambda held: usage.held()[held].max())
     kind, allowed = kind_named(name), limits(trajectory.path.machine)[name]
@@ -223,10 +233,11 @@ def _exceeded(trajectory: Trajectory, found: Course) -> NoSolutionError:
     row, subject = np.unravel_index(np.argmax(fractions), fractions.shape)
     fraction, limit = float(fractions[row, subject]), float(allowed[subject])
     s, t = float(found.s[row]), float(found.t_s[row])
+    s = 1.0 - s if backwards else s
     return NoSolutionError(
         "retime",
         f"{kind.subjects[subject]} would reach {fraction * limit:.4g} {kind.unit}, {fraction:.1%} of its {kind.words} "
-        f"limit of {limit:g} {kind.unit}, between two grid points at s = {s:.4f}, t = {t:.3f} s",
+        f"limit of {limit:g} {kind.unit}, between two points of the plan, at s = {s:.4f}, t = {t:.3f} s",
         "Ask for a smoother path: fewer refine.coefficients, or more refine.corridor_cells.",
         {"actuator": kind.subjects[subject], "limit": name, "fraction": fraction, "s": s, "t_s": t},
     )

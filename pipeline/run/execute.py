@@ -29,7 +29,7 @@ from pipeline.run.fingerprint import UPSTREAM, fingerprint, fingerprints
 from pipeline.run.reporter import Quiet, Reporter
 from pipeline.run.stages import MAKE, Product, Results
 from pipeline.stage import STAGES, Stage
-from pipeline.summary import failure_section, summarise
+from pipeline.summary import failed_part, failure_section, summarise
 
 _SECTION = {
     Stage.REGIONS: "regions",
@@ -60,6 +60,19 @@ class RunReport:
     outcomes: tuple[Outcome, ...]
     summary: dict[str, Any]
 
+    def require_complete(self) -> None:
+        """Insist on all parts of all results.
+
+        Raises
+        ------
+        NoSolutionError
+            When a part of a stage failed (the way back) though the stage has a result; says why.
+        """
+        for outcome in self.outcomes:
+            part = failed_part(outcome.section)
+            if part is not None:
+                raise NoSolutionError(outcome.stage, part["reason"], part["advice"])
+
 
 def run_pipeline(
     config: Config,
@@ -73,6 +86,8 @@ def run_pipeline(
     tolerances: bool = False,
 ) -> RunReport:
     """Run the stages whose inputs have changed, and write their results into the folder `out`.
+
+    A part of a result may have failed, see `RunReport.require_complete`.
 
     Parameters
     ----------
@@ -201,6 +216,8 @@ class _Run:
         try:
             product = MAKE[stage](self._results, progress, self._verbose)
         except (ConfigError, UsageError):
+            # Nothing in the folder may go on looking as if it belonged to what was asked for.
+            self.settle()
             raise
         except PipelineError as error:
             self._fail(stage, error, expected, time.perf_counter() - began, progress)

@@ -24,9 +24,9 @@ UPSTREAM: dict[Stage, tuple[Stage, ...]] = {
 _CODE = {
     Stage.REGIONS: ("artifacts", "machine", "route"),
     Stage.ROUTE: ("artifacts", "machine", "route"),
-    Stage.REFINE: ("artifacts", "machine", "route", "refine"),
+    Stage.REFINE: ("artifacts", "machine", "route", "solvers", "refine"),
     Stage.CERTIFY: ("artifacts", "machine", "route", "refine", "certify"),
-    Stage.RETIME: ("artifacts", "machine", "refine", "retime", "export"),
+    Stage.RETIME: ("artifacts", "machine", "refine", "solvers", "retime", "export"),
     Stage.FIGURES: ("artifacts", "machine", "route", "refine", "certify", "retime", "compare", "report"),
 }
 PROOFS = ("nothing", "path", "tolerances")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.config import Config
+from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress
 from pipeline.run.fingerprint import grid_fingerprint, with_proof
@@ -176,26 +177,43 @@ def make_certificate(results: Results, progress: Progress, verbose: bool) -> Pro
 
 
 def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Product:
-    """Time the path and its way back, and sample both for the controller."""
-    from pipeline.artifacts.results import back_files, trajectory_files
+    """Time the path and its way back, and sample both for the controller.
+
+    Where the way back alone has no solution the way there is a result all the same, and the summary says so.
+    """
+    from pipeline.artifacts.results import trajectory_files
     from pipeline.export import sidecar
-    from pipeline.retime import measure_trajectory, retime_path, sample_trajectory, way_back
+    from pipeline.retime import measure_trajectory, retime_path, sample_trajectory
     from pipeline.summary import trajectory_section
 
     config, machine = results.config, results.machine
-    results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
-    back = way_back(config, results.trajectory)
+    trajectory = results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
     progress("sampling the trajectory")
-    there_samples, back_samples = (sample_trajectory(one, config.retime.period_s) for one in (results.trajectory, back))
-    there_figures = measure_trajectory(results.trajectory, there_samples)
-    back_figures = measure_trajectory(back, back_samples)
-    files = {
-        **trajectory_files(
-            results.trajectory, there_samples, sidecar(config, machine, there_samples, there_figures.usage)
-        ),
-        **back_files(machine, back_samples, sidecar(config, machine, back_samples, back_figures.usage)),
-    }
-    return Product(files, trajectory_section(there_figures, back_figures))
+    samples = sample_trajectory(trajectory, config.retime.period_s)
+    figures = measure_trajectory(trajectory, samples)
+    files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
+    back = _way_back(results, progress, verbose)
+    return Product({**files, **back.files}, {**trajectory_section(figures), "back": back.section})
+
+
+def _way_back(results: Results, progress: Progress, verbose: bool) -> Product:
+    """Time and sample the way back; why there is none, where that is so."""
+    from pipeline.artifacts.results import back_files
+    from pipeline.export import sidecar
+    from pipeline.retime import measure_trajectory, sample_trajectory, way_back
+    from pipeline.summary import back_section, failure_section
+
+    config, machine = results.config, results.machine
+    progress("timing the way back")
+    try:
+        back = way_back(config, results.trajectory, progress, verbose)
+    except NoSolutionError as error:
+        return Product({}, failure_section(error.reason, error.advice))
+    samples = sample_trajectory(back, config.retime.period_s)
+    figures = measure_trajectory(back, samples)
+    return Product(
+        back_files(machine, samples, sidecar(config, machine, samples, figures.usage)), back_section(figures)
+    )
 
 
 def make_figures(results: Results, progress: Progress, verbose: bool) -> Product:

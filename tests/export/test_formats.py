@@ -162,6 +162,19 @@ def test_what_is_not_the_format_is_refused(reader, text: str, message: str) -> N
         reader(text)
 
 
+@pytest.mark.parametrize("acceleration_mps2", [2.0, 1e-3, 1e-4])
+def test_decimals_are_as_many_as_the_period_needs(acceleration_mps2: float) -> None:
+    """Rounding makes no more than a ten thousandth of the limit, and with one decimal less it makes more."""
+    decimals = needed_decimals(0.000_125, np.array([acceleration_mps2]))
+    made = 2.0 * 10.0**-decimals / 0.000_125**2
+    assert made <= 1e-4 * acceleration_mps2 < 10.0 * made
+
+
+def test_no_more_decimals_than_numbers_have() -> None:
+    """However small the limit."""
+    assert needed_decimals(0.000_125, np.array([1e-9])) == 17
+
+
 def test_csv_options(make_samples) -> None:
     """Separator, columns in the order asked for, units in the names, decimals as many as wanted."""
     samples = make_samples(0.01)
@@ -188,6 +201,7 @@ def test_csv_options(make_samples) -> None:
     [
         (Format.CSV, CsvOptions(columns=("q9_m",)), "no column q9_m; there are t_s"),
         (Format.CSV, CsvOptions(columns=("t_s", "t_s")), "twice"),
+        (Format.CSV, CsvOptions(columns=()), "names no column; there are t_s"),
         (Format.CSV, CsvOptions(decimals=6), "6 decimals are too few.*\n.*at least 11"),
         (Format.CSV, CsvOptions(decimals=7, length=LengthUnit.MM), "at least 8"),
         (Format.ROS2, CsvOptions(decimals=14), "go with --format csv"),

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from pipeline.errors import NoSolutionError
 from pipeline.machine import Machine
 from pipeline.refine.result import Path
+from pipeline.retime import measure_usage
 from pipeline.retime.bound import duration_bound
 from pipeline.retime.plan import plan
 from pipeline.retime.terms import grid, terms_table
@@ -64,3 +65,21 @@ def test_without_any_motion_there_is_no_bound(path: Path) -> None:
     weak = replace(path, machine=replace(path.machine, force_n=np.full(5, 30.0)))
     with pytest.raises(NoSolutionError, match="no motion along the path"):
         _bound(weak, 200)
+
+
+@pytest.mark.parametrize("points", [1_000, 10_000])
+def test_with_a_limit_of_the_tcp_a_line_is_bounded_by_what_it_takes(line, machine: Machine, points: int) -> None:
+    """2 sqrt(D / a), however fine the grid: the circle of accelerations has to be inside of what stands for it."""
+    slow = replace(machine, tcp_acceleration_mps2=0.5, masses=None)
+    path, exact = replace(line(0.1), machine=slow), 2.0 * np.sqrt(0.1 / 0.5)
+    bound = duration_bound(terms_table(path, grid(max(points, 2_001))), grid(points))
+    assert exact * 0.999 < bound <= exact * (1.0 + 1e-7)
+
+
+@pytest.mark.parametrize("speed_mps", [0.01, 0.003])
+def test_a_slow_motion_is_not_faster_than_its_bound(path: Path, speed_mps: float) -> None:
+    """Where the TCP's speed decides nearly everywhere, bound and law come together, in this order."""
+    slow = replace(path, machine=replace(path.machine, tcp_speed_mps=speed_mps, masses=None))
+    law = plan(slow, 8_000)
+    held = law.duration_s * measure_usage(law).stretch
+    assert held * (1.0 - 1e-3) < _bound(slow, 1_000) <= held * (1.0 + 1e-7)

@@ -1,5 +1,6 @@
 """Limited jerk: known shortest times of lines, every limit at every instant, rest without acceleration at both ends."""
 
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -132,6 +133,43 @@ def test_a_program_that_is_not_solved_is_an_error(path: Path, monkeypatch: pytes
     with pytest.raises(NoSolutionError, match=r"did not converge \(maximum iterations exceeded") as caught:
         _limited(path)
     assert "retime.jerk" in caught.value.advice
+
+
+@pytest.mark.parametrize("limit", ["TCP speed", "acceleration"])
+def test_slow_motions_are_found_though_their_ramps_are_short(path: Path, limit: str) -> None:
+    """Minutes of motion with changes of acceleration within a fraction of a second, or of a millisecond."""
+    machine = replace(path.machine, masses=None)
+    if limit == "TCP speed":
+        slow = replace(machine, tcp_speed_mps=0.01)
+    else:
+        slow = replace(machine, acceleration_mps2=1e-3 * machine.acceleration_mps2)
+    slow_path = replace(path, machine=slow)
+    law = _limited(slow_path, 100).trajectory
+    assert measure_usage(law).largest <= 1.01
+    assert law.motion_s == pytest.approx(plan(slow_path, 4_000).duration_s, rel=0.01)
+
+
+def test_a_guess_that_fails_is_slowed_down(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With too few pieces at the switches the first guess is no start; twice as slow, it is."""
+    monkeypatch.setattr("pipeline.retime.smooth._PER_WIDTH", 0.0)
+    slow = replace(path, machine=replace(path.machine, tcp_speed_mps=0.01, masses=None))
+    table, fastest = terms_table(slow, grid(1_001)), plan(slow, 1_000)
+    monkeypatch.setattr(jerk_module, "_ROUNDS", 1)
+    assert limit_jerk(table, fastest, 300).trajectory.motion_s < 1.2 * fastest.duration_s
+    monkeypatch.setattr(jerk_module, "_SLOWER", (1.0,))
+    with pytest.raises(NoSolutionError, match="did not converge"):
+        limit_jerk(table, fastest, 300)
+
+
+def test_an_interrupt_is_no_failed_solve(path: Path) -> None:
+    """Ctrl-C in the middle of a program ends the stage as what it is."""
+
+    def interrupt(message: str, fraction: float | None = None) -> None:
+        if message.endswith("IPOPT iteration 3"):
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        limit_jerk(terms_table(path, grid(1_001)), plan(path, 500), 80, interrupt)
 
 
 def test_the_program_keeps_limits_where_it_checks_them(path: Path) -> None:

@@ -148,6 +148,15 @@ def test_the_grid_runs_from_zero_to_one_and_is_dense_at_the_ends() -> None:
     assert cells[0] < 1e-3 * cells.max()
 
 
+@pytest.mark.parametrize("slower", [0.1, 0.01, 0.001])
+def test_slow_drives_with_strong_motors_are_planned(path: Path, slower: float) -> None:
+    """Where starting takes next to no time, the duration is what velocities make it."""
+    slow = _with_limits(path, velocity=slower)
+    s = np.linspace(0.0, 1.0, 20_001)
+    cruising = (np.abs(path.q(s, 1)) / slow.machine.velocity_mps).max(axis=1).mean()
+    assert plan(slow, 2_000).duration_s == pytest.approx(cruising, rel=0.05 * slower / 0.1 + 1e-3)
+
+
 @pytest.mark.parametrize("waves", [1, 8])
 def test_a_path_that_stops_fails_with_a_place_and_nothing_is_printed(line, waves: int, capfd, caplog) -> None:
     """Where q'(s) vanishes the planner gives up; it says where, and its own messages stay in the diagnosis."""

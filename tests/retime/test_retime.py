@@ -8,10 +8,11 @@ import pytest
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pipeline.config import Config, RetimeConfig
-from pipeline.errors import NoSolutionError
+from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage, retime_path, sample_trajectory
 from pipeline.retime.plan import plan
+from pipeline.retime.terms import path_terms
 
 
 def _config(config: Config, **options: Any) -> Config:
@@ -51,7 +52,7 @@ def test_limits_that_stay_broken_on_the_finest_grid_are_an_error(
 ) -> None:
     """When no finer grid is allowed, a broken limit is told and nothing comes out."""
     monkeypatch.setattr("pipeline.retime.retime._MOST_GRID_POINTS", 100)
-    with pytest.raises(NoSolutionError, match=r"limit of .* between two grid points"):
+    with pytest.raises(NoSolutionError, match=r"limit of .* between two points of the plan"):
         retime_path(_config(agder_config, grid_points=60), path)
 
 
@@ -154,10 +155,10 @@ def test_speed_and_dwell(without_jerk: Config, path: Path, speed: float, dwell_s
 
 
 def test_a_load_that_gravity_alone_exceeds_is_refused_with_the_pose(agder_config: Config, path: Path) -> None:
-    """The limit, the force it takes, and where; nothing is planned."""
+    """The limit, the force it takes, and where: at the start already; nothing is planned."""
     heavy = replace(path.machine, masses=replace(path.machine.masses, load_kg=300.0))
     with pytest.raises(
-        NoSolutionError, match=r"needs .* N just to hold the machine at s = .* limit of .* at the pose x "
+        NoSolutionError, match=r"needs .* N just to hold the machine at the start, .* limit of .* at the pose x "
     ):
         retime_path(agder_config, replace(path, machine=heavy))
 
@@ -183,8 +184,50 @@ def test_a_locked_actuator_that_need_not_move_is_fine(without_jerk: Config, line
     assert retime_path(without_jerk, locked).duration_s == retime_path(without_jerk, path).duration_s
 
 
-def test_too_much_stretch_is_an_error(agder_config: Config, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What the last rounds leave may be taken off by stretching, but not more than a percent."""
+def test_limits_exceeded_by_more_than_a_percent_are_an_error(
+    agder_config: Config, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the last rounds leave may be taken off by stretching, but no more of a limit than that."""
     monkeypatch.setattr("pipeline.retime.jerk._ROUNDS", 1)
-    with pytest.raises(NoSolutionError, match="time would have to be stretched by"):
+    with pytest.raises(NoSolutionError, match="between two points of the plan") as e:
         retime_path(_config(agder_config, jerk_pieces=40), path)
+    assert "retime.jerk_pieces" in e.value.advice
+
+
+def _barely_held(path: Path, factor: float) -> Path:
+    """The curve with drives that are stronger than gravity by a factor."""
+    static = np.abs(path_terms(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0)
+    return replace(path, machine=replace(path.machine, force_n=factor * static))
+
+
+@pytest.mark.parametrize(("factor", "jerk"), [(1.0005, False), (1.003, False), (1.0005, True)])
+def test_drives_that_barely_hold_the_machine_move_it_slowly(
+    agder_config: Config, path: Path, factor: float, jerk: bool
+) -> None:
+    """Half a permille more than gravity takes is enough: what is left for motion is used up, and no more."""
+    weak = _barely_held(path, factor)
+    trajectory = retime_path(_config(agder_config, jerk=jerk), weak)
+    assert measure_usage(trajectory, 0.01).largest <= 1.001
+    assert 0.0 <= trajectory.quality.gap < 0.02
+    strong = retime_path(_config(agder_config, jerk=jerk), path)
+    assert strong.duration_s < trajectory.duration_s < 1.5 * strong.duration_s
+
+
+@pytest.mark.parametrize("tcp_speed_mps", [0.003, np.inf])
+def test_the_gap_is_that_of_the_law_that_leaves_the_stage(
+    without_jerk: Config, path: Path, tcp_speed_mps: float
+) -> None:
+    """Without jerk limits the motion is the fastest law itself, as it was stretched, and never below the bound."""
+    trajectory = retime_path(without_jerk, replace(path, machine=replace(path.machine, tcp_speed_mps=tcp_speed_mps)))
+    quality = trajectory.quality
+    assert quality.fastest_s == quality.motion_s
+    assert 0.0 <= trajectory.motion_s - quality.motion_s < 0.01
+    assert 0.0 <= quality.gap < 0.005
+
+
+def test_more_rows_than_a_table_may_have_are_refused_before_they_are_made(without_jerk: Config, path: Path) -> None:
+    """So slow that every period would fill the memory: the keys to change are named."""
+    config = _config(without_jerk, jerk=False, speed=0.000_02)
+    with pytest.raises(ConfigError, match=r"retime\.period_s: .* rows; allowed are 1,000,000\. .*retime\.speed") as e:
+        retime_path(config, path)
+    assert e.value.exit_code == 2

@@ -1,5 +1,7 @@
 """The first guess: a law near the fastest, with continuous jerk, on breakpoints that ascend."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,10 +32,20 @@ def test_breakpoints_ascend_from_zero_to_one_at_rest(path: Path) -> None:
     assert np.all(guess.h > 0.0)
     assert np.all(guess.v >= 0.0)
     assert not np.any([part[[0, -1]] for part in (guess.v, guess.w, guess.j)])
-    assert 190 <= len(guess.h) <= 200
+    assert 200 <= len(guess.h) <= 240
 
 
 def test_breakpoints_are_dense_where_the_path_bends(path: Path) -> None:
     """Pieces are not all equally long: where q'' and q''' matter they are shorter."""
     guess = first_guess(terms_table(path, grid(501)), plan(path, 500), 200)
     assert guess.h.max() > 1.1 * guess.h.min()
+
+
+def test_a_slow_motion_has_pieces_enough_where_acceleration_changes(path: Path) -> None:
+    """Two minutes long, with ramps of a twentieth of a second: at both ends several pieces share each of them."""
+    slow = replace(path, machine=replace(path.machine, tcp_speed_mps=0.01))
+    fastest = plan(slow, 1_000)
+    guess = first_guess(terms_table(slow, grid(1_001)), fastest, 100)
+    assert fastest.duration_s > 100.0
+    assert max(guess.h[:8].sum(), guess.h[-8:].sum()) < 0.3
+    assert len(guess.h) < 200

@@ -73,8 +73,22 @@ def test_friction_acts_against_the_motion_and_not_at_rest(path: Path) -> None:
     assert np.array_equal(with_it.values(still, still, still)["force"], without.values(still, still, still)["force"])
 
 
+def test_an_actuator_that_stands_still_has_no_friction(line) -> None:
+    """Carts move together along X: what rounding leaves of the telescopes' q' has signs, and no friction."""
+    path = line(0.5)
+    masses = replace(path.machine.masses, friction_n=np.array([20.0, 20.0, 20.0, 50.0, 50.0]))
+    terms = path_terms(replace(path, machine=replace(path.machine, masses=masses)), np.linspace(0.0, 1.0, 400))
+    assert np.abs(terms.q1[:, 3:]).max() > 0.0
+    assert np.all(terms.friction() == [20.0, 20.0, 20.0, 0.0, 0.0])
+    gravity = terms.c[:, :5]
+    assert terms.resting()["force"][:, 3:] == pytest.approx(gravity[:, 3:], abs=0.0)
+
+
 def test_rows_say_what_the_quantities_say(tight: Path) -> None:
-    """The largest row is the largest fraction of all limits of second order; polygons are within 0.13 % of circles."""
+    """The largest row is the largest fraction of all limits of second order; polygons are within 0.13 % of circles.
+
+    The outer polygon is around the circle: its rows are below the fraction.
+    """
     generator = np.random.default_rng(1)
     terms = path_terms(tight, generator.uniform(0.0, 1.0, 300))
     v, w = generator.uniform(0.0, 0.5, 300), generator.uniform(-2.0, 2.0, 300)
@@ -86,6 +100,10 @@ def test_rows_say_what_the_quantities_say(tight: Path) -> None:
         expected = (np.abs(values[kind]) / allowed[kind]).max(axis=1)
         assert np.all(largest >= expected * (1.0 - 1e-9))
         assert np.all(largest <= expected * (1.0013 if kind == "tcp_acceleration" else 1.0 + 1e-9))
+    outer = limit_rows(terms, outer=True)
+    largest = (outer.a * w[:, None] + outer.b * v[:, None] ** 2 + outer.c)[:, those].max(axis=1)
+    assert np.all(largest <= expected * (1.0 + 1e-9))
+    assert np.all(largest >= expected / 1.0013)
     with np.errstate(divide="ignore"):
         speeds = np.maximum(
             (np.abs(values["velocity"]) / allowed["velocity"]).max(axis=1), values["tcp_speed"][:, 0] / 0.4

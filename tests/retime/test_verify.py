@@ -15,6 +15,7 @@ from pipeline.retime import (
     require_limits,
     sample_trajectory,
     stretched,
+    time_reversed,
 )
 from pipeline.retime.plan import plan
 
@@ -32,7 +33,7 @@ def test_usage_agrees_with_brute_force(planned: Trajectory) -> None:
     usage = measure_usage(planned)
     velocity = np.abs(planned.q(t, 1) / machine.velocity_mps).max(axis=0)
     acceleration = np.abs(planned.q(t, 2) / machine.acceleration_mps2).max(axis=0)
-    assert velocity == pytest.approx(usage.velocity, rel=1e-5)
+    assert velocity == pytest.approx(usage.velocity, rel=2e-5)
     assert acceleration == pytest.approx(usage.acceleration, rel=1e-3)
     assert np.all(velocity <= usage.velocity + 1e-6)
     assert np.all(acceleration <= usage.acceleration + 1e-5)
@@ -113,3 +114,12 @@ def test_figures_are_those_of_the_samples_and_the_law(planned: Trajectory) -> No
     figures = measure_trajectory(planned, samples)
     assert (figures.duration_s, figures.period_s, figures.samples) == (samples.t_s[-1], 0.01, len(samples))
     assert figures.usage.largest == measure_usage(planned).largest
+
+
+@pytest.mark.parametrize("period_s", [0.01, 0.001])
+def test_the_jump_from_standstill_is_seen_as_that_to_standstill(planned: Trajectory, period_s: float) -> None:
+    """What a controller sees of a law and of the same law backwards is the same: both begin and end with a jump."""
+    there, back = (measure_usage(one, period_s).peaks["jerk"] for one in (planned, time_reversed(planned)))
+    starts = np.abs(planned.q(0.0, 2)) / period_s
+    assert np.all(there >= starts * (1.0 - 1e-9))
+    assert there == pytest.approx(back, rel=0.05)

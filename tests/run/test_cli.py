@@ -92,6 +92,25 @@ class TestRun:
         assert "figures: done" in result.stderr
         assert ESCAPE not in result.output
 
+    def test_run_without_a_way_back(
+        self, call: Call, config_file: Path, stages: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    ) -> None:
+        """What there is is shown, and the run ends with 1, why, and what to change."""
+
+        def fail(*_: object) -> None:
+            raise NoSolutionError("retime", "on the way back, c2 is too weak", "a stronger one")
+
+        monkeypatch.setattr("pipeline.retime.way_back", fail)
+        result = call("run", config_file)
+        assert result.exit_code == 1
+        assert "done in part" in " ".join(result.stdout.split())
+        assert "results/quick/trajectory.csv" in result.stdout
+        assert "trajectory_back.csv" not in result.stdout
+        assert "Next:" not in result.stdout
+        assert "on the way back, c2 is too weak" in result.stderr
+        assert "What to change: a stronger one" in result.stderr
+        assert (tmp_path / "results" / "quick" / "trajectory.csv").exists()
+
     def test_second_run(self, call: Call, config_file: Path, stages: Any) -> None:
         """What is up to date is said to be unchanged."""
         call("run", config_file)
@@ -388,6 +407,16 @@ class TestBadInput:
 class TestCheck:
     """The machine and its task, shown."""
 
+    def test_a_load_too_heavy_for_the_start(self, call: Call, config_file: Path) -> None:
+        """It is told before anything is planned, with what can help there, and with what the machine holds."""
+        result = call("check", edit(config_file, machine__dynamics__load_kg=300.0))
+        assert result.exit_code == 1
+        assert "c1 holds" in result.stdout
+        assert "is valid" not in result.stdout
+        assert "just to hold the machine at the start" in result.stderr
+        assert "give the task another start" in result.stderr
+        assert "kappa" not in result.stderr
+
     def test_reference_machine(self, call: Call, config_file: Path, fast_config: Config, machine: Machine) -> None:
         """Start and goal, grid and limits are shown with units, and nothing is written."""
         result = call("check", config_file)
@@ -564,6 +593,12 @@ class TestLooks:
         assert refused.exit_code == 2
         assert "decimals are too few" in refused.stderr
         assert call("export", "out", "--speed", "1.5").exit_code == 2
+        nothing = call("export", "out", "--columns", "")
+        assert nothing.exit_code == 2
+        assert "--columns names no column" in nothing.stderr
+        slow = call("export", "out", "--speed", "0.000001")
+        assert slow.exit_code == 2
+        assert "retime.speed (--speed)" in slow.stderr
 
     def test_export_spares_the_run(self, call: Call) -> None:
         """Files of the run are not written over."""
@@ -753,16 +788,17 @@ class TestProcess:
         assert "Traceback" not in error
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("stage", ["regions", "route", "refine"])
+    @pytest.mark.parametrize("stage", ["regions", "route", "refine", "retime"])
     def test_interrupt(self, tmp_path: Path, quick_config: Config, stage: str) -> None:
         """Ctrl-C while solvers are at work ends within seconds, cleanly, with 130."""
         (tmp_path / "quick.yaml").write_text(dump_config(quick_config))
-        process = self.start("run", "quick.yaml", "--to", "refine", cwd=tmp_path)
+        process = self.start("run", "quick.yaml", "--to", "retime", cwd=tmp_path)
         assert process.stderr is not None
         for line in process.stderr:
             if line.startswith(f"{stage}: started"):
                 break
-        time.sleep(0.1)
+        # Limiting jerk begins about a second after the stage does.
+        time.sleep(2.0 if stage == "retime" else 0.1)
         process.send_signal(signal.SIGINT)
         _, error = process.communicate(timeout=60)
         assert process.returncode == 130
@@ -770,7 +806,8 @@ class TestProcess:
         assert "Traceback" not in error
         kept = {path.name for path in (tmp_path / "results" / "quick").iterdir()}
         # A fast machine may have found the route before it is interrupted.
-        assert ("route.csv" in kept) == (stage == "refine" or "route: done" in error)
+        assert ("route.csv" in kept) == (stage in ("refine", "retime") or "route: done" in error)
+        assert "trajectory.csv" not in kept
 
 
 @pytest.fixture(scope="module")

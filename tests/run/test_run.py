@@ -203,7 +203,7 @@ class TestCaching:
             ("certify__tolerance_resolution", 0.5, []),
             ("retime__period_s", 0.02, []),
             ("retime__jerk", False, []),
-            ("machine__dynamics", None, []),
+            ("machine__dynamics__load_kg", 1.0, []),
             ("machine__limits__tcp__speed_mps", 0.3, []),
         ],
     )
@@ -506,6 +506,42 @@ class TestFailure:
         part = summary(tmp_path)["trajectory"]
         assert part["status"] == "failed"
         assert "did not converge for entry 3" in part["reason"]
+
+    def test_a_failed_way_back_leaves_the_way_there(
+        self, tmp_path: Path, fast_config: Config, stages: Any, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """The motion is a result, what fails is told as failed every time, and no file of an older way back stays."""
+
+        def fail(*_: object) -> None:
+            raise NoSolutionError("retime", "on the way back, c2 is too weak", "a stronger one")
+
+        run_pipeline(fast_config, tmp_path).require_complete()
+        monkeypatch.setattr("pipeline.retime.way_back", fail)
+        report = run_pipeline(fast_config, tmp_path, first=Stage.RETIME)
+        for again in (report, run_pipeline(fast_config, tmp_path)):
+            with pytest.raises(NoSolutionError, match=r"on the way back, c2 is too weak\n.*a stronger one") as caught:
+                again.require_complete()
+            assert caught.value.exit_code == 1
+        told = summary(tmp_path)["trajectory"]
+        assert (told["status"], told["back"]["status"]) == ("done", "failed")
+        assert (told["back"]["reason"], told["back"]["advice"]) == ("on the way back, c2 is too weak", "a stronger one")
+        kept = files(tmp_path)
+        assert {"trajectory.csv", "trajectory.npz", "figures/route.png"} <= kept
+        assert not {"trajectory_back.csv", "trajectory_back.json"} & kept
+
+    def test_a_trajectory_too_long_to_write_leaves_nothing_stale(
+        self, tmp_path: Path, fast_config: Config, stages: Any, change: Change
+    ) -> None:
+        """What was asked for cannot be had: the rows of another configuration do not stay in its place."""
+        run_pipeline(fast_config, tmp_path)
+        stages.failures["retime"] = ConfigError([ConfigIssue("retime.period_s", "makes too many rows")])
+        with pytest.raises(ConfigError, match="too many rows"):
+            run_pipeline(change(fast_config, retime__speed=0.000_02), tmp_path)
+        kept = files(tmp_path)
+        assert "trajectory.csv" not in kept
+        assert "superseded/0001/trajectory.csv" in kept
+        assert summary(tmp_path)["trajectory"] == {"status": "skipped"}
+        assert summary(tmp_path)["path"]["status"] == "converged"
 
     def test_failure_supersedes_old_results(
         self, tmp_path: Path, fast_config: Config, stages: Any, change: Change

@@ -19,6 +19,8 @@ from pipeline.retime.terms import grid, terms_table
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE, style.SKY_BLUE)
 _INSTANTS = 4_001
 _TABLE_POINTS = 2_001
+_PANEL_IN, _REST_IN = 0.62, 0.3
+"""Heights of a panel for the use of a limit, and of what is below all of them."""
 _CARTS, _TELESCOPES = slice(0, 3), slice(3, 5)
 
 
@@ -94,6 +96,9 @@ def loads_figure(trajectory: Trajectory) -> Figure:
         axes[name].set_xlabel("time (s)")
         axes[name].set_xlim(0.0, loads.t_s[-1])
         axes[name].xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    for panel_axes in axes.values():
+        # Panels of different widths share the axis: each needs numbers of its own.
+        panel_axes.tick_params(labelbottom=True)
     for column in (0, -1):
         figure.align_ylabels([axes[row[column].label] for row in rows if column == 0 or len(row) > 1])
     limit = Line2D([], [], label="limit, where it is in sight", **style.LIMIT_LINE)
@@ -119,18 +124,24 @@ def _draw(axes: Axes, loads: _Loads, panel: _Panel) -> None:
 
 @style.styled
 def usage_figure(trajectory: Trajectory) -> Figure:
-    """Draw which part of each kind of limit is used over time, by whichever actuator or link uses most of it."""
+    """Draw which part of each kind of limit is used over time, by whichever actuator or link uses most of it.
+
+    A panel for each kind: together their curves would hide each other.
+    """
     loads = _loads(trajectory)
-    figure = style.new_figure(2.4)
-    axes = figure.subplots()
     names = [name for name in limited(trajectory.path.machine) if name in loads.values]
-    for kind, colour in zip((kind for kind in KINDS if kind.name in names), (*_COLOURS, style.BLACK), strict=False):
+    kinds = [kind for kind in KINDS if kind.name in names]
+    figure = style.new_figure(_PANEL_IN * len(kinds) + _REST_IN)
+    panels = figure.subplots(len(kinds), sharex=True, sharey=True, squeeze=False)[:, 0]
+    for axes, kind, colour in zip(panels, kinds, (*_COLOURS, style.BLACK), strict=False):
         share = (np.abs(loads.values[kind.name]) / loads.allowed[kind.name]).max(axis=1)
+        axes.fill_between(loads.t_s, share, color=colour, alpha=0.25, linewidth=0.0)
         axes.plot(loads.t_s, share, color=colour, linewidth=0.7, label=kind.words)
-    axes.axhline(1.0, **style.LIMIT_LINE)
-    axes.set_xlim(0.0, loads.t_s[-1])
-    axes.set_ylim(0.0, 1.08)
-    axes.set_xlabel("time (s)")
-    axes.set_ylabel("largest part of the limit")
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        axes.axhline(1.0, **style.LIMIT_LINE)
+        axes.set_title(f"{kind.words}, at most {share.max():.2f}", loc="left", fontsize=style.SMALL_TEXT_PT)
+        axes.set_yticks([0.0, 0.5, 1.0])
+    panels[-1].set_xlim(0.0, loads.t_s[-1])
+    panels[-1].set_ylim(0.0, 1.12)
+    panels[-1].set_xlabel("time (s)")
+    figure.supylabel("largest part of the limit", fontsize=style.TEXT_PT)
     return figure

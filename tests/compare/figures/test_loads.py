@@ -72,10 +72,19 @@ def test_what_is_not_known_has_no_panel(
         loads_figure(neither)
 
 
+def test_every_panel_of_the_loads_has_numbers_on_its_time_axis(timed: Trajectory) -> None:
+    """Panels above are narrower than the one below: its numbers do not stand for theirs."""
+    figure = loads_figure(timed)
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        assert any(label.get_visible() and label.get_text() for label in axes.get_xticklabels())
+
+
 def test_usage_never_leaves_one(timed: Trajectory, assert_laid_out: Callable[[Figure], None]) -> None:
-    """A curve for each kind of limit, none above one; some limit is always nearly used up."""
+    """A panel for each kind of limit, no curve above one; some limit is always nearly used up."""
     figure = usage_figure(timed)
-    curves = [line for line in figure.axes[0].get_lines() if len(line.get_xdata()) > 2]
+    curves = [line for axes in figure.axes for line in axes.get_lines() if len(line.get_xdata()) > 2]
+    assert len(figure.axes) == len(curves)
     assert [line.get_label() for line in curves] == ["velocity", "acceleration", "jerk", "force", "link force"]
     used = np.array([line.get_ydata() for line in curves])
     assert used.max() <= 1.001

@@ -1,0 +1,35 @@
+"""Ctrl-C while code at work that would swallow it: solvers report a failed solve, or go on with what they have."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def interrupts_noted() -> Iterator[threading.Event]:
+    """Note Ctrl-C in an event instead of raising, and raise when the block is over, whatever became of it.
+
+    Signals only ever reach the main thread; elsewhere there is nothing to note.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When the user interrupted.
+    """
+    interrupted = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield interrupted
+        return
+
+    def note(_signal: int, _frame: FrameType | None) -> None:
+        interrupted.set()
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield interrupted
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if interrupted.is_set():
+            raise KeyboardInterrupt
