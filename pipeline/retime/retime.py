@@ -12,7 +12,7 @@ from pipeline.refine.result import Path
 from pipeline.retime.limits import JERK, limited
 from pipeline.retime.possible import require_motion, require_smooth
 from pipeline.retime.result import Quality, Trajectory, slowed, stretched
-from pipeline.retime.sampling import whole_periods
+from pipeline.retime.sampling import count_periods, whole_periods
 from pipeline.retime.standing import require_standing
 from pipeline.retime.terms import TABLE_POINTS, TermsTable, grid, table_of
 from pipeline.retime.verify import ALLOWED_USAGE, Usage, measure_usage, require_limits
@@ -61,11 +61,15 @@ def fastest_law(config: Config, table: TermsTable, progress: Progress, verbose: 
 
     Raises
     ------
+    ConfigError
+        When the motion has more periods than a table may have rows.
     NoSolutionError
         When a planner fails, or leaves limits exceeded between its points by more than a percent.
     """
     options = config.retime
     fastest = _fastest(config, table, progress)
+    # What follows looks at every tenth of a period.
+    count_periods(fastest.motion_s / options.speed, options.period_s)
     limit_jerk = options.jerk and JERK in limited(table.path.machine)
     if not limit_jerk:
         return fastest

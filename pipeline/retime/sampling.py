@@ -23,21 +23,32 @@ def whole_periods(trajectory: Trajectory, period_s: float) -> Trajectory:
     ConfigError
         When that makes more rows than a table may have.
     """
-    periods = max(1, math.ceil(trajectory.duration_s / period_s - _SAME))
+    duration = count_periods(trajectory.duration_s, period_s) * period_s
+    return trajectory if duration == trajectory.duration_s else stretched(trajectory, duration)
+
+
+def count_periods(duration_s: float, period_s: float) -> int:
+    """Count the periods that a duration fills, one at least.
+
+    Raises
+    ------
+    ConfigError
+        When they make more rows than a table may have.
+    """
+    periods = max(1, math.ceil(duration_s / period_s - _SAME))
     if periods + 1 > MOST_ROWS:
         raise ConfigError(
             [
                 ConfigIssue(
                     "retime.period_s",
-                    f"is {period_s:g}, and the trajectory lasts {trajectory.duration_s:,.0f} s, which makes "
-                    f"{periods + 1:,} rows; allowed are {MOST_ROWS:,}. Raise retime.period_s (--period) or "
-                    f"retime.speed (--speed), or shorten retime.dwell_s",
+                    f"is {period_s:g}, and the trajectory lasts {duration_s:,.0f} s, which makes {periods + 1:,} rows; "
+                    f"allowed are {MOST_ROWS:,}. Raise retime.period_s (--period) or retime.speed (--speed), or "
+                    f"shorten retime.dwell_s",
                     period_s,
                 )
             ]
         )
-    duration = periods * period_s
-    return trajectory if duration == trajectory.duration_s else stretched(trajectory, duration)
+    return periods
 
 
 def sample_trajectory(trajectory: Trajectory, period_s: float) -> TrajectorySamples:

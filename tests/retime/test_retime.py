@@ -184,11 +184,12 @@ def test_a_locked_actuator_that_need_not_move_is_fine(without_jerk: Config, line
     assert retime_path(without_jerk, locked).duration_s == retime_path(without_jerk, path).duration_s
 
 
-def test_limits_exceeded_by_more_than_a_percent_are_an_error(
+def test_limits_exceeded_by_more_than_rounding_are_an_error(
     agder_config: Config, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the last rounds leave may be taken off by stretching, but no more of a limit than that."""
     monkeypatch.setattr("pipeline.retime.jerk._ROUNDS", 1)
+    monkeypatch.setattr("pipeline.retime.retime._MOST_USAGE", 1.001)
     with pytest.raises(NoSolutionError, match="between two points of the plan") as e:
         retime_path(_config(agder_config, jerk_pieces=40), path)
     assert "retime.jerk_pieces" in e.value.advice
@@ -211,6 +212,13 @@ def test_drives_that_barely_hold_the_machine_move_it_slowly(
     assert 0.0 <= trajectory.quality.gap < 0.02
     strong = retime_path(_config(agder_config, jerk=jerk), path)
     assert strong.duration_s < trajectory.duration_s < 1.5 * strong.duration_s
+
+
+def test_a_motion_that_is_too_slow_by_itself_is_refused_as_well(agder_config: Config, path: Path) -> None:
+    """A micrometre per second takes weeks."""
+    crawling = replace(path, machine=replace(path.machine, tcp_speed_mps=1e-6, masses=None))
+    with pytest.raises(ConfigError, match="rows; allowed are 1,000,000"):
+        retime_path(agder_config, crawling)
 
 
 @pytest.mark.parametrize("tcp_speed_mps", [0.003, np.inf])
