@@ -529,20 +529,6 @@ class TestFailure:
         assert {"trajectory.csv", "trajectory.npz", "figures/route.png"} <= kept
         assert not {"trajectory_back.csv", "trajectory_back.json"} & kept
 
-    def test_a_trajectory_too_long_to_write_leaves_nothing_stale(
-        self, tmp_path: Path, fast_config: Config, stages: Any, change: Change
-    ) -> None:
-        """What was asked for cannot be had: the rows of another configuration do not stay in its place."""
-        run_pipeline(fast_config, tmp_path)
-        stages.failures["retime"] = ConfigError([ConfigIssue("retime.period_s", "makes too many rows")])
-        with pytest.raises(ConfigError, match="too many rows"):
-            run_pipeline(change(fast_config, retime__speed=0.000_02), tmp_path)
-        kept = files(tmp_path)
-        assert "trajectory.csv" not in kept
-        assert "superseded/0001/trajectory.csv" in kept
-        assert summary(tmp_path)["trajectory"] == {"status": "skipped"}
-        assert summary(tmp_path)["path"]["status"] == "converged"
-
     def test_failure_supersedes_old_results(
         self, tmp_path: Path, fast_config: Config, stages: Any, change: Change
     ) -> None:
@@ -583,15 +569,26 @@ class TestFailure:
     @pytest.mark.parametrize(
         "error", [ConfigError([ConfigIssue("route.grid", "is empty")]), UsageError("no"), KeyboardInterrupt()]
     )
+    @pytest.mark.parametrize(
+        ("stage", "key", "value"), [("route", "route__step_budget", 24), ("retime", "retime__speed", 2e-5)]
+    )
     def test_refusals_and_interrupts_touch_nothing(
-        self, tmp_path: Path, fast_config: Config, stages: Any, change: Change, error: BaseException
+        self,
+        tmp_path: Path,
+        fast_config: Config,
+        stages: Any,
+        change: Change,
+        error: BaseException,
+        stage: str,
+        key: str,
+        value: float,
     ) -> None:
-        """What is no result of a stage leaves the folder as it was, old results included."""
+        """What is no result of a stage leaves the folder as it was, results and configuration of the last run."""
         run_pipeline(fast_config, tmp_path)
         before = content(tmp_path)
-        stages.failures["route"] = error
+        stages.failures[stage] = error
         with pytest.raises(type(error)):
-            run_pipeline(change(fast_config, route__step_budget=24), tmp_path)
+            run_pipeline(change(fast_config, **{key: value}), tmp_path)
         assert content(tmp_path) == before
 
     def test_interrupt_keeps_finished_stages(self, tmp_path: Path, fast_config: Config, stages: Any) -> None:
