@@ -28,7 +28,14 @@ reference: $(READY)
 	mkdir -p $(REFERENCE)/figures
 	cp results/agder/route.csv results/agder/trajectory.csv results/agder/summary.json $(REFERENCE)/
 	cp results/agder/figures/*.png $(REFERENCE)/figures/
+	$(BIN)/gantry-tau workspace configs/agder.yaml --picture-3d $(REFERENCE)/figures/workspace_3d.png
 	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
+
+# The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.
+.PHONY: notebooks
+notebooks: $(READY)
+	$(BIN)/jupytext --quiet --to ipynb notebooks/*.py
+	$(BIN)/jupyter execute --inplace notebooks/*.ipynb
 
 # Seconds and memory of stage one, alone and beside other solvers: about a quarter of an hour on a quiet machine.
 .PHONY: bench

@@ -3,22 +3,32 @@
 import json
 import pathlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict
+from typing import Any, NoReturn
 
 import numpy as np
+from pydantic import ValidationError
 
+from pipeline.artifacts.certificate_shape import (
+    FORMAT,
+    BoundsShape,
+    CertificateShape,
+    ChainShape,
+    ToleranceShape,
+    explain,
+)
 from pipeline.artifacts.files import plain
-from pipeline.artifacts.pack import readable
 from pipeline.certify.guess import point_box
 from pipeline.certify.inclusion import Box
-from pipeline.certify.result import CERTIFIED, Bounds, Certificate, ProvenChain, Tolerance
+from pipeline.certify.recheck import StatedTolerance, Statement
+from pipeline.certify.result import NOT_CERTIFIED, Bounds, Certificate, ProvenChain, Tolerance
 from pipeline.certify.uncertainty import Uncertainty
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import ACTUATORS
 
-FORMAT = 1
-"""Of the file; raised when its meaning changes."""
+_ADVICE = "\n  What to change: certify the path again: gantry-tau certify CONFIG --force"
+_SHOWN = 5
+"""A file that is damaged may have thousands of faults."""
 
 
 def certificate_bytes(certificate: Certificate, facts: Mapping[str, Any]) -> bytes:
@@ -39,6 +49,7 @@ def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict
         "refused_because": None if broken is None else broken.why,
         "boxes": len(certificate.chain.boxes),
         "path_sha256": certificate.path_sha256,
+        "premises_sha256": certificate.premises_sha256,
         "bounds": None if certificate.bounds is None else bounds_dict(certificate.bounds),
         "tolerance_m": None if link_length is None else link_length.eps_m,
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
@@ -73,66 +84,92 @@ def bounds_dict(bounds: Bounds) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True, eq=False)
-class StoredCertificate:
-    """What a certificate's file claims: the hash of its path, bounds, and the chains of boxes."""
-
-    path_sha256: str
-    bounds: Bounds
-    chains: list[ProvenChain]
-
-
-def read_certificate(file: pathlib.Path) -> StoredCertificate:
+def read_certificate(file: pathlib.Path) -> Statement:
     """Read what can be verified of a certificate.
 
     Raises
     ------
     UsageError
-        When the file does not exist, or is no certificate of a certified path.
+        When the file does not exist, is damaged or of another format, or the path it speaks of is not certified.
     """
+    data = _read_json(file)
+    if (version := data.get("format")) != FORMAT:
+        written = "names no format" if version is None else f"is of format {json.dumps(version, default=str)[:40]}"
+        raise UsageError(f"{file} {written}; this version reads format {FORMAT}.{_ADVICE}")
+    if (verdict := data.get("verdict")) == NOT_CERTIFIED:
+        raise UsageError(f"{file} says that the path is {verdict}: there is nothing to verify.{_ADVICE}")
     try:
-        data = json.loads(file.read_bytes())
-    except FileNotFoundError:
-        raise UsageError(f"{file} does not exist.\n  What to change: name a certificate.json of a run.") from None
-    except ValueError as error:
-        raise UsageError(f"{file} is no certificate ({error})") from None
-    with readable(file):
-        if data["verdict"] != CERTIFIED:
-            raise UsageError(f"{file} says that the path is {data['verdict']}: there is nothing to verify")
-        return StoredCertificate(data["path_sha256"], _read_bounds(data["bounds"]), _read_chains(data["chains"]))
-
-
-def _read_bounds(data: Mapping[str, Any]) -> Bounds:
-    return Bounds(
-        kappa=data["kappa"],
-        kappa_s=data["kappa_s"],
-        det_sign=data["det_sign"],
-        pairs=tuple(data["distance_m"]),
-        distances_m=np.array(list(data["distance_m"].values())),
-        actuators_m=np.array(list(data["actuators_m"].values())),
-        tilt_rad=np.deg2rad(list(data["tilt_deg"].values())),
-        start_miss=data["start_miss"],
-        goal_miss=data["goal_miss"],
+        shape = CertificateShape.model_validate(data)
+    except ValidationError as error:
+        wrong = [explain(one) for one in error.errors(include_url=False)]
+        more = [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
+        lines = "\n  ".join(["", *wrong[:_SHOWN], *more])
+        raise UsageError(f"{file} is no certificate that can be verified:{lines}{_ADVICE}") from None
+    return Statement(
+        path_sha256=shape.path_sha256,
+        premises_sha256=shape.premises_sha256,
+        boxes=shape.boxes,
+        bounds=_bounds(shape.bounds),
+        link_length=_stated(shape.tolerances.link_length),
+        coordinates=_stated(shape.tolerances.coordinates),
+        chains=tuple(_chain(chain) for chain in shape.chains),
     )
 
 
-def _read_chains(data: list[Mapping[str, Any]]) -> list[ProvenChain]:
-    return [
-        ProvenChain(
-            uncertainty=Uncertainty(**chain["uncertainty"]),
-            boxes=_read_boxes(chain["s"][:-1], chain["s"][1:], chain["pose"], chain["radius"]),
-            joints=tuple(
-                point_box(s, np.array(pose), np.array(radius))
-                for s, pose, radius in zip(chain["s"], chain["joint_pose"], chain["joint_radius"], strict=True)
-            ),
-        )
-        for chain in data
-    ]
+def _read_json(file: pathlib.Path) -> dict[str, Any]:
+    """Read an object of JSON in which every number is one, and no key is there twice."""
+
+    def no_number(text: str) -> NoReturn:
+        raise UsageError(f"{file} holds {text} where a number has to be.{_ADVICE}")
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        section = dict(pairs)
+        if len(section) < len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in section if names.count(name) > 1)
+            raise UsageError(f"{file} has the key {twice} twice in one section.{_ADVICE}")
+        return section
+
+    try:
+        data = json.loads(file.read_bytes(), parse_constant=no_number, object_pairs_hook=unique)
+    except FileNotFoundError:
+        raise UsageError(f"{file} does not exist.\n  What to change: name a certificate.json of a run.") from None
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno}, column {error.colno}"
+        raise UsageError(f"{file} is damaged: it is no JSON from {place} on.{_ADVICE}") from None
+    except (ValueError, RecursionError):
+        raise UsageError(f"{file} is damaged: it is no JSON.{_ADVICE}") from None
+    if not isinstance(data, dict):
+        raise UsageError(f"{file} is no certificate: it has no keys.{_ADVICE}")
+    return data
 
 
-def _read_boxes(first: list[float], last: list[float], pose: list[Any], radius: list[Any]) -> tuple[Box, ...]:
-    columns = zip(first, last, pose, radius, strict=True)
-    return tuple(Box(a, b, np.array(x), np.array(r)) for a, b, x, r in columns)
+def _bounds(shape: BoundsShape) -> Bounds:
+    return Bounds(
+        kappa=shape.kappa,
+        kappa_s=shape.kappa_s,
+        det_sign=shape.det_sign,
+        pairs=tuple(shape.distance_m),
+        distances_m=np.array(list(shape.distance_m.values())),
+        actuators_m=np.array([getattr(shape.actuators_m, name) for name in ACTUATORS]),
+        tilt_rad=np.deg2rad([shape.tilt_deg.rx, shape.tilt_deg.rz]),
+        start_miss=shape.start_miss,
+        goal_miss=shape.goal_miss,
+    )
+
+
+def _stated(shape: ToleranceShape | None) -> StatedTolerance | None:
+    return None if shape is None else StatedTolerance(shape.proven_m, shape.boxes)
+
+
+def _chain(shape: ChainShape) -> ProvenChain:
+    columns = zip(shape.s[:-1], shape.s[1:], shape.pose, shape.radius, strict=True)
+    points = zip(shape.s, shape.joint_pose, shape.joint_radius, strict=True)
+    return ProvenChain(
+        uncertainty=Uncertainty(shape.uncertainty.length_m, shape.uncertainty.coordinate_m),
+        boxes=tuple(Box(first, last, np.array(x), np.array(r)) for first, last, x, r in columns),
+        joints=tuple(point_box(s, np.array(x), np.array(r)) for s, x, r in points),
+    )
 
 
 def _tolerance_dict(tolerance: Tolerance | None) -> dict[str, Any] | None:

@@ -54,7 +54,7 @@ from pipeline.stage import Stage
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.artifacts.certificate import StoredCertificate
+    from pipeline.certify.recheck import Statement
     from pipeline.certify.result import Certificate
 
 Files = dict[str, bytes]
@@ -116,7 +116,7 @@ def certificate_files(certificate: "Certificate", facts: Mapping[str, Any]) -> F
     return {CERTIFICATE_JSON: certificate_bytes(certificate, facts)}
 
 
-def load_certificate(folder: pathlib.Path) -> "StoredCertificate":
+def load_certificate(folder: pathlib.Path) -> "Statement":
     """Load what can be verified of the certificate of a run."""
     from pipeline.artifacts.certificate import read_certificate
 

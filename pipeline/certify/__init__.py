@@ -1,6 +1,7 @@
 """The proof: a certificate that the whole continuous path is one motion free of singularities."""
 
 from pipeline.certify.certify import certify_path, prove_path
+from pipeline.certify.premises import premises_sha256
 from pipeline.certify.result import Bounds, Certificate, ProvenChain, Tolerance, path_sha256
 from pipeline.certify.uncertainty import Uncertainty
 
@@ -12,5 +13,6 @@ __all__ = [
     "Uncertainty",
     "certify_path",
     "path_sha256",
+    "premises_sha256",
     "prove_path",
 ]

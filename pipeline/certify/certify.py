@@ -8,6 +8,7 @@ from pipeline.certify.closure import Geometry, geometry, working_precision
 from pipeline.certify.ends import check_end
 from pipeline.certify.limits import Facts, build_limits, examiner, pair_name
 from pipeline.certify.pieces import Piece, pieces
+from pipeline.certify.premises import premises_sha256
 from pipeline.certify.result import Bounds, Certificate, path_sha256, proven_chain
 from pipeline.certify.tolerance import search_tolerances
 from pipeline.certify.uncertainty import CERTAIN
@@ -34,7 +35,10 @@ _ANY_ADVICE = "Raise refine.nodes, and refine again."
 
 
 def certify_path(config: Config, machine: Machine, path: Path, progress: Progress = silent) -> Certificate:
-    """Prove that a path is one motion free of singularities, within every limit, from the start to the goal.
+    """Prove that a path is one motion free of singularities, within its limits, from the start to the goal.
+
+    These are the caps on kappa, the distances of links and rails, travel, strokes and tilts. Boxes to avoid are none of
+    them, and of a limit the path may touch `limits.ROUNDING` is given away.
 
     With `certify.what` "tolerances" the largest calibration errors with which it still is one are searched, too.
 
@@ -66,6 +70,7 @@ def prove_path(
         misses, broken = _check_ends(machine, balls, exact_pieces, chain, ends)
     return Certificate(
         path_sha256=path_sha256(path),
+        premises_sha256=premises_sha256(config),
         precision_bits=config.certify.precision_bits,
         chain=proven_chain(chain, CERTAIN),
         bounds=_bounds(machine, chain, misses) if chain.facts else None,

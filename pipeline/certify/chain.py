@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Generic, TypeVar
 
+import numpy as np
 from flint import arb, arb_poly
 
 from pipeline.certify.closure import Geometry
@@ -83,8 +84,8 @@ def close_chain(
     progress: Progress = silent,
 ) -> Chain[F]:
     """Prove boxes from s = 0 on until the chain has reached s = 1, or an interval narrower than `least_width` fails."""
-    if s := _discontinuity(pieces):
-        return Chain((), (), (), Break(s, "the actuators jump"))
+    if (fault := _no_function(pieces)) is not None:
+        return Chain((), (), (), fault)
     links: list[tuple[Inclusion, F, Inclusion]] = []
     start, why = prove_joint(machine, path, pieces[0], pieces[0].first, uncertainty)
     if start is None:
@@ -146,7 +147,7 @@ def prove_joint(
 ) -> tuple[Inclusion | None, str]:
     """Prove a box at a single s."""
     try:
-        box = point_box(s, path.pose(s))
+        box = point_box(s, path.pose(np.array([s]))[0])
     except ForwardKinematicsError:
         return None, NO_POSE
     inclusion = include(machine, along(machine, piece, box), box, uncertainty)
@@ -179,9 +180,11 @@ def _offset(box: Box, s: float) -> arb:
     return arb(exact(s) - exact(middle(box.first, box.last)[0]))
 
 
-def _discontinuity(pieces: list[Piece]) -> float | None:
-    """Find the first knot where an actuator's pieces do not meet, in rational arithmetic."""
+def _no_function(pieces: list[Piece]) -> Break | None:
+    """Find out where pieces are no continuous function on all of [0, 1], and nothing else, in rational arithmetic."""
+    if not pieces or (pieces[0].first, pieces[-1].last) != (0.0, 1.0):
+        return Break(0.0, "the splines do not reach from s = 0 to s = 1")
     for before, after in pairwise(pieces):
         if [q[:1] for q in before.taylor(after.first)] != [q[:1] for q in after.taylor(after.first)]:
-            return after.first
+            return Break(after.first, "the actuators jump")
     return None

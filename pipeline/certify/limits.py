@@ -39,6 +39,8 @@ class Limits:
         The cap on kappa.
     kappa_goal : float
         How sharp the bound of kappa is wanted: boxes are halved until they are below it.
+    sharp_width : float
+        Boxes narrower than this are not halved for that.
     actuators_m : (5, 2)
         Travel and strokes.
     tilt_rad : (2,)
@@ -49,6 +51,7 @@ class Limits:
 
     kappa_max: float
     kappa_goal: float
+    sharp_width: float
     actuators_m: FloatArray
     tilt_rad: FloatArray
     link_link_m: float
@@ -84,6 +87,8 @@ def build_limits(config: Config, machine: Machine, kappa_sampled: float) -> Limi
     return Limits(
         kappa_max=cap,
         kappa_goal=min(cap, (1.0 + config.certify.kappa_excess) * kappa_sampled),
+        # A box that would not be halved any more must not be refused for want of sharpness.
+        sharp_width=max(_SHARP_ENOUGH, 2.0 * config.certify.least_width),
         actuators_m=machine.actuator_limits_m,
         tilt_rad=np.deg2rad(tilt_limits_deg(config)),
         link_link_m=machine.link_link_m,
@@ -108,7 +113,7 @@ def _examine(
         tilt_rad=_tilts(inclusion, series.half) + SLIP,
     )
     width = inclusion.box.last - inclusion.box.first
-    if facts.kappa > limits.kappa_goal and width > _SHARP_ENOUGH:
+    if facts.kappa > limits.kappa_goal and width >= limits.sharp_width:
         return facts, f"kappa is not proven below {limits.kappa_goal:.4g}"
     return facts, _breach(pairs, limits, facts)
 

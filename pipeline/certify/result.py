@@ -102,6 +102,8 @@ class Certificate:
     ----------
     path_sha256 : str
         Of the splines it speaks of.
+    premises_sha256 : str
+        Of the machine, the limits and the ends it speaks of.
     precision_bits : int
         Of the ball arithmetic.
     chain : ProvenChain
@@ -115,6 +117,7 @@ class Certificate:
     """
 
     path_sha256: str
+    premises_sha256: str
     precision_bits: int
     chain: ProvenChain
     bounds: Bounds | None

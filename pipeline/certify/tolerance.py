@@ -8,7 +8,7 @@ from pipeline.certify.closure import geometry
 from pipeline.certify.failure import failing_eps
 from pipeline.certify.pieces import pieces
 from pipeline.certify.result import Certificate, ProvenChain, Tolerance, proven_chain
-from pipeline.certify.uncertainty import Uncertainty
+from pipeline.certify.uncertainty import Uncertainty, of_everything, of_lengths
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
@@ -24,11 +24,9 @@ def search_tolerances(
     config: Config, machine: Machine, path: Path, certificate: Certificate, progress: Progress = silent
 ) -> Certificate:
     """Add both tolerances to a certificate: of link lengths alone, and of every coordinate at once."""
-    kinds: tuple[Callable[[float], Uncertainty], ...] = (
-        lambda eps: Uncertainty(length_m=eps),
-        lambda eps: Uncertainty(length_m=eps, coordinate_m=eps),
+    lengths, coordinates = (
+        largest_tolerance(config, machine, path, kind, progress) for kind in (of_lengths, of_everything)
     )
-    lengths, coordinates = (largest_tolerance(config, machine, path, kind, progress) for kind in kinds)
     return replace(certificate, link_length=lengths, coordinates=coordinates)
 
 

@@ -6,6 +6,7 @@ offset has them.
 """
 
 from dataclasses import dataclass
+from math import inf
 
 from flint import arb, arb_series
 
@@ -22,10 +23,20 @@ class Uncertainty:
         Every link's length, telescopes included.
     coordinate_m : float
         Every coordinate of every platform point and cart offset, and y and z of every rail.
+
+    Raises
+    ------
+    ValueError
+        Where one of them is negative, or no finite number.
     """
 
     length_m: float = 0.0
     coordinate_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        for eps in (self.length_m, self.coordinate_m):
+            if not 0.0 <= eps < inf:
+                raise ValueError(f"an uncertainty of {eps} m is none: it has to be finite, and not negative")
 
     @property
     def any(self) -> bool:
@@ -35,6 +46,16 @@ class Uncertainty:
 
 CERTAIN = Uncertainty()
 """The machine is what the configuration says."""
+
+
+def of_lengths(eps_m: float) -> Uncertainty:
+    """Every link's length is wrong by up to so much."""
+    return Uncertainty(length_m=eps_m)
+
+
+def of_everything(eps_m: float) -> Uncertainty:
+    """Every length and every coordinate is wrong by up to so much."""
+    return Uncertainty(length_m=eps_m, coordinate_m=eps_m)
 
 
 def residual_change(machine: Geometry, over: Closure[arb_series], uncertainty: Uncertainty) -> list[arb]:

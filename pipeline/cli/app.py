@@ -60,7 +60,9 @@ class _Group(TyperGroup):
             _stop_writing()
             raise typer.Exit(_BROKEN_PIPE) from None
         except OSError as error:
-            print_error(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+            # What is written takes another file's place last: that one is the one the user knows.
+            file = error.filename2 or error.filename
+            print_error(f"{file}: {error.strerror}" if file else str(error))
             raise typer.Exit(_USAGE) from None
 
 

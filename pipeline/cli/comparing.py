@@ -14,7 +14,7 @@ from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
-    from pipeline.compare import Measured, MotionFigures
+    from pipeline.compare import MeasuredPath, MotionFigures
     from pipeline.config import RetimeConfig
     from pipeline.refine.result import Path
     from pipeline.run.stages import Results
@@ -54,23 +54,35 @@ def compare(
     from pipeline.run.reading import open_results
 
     results = [open_results(run, Stage.REFINE) for run in runs]
+    _tell_unproven(results)
     if len(results) == 1:
         _compare_paths(results[0], markdown, as_json, blend_mm, timing)
     else:
         _compare_runs(results, markdown, as_json, timing)
 
 
+def _tell_unproven(results: "Sequence[Results]") -> None:
+    """Say which refined paths have no certificate: figures do not tell that they may meet a singularity."""
+    from pipeline.artifacts import read_state
+
+    for one, name in zip(results, _names(results), strict=True):
+        state = read_state(one.folder)
+        record = None if state is None else state.stages.get(Stage.CERTIFY)
+        if record is None or record.summary.get("verdict") != "certified":
+            messages_console().print(f"{name}: the refined path is not certified", soft_wrap=True)
+
+
 def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: float, timing: bool) -> None:
     from pipeline.compare import (
-        Measured,
+        MeasuredPath,
         blended,
         common_retiming,
-        comparison_rows,
+        compare_paths,
         markdown_table,
         table_cells,
     )
     from pipeline.compare.metrics import TABLE_HEADER
-    from pipeline.refine.measure import measure
+    from pipeline.refine.measure import measure_path
     from pipeline.route.metric import step_sizes
 
     steps = step_sizes(results.config.route)
@@ -78,9 +90,10 @@ def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: 
         paths = [blended(results.refinement.coarse, blend_mm * _MM), results.refinement.path] if timing else []
         motions = _motions([(results, path) for path in paths], common_retiming(results.config)) or [None, None]
         coarse, refined = (
-            Measured(measure(samples, steps), motion) for samples, motion in zip(results.samples, motions, strict=True)
+            MeasuredPath(measure_path(samples, steps), motion)
+            for samples, motion in zip(results.samples, motions, strict=True)
         )
-    rows = comparison_rows(coarse, refined)
+    rows = compare_paths(coarse, refined)
     if as_json:
         typer.echo(json.dumps([asdict(row) for row in rows], indent=2))
     elif markdown:
@@ -88,18 +101,18 @@ def _compare_paths(results: "Results", markdown: bool, as_json: bool, blend_mm: 
     else:
         title = f"{results.config.name}: coarse path against refined path"
         how = f"coarse path timed with its corners rounded by at most {blend_mm:g} mm of actuator travel"
-        _print_table(title, TABLE_HEADER, table_cells(rows), how if timing else "")
+        _print_table(title, TABLE_HEADER, table_cells(rows), how if motions[0] is not None else "")
 
 
 def _compare_runs(results: "Sequence[Results]", markdown: bool, as_json: bool, timing: bool) -> None:
-    from pipeline.compare import common_retiming, runs_cells, runs_header, runs_markdown, runs_rows
+    from pipeline.compare import common_retiming, compare_runs, runs_cells, runs_header, runs_markdown
 
     names = _names(results)
     with messages_console().status("measuring and timing all paths"):
         paths = [(one, one.refinement.path) for one in results] if timing else []
         motions = _motions(paths, common_retiming(results[0].config)) or [None] * len(results)
         measured = [_measured(one, results[0], motion) for one, motion in zip(results, motions, strict=True)]
-    rows = runs_rows(measured)
+    rows = compare_runs(measured)
     if as_json:
         typer.echo(json.dumps({"runs": names, "rows": [asdict(row) for row in rows]}, indent=2))
     elif markdown:
@@ -111,17 +124,17 @@ def _compare_runs(results: "Sequence[Results]", markdown: bool, as_json: bool, t
         _print_table("refined paths of several runs", runs_header(names), runs_cells(names, rows), how)
 
 
-def _measured(one: "Results", first: "Results", motion: "MotionFigures | None") -> "Measured":
+def _measured(one: "Results", first: "Results", motion: "MotionFigures | None") -> "MeasuredPath":
     """Measure a run's refined path in the metric, and at as many points, as the first run's."""
     import numpy as np
 
-    from pipeline.compare import Measured
-    from pipeline.refine.measure import measure, sample_path
+    from pipeline.compare import MeasuredPath
+    from pipeline.refine.measure import measure_path, sample_path
     from pipeline.route.metric import step_sizes
 
     s = np.linspace(0.0, 1.0, first.config.refine.check_points)
     samples = sample_path(one.refinement.path, s)
-    return Measured(measure(samples, step_sizes(first.config.route)), motion)
+    return MeasuredPath(measure_path(samples, step_sizes(first.config.route)), motion)
 
 
 def _motions(paths: "Sequence[tuple[Results, Path]]", retiming: "RetimeConfig") -> "list[MotionFigures | None]":

@@ -79,7 +79,7 @@ def export(
     """
     from pipeline.artifacts import write_whole
     from pipeline.export import CsvOptions, format_samples
-    from pipeline.retime import sample, slowed, way_back
+    from pipeline.retime import sample_trajectory, slowed, way_back
     from pipeline.run.reading import open_results, with_retime
 
     results = open_results(run, Stage.REFINE, Stage.RETIME)
@@ -87,7 +87,7 @@ def export(
         raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
     config = with_retime(results.config, period_s=period_s, speed=speed)
     trajectory = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
-    samples = sample(way_back(config, trajectory) if back else trajectory, config.retime.period_s)
+    samples = sample_trajectory(way_back(config, trajectory) if back else trajectory, config.retime.period_s)
     names = tuple(name.strip() for name in columns.split(",")) if columns else ()
     options = CsvOptions(separator, decimals, names, length, angle)
     text = format_samples(kind, samples, results.machine.acceleration_mps2, config.export.joint_names, options)

@@ -15,7 +15,9 @@ from pipeline.errors import UsageError
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
-    from pipeline.measured import Comparison, Reflectors
+    from pipeline.export.csv import Column
+    from pipeline.measured import MeasurementComparison, Reflectors
+    from pipeline.retime import Trajectory
 
 _Point = tuple[float, float, float]
 _First = Annotated[
@@ -26,9 +28,19 @@ _Noise = Annotated[
     float,
     typer.Option("--noise", metavar="M", min=0.0, max=0.1, help="Standard deviation of each coordinate in metres."),
 ]
+_Speed = Annotated[
+    float | None,
+    typer.Option("--speed", metavar="PART", help="Part of the speed it is driven at, as exported. Default: all of it."),
+]
+_Period = Annotated[
+    float | None,
+    typer.Option("--period", metavar="S", help="Period it is driven at, as exported. Default: that of the run."),
+]
 _FIRST: _Point = (0.0, 0.10, 0.05)
 _SECOND: _Point = (0.0, 0.40, 0.05)
 _NOISE_M = 5e-5
+_SEPARATORS = (",", ";", "\t")
+_FACTS = ".json"
 
 
 def measured(
@@ -37,6 +49,8 @@ def measured(
     first: _First = _FIRST,
     second: _Second = _SECOND,
     noise_m: _Noise = _NOISE_M,
+    speed: _Speed = None,
+    period_s: _Period = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded, in metres and radians.")] = False,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Draw it over time: .png, .pdf or .svg.")
@@ -48,18 +62,15 @@ def measured(
     positions of two reflectors on the platform (x1_m, y1_m, z1_m, x2_m,
     y2_m, z2_m), or the pose (x_m, y_m, z_m, rx_rad, rz_rad), which comes
     without error bars. From reflectors rx and rz are estimated with ry as
-    commanded; error bars are those of the noise.
+    commanded; error bars are those of the noise. Values are separated by
+    commas, semicolons or tabs. If what was driven was exported with --speed
+    or --period, give them here, too.
     """
     check_picture(picture)
-    from pipeline.export import read_csv
     from pipeline.measured import compare_measurement, parse_measurement
-    from pipeline.run.reading import open_results
 
-    trajectory = open_results(run, Stage.REFINE, Stage.RETIME).trajectory
-    try:
-        columns = read_csv(measurement.read_text())
-    except ValueError as error:
-        raise UsageError(f"{measurement}: {error}") from None
+    trajectory, _ = _driven(run, speed, period_s)
+    columns = _read_columns(measurement)
     given = parse_measurement(columns, trajectory.duration_s)
     commanded = trajectory.pose(given.t_s.clip(0.0, trajectory.duration_s))
     comparison = compare_measurement(given, commanded, _reflectors(first, second, noise_m))
@@ -71,7 +82,29 @@ def measured(
         messages_console().print(f"{picture}: commanded and measured over time, with errors", soft_wrap=True)
 
 
-def _tell(comparison: "Comparison", as_json: bool, title: str) -> None:
+def _driven(run: Path, speed: float | None, period_s: float | None) -> "tuple[Trajectory, float]":
+    """Open the motion of a run as it is exported at a part of the speed and another period; the second is that."""
+    from pipeline.retime import slowed, whole_periods
+    from pipeline.run.reading import open_results, with_retime
+
+    results = open_results(run, Stage.REFINE, Stage.RETIME)
+    options = with_retime(results.config, period_s=period_s, speed=speed).retime
+    trajectory = slowed(results.trajectory, 1.0 if speed is None else options.speed)
+    return whole_periods(trajectory, options.period_s), options.period_s
+
+
+def _read_columns(file: Path) -> "dict[str, Column]":
+    """Read a table whose values are separated by whatever its first line has most of."""
+    from pipeline.export import read_csv
+
+    try:
+        text = file.read_text()
+        return read_csv(text, max(_SEPARATORS, key=text.partition("\n")[0].count))
+    except ValueError as error:
+        raise UsageError(f"{file}: {error}") from None
+
+
+def _tell(comparison: "MeasurementComparison", as_json: bool, title: str) -> None:
     from pipeline.artifacts import json_bytes
     from pipeline.measured.comparison import TABLE_HEADER, error_rows, table_cells
 
@@ -103,41 +136,46 @@ def simulate_measurement(
         ),
     ] = 2e-4,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Of the random numbers.")] = 0,
-    period_s: Annotated[
-        float | None, typer.Option("--period", metavar="S", help="Seconds between rows. Default: that of the run.")
-    ] = None,
+    speed: _Speed = None,
+    period_s: _Period = None,
 ) -> None:
     """Simulate what a tracker sees of two reflectors while a slightly wrong machine drives the trajectory.
 
     Joints, rails, lengths and zeros of telescopes are off by random errors,
     drawn once; every coordinate of every reflector is off by noise. The
-    same seed gives the same file.
+    same seed gives the same file, with a row per period.
     """
     from pipeline.artifacts import json_bytes, write_whole
     from pipeline.export.csv import format_csv
     from pipeline.measured import SimulationSetting, measurement_columns
     from pipeline.measured import simulate_measurement as simulate
-    from pipeline.retime import sample
-    from pipeline.run.reading import open_results, with_period
+    from pipeline.retime import sample_trajectory
 
-    if output is not None and output.resolve().is_relative_to(run.resolve()):
-        raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
-    results = open_results(run, Stage.REFINE, Stage.RETIME)
-    samples = sample(results.trajectory, with_period(results.config, period_s).retime.period_s)
+    if output is not None:
+        _check_output(output, run)
+    trajectory, period_s = _driven(run, speed, period_s)
+    samples = sample_trajectory(trajectory, period_s)
     reflectors = _reflectors(first, second, noise_m)
     setting = SimulationSetting(geometry_m, seed)
-    positions = simulate(results.machine, samples.q_m, samples.pose, reflectors, setting)
+    positions = simulate(trajectory.path.machine, samples.q_m, samples.pose, reflectors, setting)
     text = format_csv(measurement_columns(samples.t_s, positions))
     if output is None:
         typer.echo(text, nl=False)
         return
     write_whole(output, text.encode())
     facts: dict[str, Any] = {"simulated": True, "run": str(run), "reflectors": reflectors, "setting": setting}
-    write_whole(output.with_suffix(".json"), json_bytes(facts))
+    write_whole(output.with_suffix(_FACTS), json_bytes(facts))
     messages_console().print(
         f"{output}: {len(samples):,} rows of a simulated measurement; {output.with_suffix('.json')}: how it was made",
         soft_wrap=True,
     )
+
+
+def _check_output(output: Path, run: Path) -> None:
+    if output.resolve().is_relative_to(run.resolve()):
+        raise UsageError(f"{output} is inside {run}, whose files are kept as they are: give another --output")
+    if output.suffix == _FACTS:
+        raise UsageError(f"--output {output}: a {_FACTS} beside the table says how it was made: give another ending")
 
 
 def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":
@@ -155,6 +193,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau measured results/agder tracker.csv --picture tracker.png",
             "gantry-tau measured results/agder tracker.csv --reflector-1 0 0.1 0.05 --reflector-2 0 0.4 0.05",
             "gantry-tau measured results/agder tracker.csv --noise 0.00003 --json",
+            "gantry-tau measured results/agder slow.csv --speed 0.3",
         ),
     ),
     (

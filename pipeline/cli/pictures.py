@@ -13,7 +13,7 @@ FORMATS = ("png", "pdf", "svg")
 """Endings of pictures, without the dot."""
 
 
-def check_picture(path: Path | None) -> None:
+def check_picture(path: Path | None, option: str = "--picture") -> None:
     """Refuse, before anything is computed, a picture whose name has no known ending.
 
     Raises
@@ -23,7 +23,7 @@ def check_picture(path: Path | None) -> None:
     """
     if path is not None and path.suffix.lower().lstrip(".") not in FORMATS:
         endings = ", ".join(f".{name}" for name in FORMATS)
-        raise UsageError(f"--picture {path}: the file's name has to end in one of {endings}")
+        raise UsageError(f"{option} {path}: the file's name has to end in one of {endings}")
 
 
 def save_picture(figure: "Figure", path: Path) -> None:

@@ -137,13 +137,13 @@ def certify(
         typer.Option("--check", metavar="FILE", help="Verify the boxes of a certificate again, and search nothing."),
     ] = None,
 ) -> None:
-    """Prove that the whole path is one motion free of singularities, and within every limit.
+    """Prove that the whole path is one motion free of singularities, and within its limits.
 
     Runs stages one and two before, unless their results in DIR are up to
     date. A certificate is verified again with --check by other code in other
     arithmetic; the run's config.yaml and path.npz have to be beside it.
-    --tolerance is the key certify.what: tolerances; put it into the file to
-    have tolerances in every run.
+    Tolerances once found are kept as long as the path is; with
+    certify.what: tolerances in CONFIG every run searches them.
     """
     if check is not None:
         if config is not None or out is not None or force or tolerance:
@@ -154,8 +154,7 @@ def certify(
         return
     if config is None:
         raise UsageError("certify needs a CONFIG, or --check FILE")
-    changes = {"what": "tolerances"} if tolerance else {}
-    _run(config, out, None, Stage.CERTIFY, force, verbose, certify_changes=changes)
+    _run(config, out, None, Stage.CERTIFY, force, verbose, tolerances=tolerance)
 
 
 def retime(
@@ -182,7 +181,7 @@ def _run(
     verbose: bool,
     route_changes: dict[str, str] | None = None,
     why_not: bool = True,
-    certify_changes: dict[str, str] | None = None,
+    tolerances: bool = False,
     speed: float | None = None,
 ) -> None:
     from pipeline.artifacts import sights
@@ -190,11 +189,10 @@ def _run(
     from pipeline.run import run_pipeline
     from pipeline.run.reading import with_retime
 
-    changed = _with_changes(_with_changes(load(path), "route", route_changes or {}), "certify", certify_changes or {})
-    config = with_retime(changed, speed=speed)
+    config = with_retime(_with_changes(load(path), "route", route_changes or {}), speed=speed)
     folder = out or _RESULTS / config.name
     with make_reporter(messages_console(), verbose) as reporter:
-        report = run_pipeline(config, folder, first, last, force, reporter, verbose, why_not)
+        report = run_pipeline(config, folder, first, last, force, reporter, verbose, why_not, tolerances)
     console = results_console()
     console.print(stage_table(report))
     stages = [outcome.stage for outcome in report.outcomes]

@@ -21,19 +21,20 @@ def verify_file(file: Path, console: Console) -> None:
     """
     from pipeline.artifacts.certificate import read_certificate
     from pipeline.artifacts.results import load_refinement
+    from pipeline.certify import premises_sha256
     from pipeline.certify.limits import build_limits
     from pipeline.certify.recheck import verify
     from pipeline.route.ends import task_ends
     from pipeline.run.reading import open_results
     from pipeline.stage import Stage
 
+    stated = read_certificate(file)
     results = open_results(file.parent)
-    stored = read_certificate(file)
     config, machine = results.config, results.machine
     path = load_refinement(file.parent, machine).path
     began = time.perf_counter()
     limits, ends = build_limits(config, machine, 0.0), task_ends(config, machine)
-    claims = verify(machine, path, limits, ends, stored.path_sha256, stored.bounds, stored.chains)
+    claims = verify(machine, path, limits, ends, premises_sha256(config), stated)
     seconds = time.perf_counter() - began
     table = Table(title=f"{file}: verified again in {seconds:.2f} s", title_justify="left")
     for heading in ("claim", "verified", "found"):

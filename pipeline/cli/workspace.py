@@ -30,6 +30,9 @@ def workspace(
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Draw maps of it: .png, .pdf or .svg.")
     ] = None,
+    volume: Annotated[
+        Path | None, typer.Option("--picture-3d", metavar="FILE", help="Draw all left and all right in 3-D.")
+    ] = None,
 ) -> None:
     """Measure the usable workspace of every working mode, and of all of them together.
 
@@ -39,6 +42,7 @@ def workspace(
     far they have converged.
     """
     check_picture(picture)
+    check_picture(volume, "--picture-3d")
     from pipeline.artifacts import json_bytes
     from pipeline.compare.workspace import WorkspaceSetting
     from pipeline.compare.workspace_table import (
@@ -74,6 +78,11 @@ def workspace(
 
         save_picture(workspace_figure(fine), picture)
         messages_console().print(f"{picture}: usable length along x, per working mode and of all", soft_wrap=True)
+    if volume is not None:
+        from pipeline.compare.figures.volume import workspace_volume_figure
+
+        save_picture(workspace_volume_figure(machine, fine), volume)
+        messages_console().print(f"{volume}: what all arms left and all right can use, in 3-D", soft_wrap=True)
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
@@ -82,7 +91,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau workspace configs/agder.yaml",
             "gantry-tau workspace configs/agder.yaml --rx -10 --kappa-max 30 --json",
-            "gantry-tau workspace configs/agder.yaml --picture workspace.png",
+            "gantry-tau workspace configs/agder.yaml --picture workspace.png --picture-3d volume.png",
         ),
     ),
 )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from pipeline.compare.quantities import QUANTITIES, Measured, Preference, Quantity, paced_alike
+from pipeline.compare.quantities import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
 
 Better = Literal["coarse", "refined", "equal", "neither"]
 
@@ -41,7 +41,7 @@ class ComparisonRow:
     better: Better
 
 
-def comparison_rows(coarse: Measured, refined: Measured) -> list[ComparisonRow]:
+def compare_paths(coarse: MeasuredPath, refined: MeasuredPath) -> list[ComparisonRow]:
     """Compare two paths by every quantity that is known of both."""
     coarse, refined = paced_alike([coarse, refined])
     rows = []

@@ -13,7 +13,7 @@ Preference = Literal["lower", "higher", "neither"]
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredPath:
     """A path in numbers, as far as they are known.
 
     Attributes
@@ -31,7 +31,7 @@ class Measured:
     paced: MotionFigures | None = None
 
 
-def paced_alike(measured: Sequence[Measured]) -> list[Measured]:
+def paced_alike(measured: Sequence[MeasuredPath]) -> list[MeasuredPath]:
     """Slow all motions down to the longest duration, so that their peaks say which curve is the smoother one."""
     durations = [one.motion.duration_s for one in measured if one.motion is not None]
     if len(durations) < len(measured):
@@ -48,9 +48,9 @@ class Quantity:
     unit: str
     prefers: Preference
     resolution: float
-    read: Callable[[Measured], float | None]
+    read: Callable[[MeasuredPath], float | None]
 
-    def value(self, measured: Measured) -> float | None:
+    def value(self, measured: MeasuredPath) -> float | None:
         """Give the value; None where it is unknown or has no bound."""
         value = self.read(measured)
         return None if value is None or not np.isfinite(value) else float(value)
@@ -61,7 +61,7 @@ def _path(name: str, unit: str, prefers: Preference, resolution: float, attribut
 
 
 def _motion(name: str, unit: str, resolution: float, attribute: str, paced: bool = False) -> Quantity:
-    def read(one: Measured) -> float | None:
+    def read(one: MeasuredPath) -> float | None:
         motion = one.paced if paced else one.motion
         return None if motion is None else getattr(motion, attribute)
 
@@ -75,8 +75,8 @@ QUANTITIES = (
     _path("largest kappa", "", "lower", 1e-6, "kappa_max"),
     _path("largest kappa at s", "", "neither", 1e-6, "kappa_max_s"),
     _path("length", "steps", "lower", 1e-6, "length"),
-    _path("least link-link distance", "m", "higher", 1e-6, "min_link_distance_m"),
-    _path("least link-rail distance", "m", "higher", 1e-6, "min_rail_distance_m"),
+    _path("least link-link distance", "m", "higher", 1e-5, "min_link_distance_m"),
+    _path("least link-rail distance", "m", "higher", 1e-5, "min_rail_distance_m"),
     _path("largest tilt", "deg", "lower", 1e-4, "max_tilt_deg"),
     _path("closure residual", "m", "lower", 1e-9, "closure_residual_m"),
     Quantity("working-mode changes", "", "neither", 0.5, lambda one: one.path.mode_changes),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.compare.metrics import markdown, per_cent_of
-from pipeline.compare.quantities import QUANTITIES, Measured, Preference, Quantity, paced_alike
+from pipeline.compare.quantities import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class RunsRow:
     best: tuple[int, ...]
 
 
-def runs_rows(measured: Sequence[Measured]) -> list[RunsRow]:
+def compare_runs(measured: Sequence[MeasuredPath]) -> list[RunsRow]:
     """Compare runs by every quantity that is known of at least two of them."""
     measured = paced_alike(measured)
     rows = []

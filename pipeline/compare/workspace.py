@@ -118,7 +118,7 @@ def _windows_of_mode(machine: Machine, setting: WorkspaceSetting, controlled: Fl
         usable_windows(machine, setting.kappa_max, controlled[block], np.full(len(controlled[block]), mode))
         for block in blocks(len(controlled), _BLOCK)
     ]
-    return np.concatenate(parts) if parts else np.empty((0, 2))
+    return np.concatenate(parts)
 
 
 def usable_windows(machine: Machine, kappa_max: float, controlled: FloatArray, modes: IntArray) -> FloatArray:
@@ -164,7 +164,7 @@ def _extents(machine: Machine) -> FloatArray:
 
 
 def _centres(least: float, largest: float, step: float) -> FloatArray:
-    """Centres of the cells from `least` on that cover the interval; none where it is empty."""
-    count = max(int(np.ceil((largest - least) / step)), 0)
+    """Centres of the cells from `least` on that cover the interval; one, out of reach, where it is empty."""
+    count = max(int(np.ceil((largest - least) / step)), 1)
     centres: FloatArray = least + step * (np.arange(count, dtype=float) + 0.5)
     return centres

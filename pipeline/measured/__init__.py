@@ -1,16 +1,16 @@
 """What a machine really does: poses estimated from measured reflectors, simulated measurements, and errors."""
 
-from pipeline.measured.comparison import Comparison, ErrorRow, compare_measurement, error_rows
+from pipeline.measured.comparison import ErrorRow, MeasurementComparison, compare_measurement, error_rows
 from pipeline.measured.estimate import Estimate, estimate_poses
 from pipeline.measured.reflectors import Reflectors, reflector_positions
 from pipeline.measured.simulate import SimulationSetting, simulate_measurement
 from pipeline.measured.table import Measurement, measurement_columns, parse_measurement
 
 __all__ = [
-    "Comparison",
     "ErrorRow",
     "Estimate",
     "Measurement",
+    "MeasurementComparison",
     "Reflectors",
     "SimulationSetting",
     "compare_measurement",

@@ -19,7 +19,7 @@ TABLE_HEADER = ("quantity", "unit", "mean error", "rms error", "largest error", 
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class MeasurementComparison:
     """Controlled poses over time, x, y, z in metres, rx, rz in radians.
 
     Attributes
@@ -70,7 +70,9 @@ class ErrorRow:
     standardised_rms: float | None
 
 
-def compare_measurement(measurement: Measurement, commanded: FloatArray, reflectors: Reflectors) -> Comparison:
+def compare_measurement(
+    measurement: Measurement, commanded: FloatArray, reflectors: Reflectors
+) -> MeasurementComparison:
     """Compare a measurement (n rows) with the poses (n, 6) commanded at its times.
 
     Raises
@@ -82,17 +84,17 @@ def compare_measurement(measurement: Measurement, commanded: FloatArray, reflect
     if measurement.reflectors_m is not None:
         estimate = estimate_poses(reflectors, measurement.reflectors_m, commanded)
         std = estimate.std if reflectors.noise_m > 0.0 else None
-        return Comparison(measurement.t_s, asked, estimate.controlled, std)
+        return MeasurementComparison(measurement.t_s, asked, estimate.controlled, std)
     assert measurement.controlled is not None
-    return Comparison(measurement.t_s, asked, measurement.controlled, None)
+    return MeasurementComparison(measurement.t_s, asked, measurement.controlled, None)
 
 
-def error_rows(comparison: Comparison) -> list[ErrorRow]:
+def error_rows(comparison: MeasurementComparison) -> list[ErrorRow]:
     """Sum up the errors, a row per quantity."""
     return [_row(comparison, index) for index in range(len(QUANTITIES))]
 
 
-def _row(comparison: Comparison, index: int) -> ErrorRow:
+def _row(comparison: MeasurementComparison, index: int) -> ErrorRow:
     error = comparison.error[:, index]
     worst = int(np.argmax(np.abs(error)))
     std = None if comparison.std is None else comparison.std[:, index]

@@ -19,13 +19,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import UsageError
-from pipeline.machine.geometry import FloatArray, cross, rotation, rotation_x
+from pipeline.machine.geometry import FloatArray, cross, dot, rotation, rotation_x
 from pipeline.measured.reflectors import Reflectors
 
 CONTROLLED = (0, 1, 2, 3, 5)
 """Where x, y, z, rx, rz are in a pose."""
 _LEAST_LEVER = 0.05
 """Least |f_y| as a part of |d|: below it noise in rz is amplified more than twentyfold, and linearisation fails."""
+_MOST_STRETCH, _MOST_DEVIATIONS = 0.05, 10.0
+"""Part of the distance between the reflectors, and standard deviations of noise, that it may seem to be wrong by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
     Raises
     ------
     UsageError
-        When the reflectors are in one place, or do not tell rz at some pose.
+        When the reflectors are in one place, do not tell rz at some pose, or are not where they were measured.
     """
     ry = commanded[:, 4]
     arm = reflectors.points_m[1] - reflectors.points_m[0]
@@ -58,6 +60,7 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
     if not length > 0.0:
         raise UsageError("both reflectors are in one place: two different places on the platform are needed")
     v = positions_m[:, 1] - positions_m[:, 0]
+    _require_seen(reflectors, v, rotation(commanded[:, 3], ry, commanded[:, 5]) @ arm)
     v = v * (length / np.linalg.norm(v, axis=1, keepdims=True))
     rx, rz, lever = _angles(_turned_about_y(arm, ry), v, commanded[:, 5])
     if (weak := np.abs(lever) < _LEAST_LEVER * length).any():
@@ -68,6 +71,23 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
     R = rotation(rx, ry, rz)
     p = positions_m.mean(axis=1) - R @ reflectors.points_m.mean(axis=0)
     return Estimate(np.column_stack([p, rx, rz]), reflectors.noise_m * _unit_std(reflectors.points_m, R, rx))
+
+
+def _require_seen(reflectors: Reflectors, v: FloatArray, expected: FloatArray) -> None:
+    """Refuse vectors between reflectors (n, 3) that no noise explains beside those at the commanded poses (n, 3)."""
+    length, distance = np.linalg.norm(expected, axis=1), np.linalg.norm(v, axis=1)
+    allowed = np.maximum(_MOST_STRETCH * length, _MOST_DEVIATIONS * reflectors.noise_m)
+    if (off := np.abs(distance - length) > allowed).any() or (off := ~(distance > 0.0)).any():
+        row = int(np.argmax(off))
+        raise UsageError(
+            f"the measured reflectors are {distance[row]:g} m apart at row {row}, on the platform {length[row]:g} m.\n"
+            "  What to change: give positions in metres, and the places of the reflectors as they are."
+        )
+    if (turned := dot(v, expected) < 0.0).any():
+        raise UsageError(
+            f"from the first measured reflector to the second is the other way round at row {int(np.argmax(turned))}.\n"
+            "  What to change: exchange the reflectors, or give positions in the frame of the machine."
+        )
 
 
 def _turned_about_y(arm: FloatArray, ry: FloatArray) -> FloatArray:

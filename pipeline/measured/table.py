@@ -80,5 +80,6 @@ def _check_times(t_s: FloatArray, duration_s: float) -> None:
     if t_s[0] < -1e-9 or t_s[-1] > duration_s + 1e-9:
         raise UsageError(
             f"times from {t_s[0]:g} to {t_s[-1]:g} s are not within the motion, which lasts {duration_s:g} s.\n"
-            f"  What to change: count {TIME} from the start of the motion, and leave out what is before and after."
+            f"  What to change: count {TIME} from the start of the motion, and leave out what is before and after; "
+            "for a motion exported at another speed or period, give --speed or --period."
         )

@@ -1,7 +1,7 @@
 """Stage two: a smooth curve in actuator space through the route; a nonlinear program, checked between its nodes."""
 
 from pipeline.refine.coarse import coarse_path
-from pipeline.refine.measure import PathFigures, PathSamples, measure, sample_path
+from pipeline.refine.measure import PathFigures, PathSamples, measure_path, sample_path
 from pipeline.refine.motion import kappa_along, pose_derivatives, pose_spline
 from pipeline.refine.refiner import refine_path
 from pipeline.refine.result import Path, Refinement
@@ -13,7 +13,7 @@ __all__ = [
     "Refinement",
     "coarse_path",
     "kappa_along",
-    "measure",
+    "measure_path",
     "pose_derivatives",
     "pose_spline",
     "refine_path",

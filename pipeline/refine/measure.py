@@ -110,7 +110,7 @@ def merged(samples: PathSamples, more: PathSamples) -> PathSamples:
     return PathSamples(**columns)
 
 
-def measure(samples: PathSamples, steps: FloatArray) -> PathFigures:
+def measure_path(samples: PathSamples, steps: FloatArray) -> PathFigures:
     """Reduce samples to figures; `steps` (5,) are the largest moves per step of x, y, z, rx, rz.
 
     The integral of kappa over the length is the trapezoidal rule on the samples.

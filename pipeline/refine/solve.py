@@ -13,7 +13,7 @@ from pipeline.machine.kinematics import newton
 from pipeline.progress import Progress
 from pipeline.refine.corridor import corridor
 from pipeline.refine.ipopt import Manner, Solution, solve_program
-from pipeline.refine.measure import PathFigures, measure, sample_path
+from pipeline.refine.measure import PathFigures, measure_path, sample_path
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.nlp import Setting, Start, build_program
 from pipeline.refine.result import Path
@@ -131,7 +131,7 @@ def solve_from(problem: Problem, begin: Solve, aim: Aim) -> Solve:
 
 def figures_of(problem: Problem, solve: Solve) -> PathFigures:
     """Measure the path of a solve."""
-    return measure(sample_path(solve.path, np.linspace(0.0, 1.0, _LOOKS)), problem.steps)
+    return measure_path(sample_path(solve.path, np.linspace(0.0, 1.0, _LOOKS)), problem.steps)
 
 
 def coarse_fit(problem: Problem, mesh: Mesh) -> Solve:

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pipeline.certify.recheck import KappaProfile
 from pipeline.certify.result import Bounds
 from pipeline.compare.blend import TOLERANCE_M, blended
-from pipeline.compare.metrics import comparison_rows
+from pipeline.compare.metrics import compare_paths
 from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
-from pipeline.compare.quantities import Measured
+from pipeline.compare.quantities import MeasuredPath
 from pipeline.config import Config
 from pipeline.config_file import config_sha256, dump_config
 from pipeline.errors import NoSolutionError, PipelineError
 from pipeline.machine.geometry import Machine
-from pipeline.refine.measure import PathSamples, measure
+from pipeline.refine.measure import PathSamples, measure_path
 from pipeline.refine.result import Refinement
 from pipeline.report.data import Motion, Proof, Report, Table
 from pipeline.report.motion import build_motion, build_scene
@@ -134,10 +134,10 @@ def _comparison(run: RunResults, coarse: _Driven) -> Table | None:
     if run.trajectory is not None and coarse.figures is not None:
         refined = measure_motion(_at_full_speed(run.config, run.trajectory))
     before, after = (
-        Measured(measure(samples, steps), motion)
+        MeasuredPath(measure_path(samples, steps), motion)
         for samples, motion in zip(run.samples, (coarse.figures, refined), strict=True)
     )
-    return comparison_table(comparison_rows(before, after))
+    return comparison_table(compare_paths(before, after))
 
 
 def _at_full_speed(config: Config, trajectory: Trajectory) -> Trajectory:

@@ -3,7 +3,7 @@
 from pipeline.retime.result import Quality, Trajectory, TrajectorySamples, slowed, stretched
 from pipeline.retime.retime import retime_path, way_back
 from pipeline.retime.reverse import time_reversed
-from pipeline.retime.sampling import sample
+from pipeline.retime.sampling import sample_trajectory, whole_periods
 from pipeline.retime.verify import TrajectoryFigures, Usage, measure_trajectory, measure_usage, require_limits
 
 __all__ = [
@@ -16,9 +16,10 @@ __all__ = [
     "measure_usage",
     "require_limits",
     "retime_path",
-    "sample",
+    "sample_trajectory",
     "slowed",
     "stretched",
     "time_reversed",
     "way_back",
+    "whole_periods",
 ]

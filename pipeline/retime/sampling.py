@@ -19,7 +19,7 @@ def whole_periods(trajectory: Trajectory, period_s: float) -> Trajectory:
     return trajectory if duration == trajectory.duration_s else stretched(trajectory, duration)
 
 
-def sample(trajectory: Trajectory, period_s: float) -> TrajectorySamples:
+def sample_trajectory(trajectory: Trajectory, period_s: float) -> TrajectorySamples:
     """Sample n = ceil(T / period) periods, n + 1 rows, with time stretched by n period / T.
 
     Raises

@@ -25,7 +25,7 @@ from pipeline.machine.geometry import build_machine
 from pipeline.progress import Progress
 from pipeline.route.ends import task_ends
 from pipeline.run.diagnosis import Diagnosis, can_diagnose, diagnose
-from pipeline.run.fingerprint import UPSTREAM, fingerprint
+from pipeline.run.fingerprint import UPSTREAM, fingerprint, fingerprints
 from pipeline.run.reporter import Quiet, Reporter
 from pipeline.run.stages import MAKE, Product, Results
 from pipeline.stage import STAGES, Stage
@@ -63,13 +63,14 @@ class RunReport:
 
 def run_pipeline(
     config: Config,
-    out: Path,
+    out: Path | str,
     first: Stage | None = None,
     last: Stage | None = None,
     force: bool = False,
     reporter: Reporter | None = None,
     verbose: bool = False,
     why_not: bool = True,
+    tolerances: bool = False,
 ) -> RunReport:
     """Run the stages whose inputs have changed, and write their results into the folder `out`.
 
@@ -85,6 +86,8 @@ def run_pipeline(
         Solvers write their logs to the terminal.
     why_not : bool
         Find out what stands in the way where no route exists; it is added to the error.
+    tolerances : bool
+        The proof searches calibration tolerances, too, whatever `certify.what` says.
 
     Raises
     ------
@@ -101,7 +104,7 @@ def run_pipeline(
     _check_range(out, first, last)
     with open_run_folder(out) as folder:
         forced = (first, *first.later) if first is not None else STAGES if force else ()
-        results = Results(config, machine, out, anew=Stage.REGIONS in forced)
+        results = Results(config, machine, out, anew=Stage.REGIONS in forced, tolerances=tolerances)
         run = _Run(config, folder, results, reporter or Quiet(), verbose, why_not)
         if first is not None:
             run.require_earlier(first)
@@ -168,25 +171,31 @@ class _Run:
             return "has not been run here"
         if record.status == "failed":
             return "failed"
-        if record.fingerprint != self._expected(stage, self._folder.state.stages):
+        if record.fingerprint not in self._accepted(self._results.asked, stage, self._folder.state.stages):
             return "was run with another configuration, version or earlier result"
         if damage := record.damage(self._folder.path):
             return f"has files that were removed or changed since ({', '.join(damage)})"
         return ""
 
-    def _expected(self, stage: Stage, records: dict[Stage, Record]) -> str | None:
-        """Fingerprint of the stage with these results before it; None where one is missing."""
+    def _accepted(self, config: Config, stage: Stage, records: dict[Stage, Record]) -> list[str]:
+        """Fingerprints that a stage's result may have with these results before it; none where one is missing."""
+        known = self._known(stage, records)
+        return [] if known is None else fingerprints(config, stage, known)
+
+    def _known(self, stage: Stage, records: dict[Stage, Record]) -> dict[Stage, str] | None:
+        """Hashes of what a stage builds on; None where some of it is missing."""
         upstream = {name: records.get(name) for name in UPSTREAM[stage]}
         known = {
             name: record.result_sha256(name)
             for name, record in upstream.items()
             if record is not None and record.status == "done"
         }
-        return fingerprint(self._config, stage, known) if len(known) == len(upstream) else None
+        return known if len(known) == len(upstream) else None
 
     def _make(self, stage: Stage) -> Record:
-        expected = self._expected(stage, self._folder.state.stages)
-        assert expected is not None, "stages run in order, and a failed one ends the run"
+        known = self._known(stage, self._folder.state.stages)
+        assert known is not None, "stages run in order, and a failed one ends the run"
+        expected = fingerprint(self._results.asked, stage, known)
         progress = self._reporter.begin(stage)
         began = time.perf_counter()
         try:
@@ -282,6 +291,6 @@ class _Run:
         kept: dict[Stage, Record] = {}
         for stage in STAGES:
             record = records.get(stage)
-            if record is not None and record.fingerprint == self._expected(stage, kept):
+            if record is not None and record.fingerprint in self._accepted(self._config, stage, kept):
                 kept[stage] = record
                 yield stage, record

@@ -29,6 +29,10 @@ _CODE = {
     Stage.RETIME: ("artifacts", "machine", "refine", "retime", "export"),
     Stage.FIGURES: ("artifacts", "machine", "route", "refine", "certify", "retime", "compare", "report"),
 }
+PROOFS = ("nothing", "path", "tolerances")
+"""What `certify.what` may be; each proves what those before it do."""
+_TOLERANCES_ONLY = ("tolerance_resolution", "monte_carlo_samples")
+"""Keys of the proof that only the search for tolerances reads."""
 _MOTION_ONLY = ("limits", "dynamics")
 """Parts of the machine that only its motion in time depends on."""
 _PACKAGE = pathlib.Path(__file__).parents[1]
@@ -54,7 +58,9 @@ def config_part(config: Config, stage: Stage) -> dict[str, Any]:
     if stage is Stage.REFINE:
         return {**space, "route": whole["route"], "refine": whole["refine"]}
     if stage is Stage.CERTIFY:
-        return {**space, **{key: whole[key] for key in ("route", "refine", "certify")}}
+        unread = () if config.certify.what == "tolerances" else _TOLERANCES_ONLY
+        certify = {key: value for key, value in whole["certify"].items() if key not in unread}
+        return {**space, "route": whole["route"], "refine": whole["refine"], "certify": certify}
     return whole
 
 
@@ -82,15 +88,30 @@ def fingerprint(config: Config, stage: Stage, upstream: Mapping[Stage, str]) -> 
     upstream : mapping
         Hash of the result of every stage in `UPSTREAM`.
     """
+    # The boxes of a certificate follow from path, configuration and code; what else its file tells, no stage reads.
+    counting = [name for name in UPSTREAM[stage] if name is not Stage.CERTIFY]
     return config_sha256(
         {
             "stage": stage,
             "config": config_part(config, stage),
-            "upstream": {name: upstream[name] for name in UPSTREAM[stage]},
+            "upstream": {name: upstream[name] for name in counting},
             "version": package_version(),
             "code": [_code_sha256(package) for package in _CODE[stage]],
         }
     )
+
+
+def fingerprints(config: Config, stage: Stage, upstream: Mapping[Stage, str]) -> list[str]:
+    """All fingerprints an up-to-date result may have: a certificate may prove more than is asked for."""
+    if stage is not Stage.CERTIFY:
+        return [fingerprint(config, stage, upstream)]
+    enough = PROOFS[PROOFS.index(config.certify.what) :]
+    return [fingerprint(with_proof(config, what), stage, upstream) for what in enough]
+
+
+def with_proof(config: Config, what: str) -> Config:
+    """Ask for another proof, one of `PROOFS`."""
+    return config.model_copy(update={"certify": config.certify.model_copy(update={"what": what})})
 
 
 @functools.cache

@@ -11,14 +11,17 @@ from pipeline.run.stages import Results
 from pipeline.stage import Stage
 
 
-def open_results(folder: Path, *stages: Stage) -> Results:
+def open_results(folder: Path | str, *stages: Stage) -> Results:
     """Open the results of a run, of which those of `stages` are needed and must be as they were written.
+
+    Those of other stages are loaded when first asked for, unchecked; a FileNotFoundError where there are none.
 
     Raises
     ------
     UsageError
         When the folder holds no run, or one of the stages has no result there.
     """
+    folder = Path(folder)
     config, state = read_run_folder(folder)
     for stage in stages:
         record = state.stages.get(stage)
@@ -45,17 +48,6 @@ def refuse_damage(folder: Path, record: Record) -> None:
             f"{folder} has files that were removed or changed after the run: {', '.join(damage)}.\n"
             "  What to change: run the pipeline again; it makes what is damaged anew."
         )
-
-
-def with_period(config: Config, period_s: float | None) -> Config:
-    """Put another sampling period into a configuration; None leaves it.
-
-    Raises
-    ------
-    ConfigError
-        When the period is not within what the configuration allows.
-    """
-    return with_retime(config, period_s=period_s)
 
 
 def with_retime(config: Config, period_s: float | None = None, speed: float | None = None) -> Config:

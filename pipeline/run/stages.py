@@ -16,13 +16,12 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress
-from pipeline.run.fingerprint import grid_fingerprint
+from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
 from pipeline.summary import Section
 
 if TYPE_CHECKING:
-    from pipeline.artifacts.certificate import StoredCertificate
-    from pipeline.certify.recheck import KappaProfile
+    from pipeline.certify.recheck import KappaProfile, Statement
     from pipeline.refine.measure import PathSamples
     from pipeline.refine.result import Refinement
     from pipeline.retime.result import Trajectory
@@ -34,13 +33,20 @@ if TYPE_CHECKING:
 class Results:
     """The results of a run: those it made, and those of earlier runs, loaded when first asked for.
 
-    `anew` says that what other runs computed is not to be used either.
+    `anew` says that what other runs computed is not to be used either, `tolerances` that the proof is to search
+    calibration tolerances although the configuration does not ask for them.
     """
 
     config: Config
     machine: Machine
     folder: Path
     anew: bool = False
+    tolerances: bool = False
+
+    @property
+    def asked(self) -> Config:
+        """The configuration, asking for the proof that is wanted."""
+        return with_proof(self.config, "tolerances") if self.tolerances else self.config
 
     @cached_property
     def regions(self) -> "RegionTable":
@@ -64,7 +70,7 @@ class Results:
         return load_refinement(self.folder, self.machine)
 
     @cached_property
-    def certificate(self) -> "StoredCertificate":
+    def certificate(self) -> "Statement":
         """What the certificate's file claims."""
         from pipeline.artifacts.results import load_certificate
 
@@ -142,7 +148,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     """Smooth the route, and measure what came out against the route joined by straight lines."""
     from pipeline.artifacts.results import path_files
     from pipeline.refine import refine_path
-    from pipeline.refine.measure import measure
+    from pipeline.refine.measure import measure_path
     from pipeline.route.metric import step_sizes
     from pipeline.summary import path_section
 
@@ -150,7 +156,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     progress(f"measuring both paths at {results.config.refine.check_points:,} points")
     coarse, refined = results.samples
     steps = step_sizes(results.config.route)
-    section = path_section(results.refinement, measure(refined, steps), measure(coarse, steps))
+    section = path_section(results.refinement, measure_path(refined, steps), measure_path(coarse, steps))
     return Product(path_files(results.refinement, refined), section)
 
 
@@ -160,11 +166,12 @@ def make_certificate(results: Results, progress: Progress, verbose: bool) -> Pro
     from pipeline.certify import certify_path
     from pipeline.summary import certificate_facts, certificate_section, skipped_certificate
 
-    if results.config.certify.what == "nothing":
+    config = results.asked
+    if config.certify.what == "nothing":
         return Product({}, skipped_certificate())
     began = time.perf_counter()
-    certificate = certify_path(results.config, results.machine, results.refinement.path, progress)
-    facts = certificate_facts(results.config, time.perf_counter() - began)
+    certificate = certify_path(config, results.machine, results.refinement.path, progress)
+    facts = certificate_facts(config, time.perf_counter() - began)
     return Product(certificate_files(certificate, facts), certificate_section(certificate))
 
 
@@ -172,14 +179,14 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
     """Time the path and its way back, and sample both for the controller."""
     from pipeline.artifacts.results import back_files, trajectory_files
     from pipeline.export import sidecar
-    from pipeline.retime import measure_trajectory, retime_path, sample, way_back
+    from pipeline.retime import measure_trajectory, retime_path, sample_trajectory, way_back
     from pipeline.summary import trajectory_section
 
     config, machine = results.config, results.machine
     results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
     back = way_back(config, results.trajectory)
     progress("sampling the trajectory")
-    there_samples, back_samples = (sample(one, config.retime.period_s) for one in (results.trajectory, back))
+    there_samples, back_samples = (sample_trajectory(one, config.retime.period_s) for one in (results.trajectory, back))
     there_figures = measure_trajectory(results.trajectory, there_samples)
     back_figures = measure_trajectory(back, back_samples)
     files = {
@@ -198,12 +205,12 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     from pipeline.artifacts.results import figure_files
     from pipeline.artifacts.state import State
     from pipeline.compare import all_figures
-    from pipeline.retime import sample
+    from pipeline.retime import sample_trajectory
     from pipeline.run.reporting import report_page
 
     progress("drawing")
     coarse, refined = results.samples
-    samples = sample(results.trajectory, results.config.retime.period_s)
+    samples = sample_trajectory(results.trajectory, results.config.retime.period_s)
     figures = all_figures(
         results.config,
         results.machine,

@@ -11,7 +11,7 @@ import typer
 from pipeline.artifacts import json_bytes, write_whole
 from pipeline.config import Config
 from pipeline.config_file import load_config
-from pipeline.refine import measure as measure_samples
+from pipeline.refine import measure_path as measure_samples
 from pipeline.refine import refine_path, sample_path
 from pipeline.refine.mesh import Mesh, even_mesh, middles
 from pipeline.refine.peak import lowered

@@ -12,7 +12,7 @@ from pipeline.config_file import load_config, parse_config
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.machine.geometry import MODES
-from pipeline.refine import measure, refine_path, sample_path
+from pipeline.refine import measure_path, refine_path, sample_path
 from pipeline.refine.between import breaches
 from pipeline.route import build_regions, plan_route
 from pipeline.route.metric import step_sizes
@@ -90,7 +90,7 @@ def measure_refinement(config: Config) -> Iterator[dict[str, Any]]:
     dense = config.model_copy(update={"refine": config.refine.model_copy(update={"check_points": CHECK_POINTS})})
     broken = breaches(dense, route, result.path, result.coarse)
     coarse, fine = (
-        measure(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
+        measure_path(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
     )
     yield {
         "outcome": "broken" if broken else "path",

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 from scipy.optimize import brentq
 
@@ -10,7 +11,7 @@ from pipeline.certify.closure import working_precision
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.refine import Path
-from tests.certify.paths import determinant, ends_of, line_path
+from tests.certify.paths import NODES, START, determinant, ends_of, line_path, pose_path
 
 
 @pytest.fixture(scope="session")
@@ -45,3 +46,18 @@ def prove(wide: Config) -> Callable[..., Certificate]:
             return prove_path(config, machine, path, ends_of(machine, path, modes))
 
     return run
+
+
+@pytest.fixture(scope="session")
+def own_task(agder_config: Config) -> Config:
+    """Ask for what the short path does, within the real limits."""
+    start = agder_config.task.start
+    goal = start.model_copy(update={"x_m": 1.05, "y_m": 0.33, "z_m": 0.88, "rx_deg": 2.0, "rz_deg": -1.0})
+    return agder_config.model_copy(update={"task": agder_config.task.model_copy(update={"goal": goal})})
+
+
+@pytest.fixture(scope="session")
+def own_path(machine: Machine) -> Path:
+    """Go straight from its start to its goal."""
+    goal = np.array([1.05, 0.33, 0.88, *np.deg2rad([2.0, -1.0])])
+    return pose_path(machine, np.linspace(START, goal, NODES), 0)

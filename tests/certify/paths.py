@@ -1,11 +1,22 @@
 """Short paths whose certificates are known."""
 
-import numpy as np
-from scipy.interpolate import make_interp_spline
+from dataclasses import dataclass
 
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from pipeline.artifacts.certificate import chains
+from pipeline.certify import Certificate
+from pipeline.certify.chain import close_chain, examine_nothing
+from pipeline.certify.closure import geometry, working_precision
+from pipeline.certify.limits import Limits
+from pipeline.certify.pieces import pieces
+from pipeline.certify.recheck import StatedTolerance, Statement, verify
+from pipeline.certify.result import Bounds, ProvenChain, path_sha256
+from pipeline.certify.uncertainty import CERTAIN
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import MODES
-from pipeline.machine.kinematics import follow
+from pipeline.machine.kinematics import follow, newton
 from pipeline.refine import Path
 from pipeline.route.ends import End
 
@@ -46,7 +57,90 @@ def ends_of(machine: Machine, path: Path, modes: tuple[int, int]) -> tuple[End, 
     return ends[0], ends[1]
 
 
+def other_solution(machine: Machine, q: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """Find another pose for the same actuators."""
+    random = np.random.default_rng(3)
+    for _ in range(500):
+        guess = pose + random.uniform(-1.0, 1.0, 6) * np.array([0.3, 0.3, 0.3, 0.8, 1.5, 0.8])
+        found, miss = newton(machine, q[None], guess[None])
+        if miss[0] < 1e-10 and np.abs(found[0] - pose).max() > 0.05 and np.abs(found[0]).max() < 3.0:
+            return found[0]
+    raise AssertionError("there is none near")
+
+
+@dataclass(frozen=True, eq=False)
+class Jumping(Path):
+    """A path that tells poses of another branch beyond s = 1/2: there already (`before`), or only after it."""
+
+    beyond: Path
+    before: bool
+
+    def pose(self, s: np.ndarray | float) -> np.ndarray:
+        """Tell poses that all close, on two branches."""
+        s = np.atleast_1d(s)
+        far = s >= 0.5 if self.before else s > 0.5
+        return np.where(far[:, None], self.beyond.pose(s), super().pose(s))
+
+
+def two_branches(machine: Machine, line: Path) -> tuple[Path, Path]:
+    """Give two paths with the same actuators, a knot at s = 1/2, and poses on two branches."""
+    middle, pose = line.q(0.5), line.pose(np.array([0.5]))[0]
+    s = np.array([0.0, 0.5, 1.0])
+    q = middle + (s[:, None] - 0.5) * np.array([2e-3, 2e-3, 2e-3, 0.0, 0.0])
+    spline = BSpline(np.array([0.0, *s, 1.0]), q, 1)
+    poses = (newton(machine, q, np.tile(start, (3, 1)))[0] for start in (pose, other_solution(machine, middle, pose)))
+    one, other = (Path(machine, spline, s, found) for found in poses)
+    return one, other
+
+
+def branching_chains(machine: Machine, line: Path) -> list[ProvenChain]:
+    """Give chains of two proven boxes on different branches; the joint between them is on one, or on the other."""
+    paths = two_branches(machine, line)
+    with working_precision(64):
+        first, second = (
+            close_chain(geometry(machine), path, pieces(path.spline), 0.3, examine_nothing) for path in paths
+        )
+    boxes = (first.inclusions[0].box, second.inclusions[1].box)
+    ends = (first.joints[0].box, second.joints[2].box)
+    return [ProvenChain(CERTAIN, boxes, (ends[0], chain.joints[1].box, ends[1])) for chain in (first, second)]
+
+
+def verified(machine: Machine, path: Path, chain: ProvenChain) -> dict[str, bool]:
+    """Tell of what a chain claims of the configured machine whether it is verified."""
+    bounds = Bounds(1e9, 0.5, 1, (), np.zeros(0), np.tile([-9.0, 9.0], (5, 1)), np.full(2, 3.0), 1.0, 1.0)
+    limits = Limits(1e9, 1e9, 1e-5, np.tile([-9.0, 9.0], (5, 1)), np.full(2, 3.0), 0.0, np.nan)
+    stated = Statement(path_sha256(path), "", len(chain.boxes), bounds, None, None, (chain,))
+    end = End(0, chain.joints[0].pose[0], path.q(0.0), 1.0, 1.0, 1.0, 1.0)
+    claims = verify(machine, path, limits, (end, end), "", stated)
+    return {claim.what.removeprefix("configured machine: "): claim.verified for claim in claims}
+
+
+def torn(spline: BSpline, by: float) -> BSpline:
+    """Let a spline of degree 5 jump at s = 1/2, where its knot is as often as the degree plus one."""
+    inside = np.full(6, 0.5)
+    values = spline(0.5)
+    coefficients = np.vstack([np.tile(values, (6, 1)), np.tile(values + by, (6, 1))])
+    return BSpline(np.concatenate([np.zeros(6), inside, np.ones(6)]), coefficients, 5)
+
+
 def determinant(machine: Machine, along: float) -> float:
     """Give det H on the line towards the singularity."""
     solution = inverse_kinematics(machine, (START + along * TOWARDS_SINGULARITY)[None], np.array([RLL]))
     return float(np.linalg.det(statics_matrix(machine, solution.pose, solution.q_m[:, :3]))[0])
+
+
+def state(certificate: Certificate) -> Statement:
+    """Say what a certificate states, as its file would."""
+    assert certificate.bounds is not None
+    tolerances = [
+        None if one is None else StatedTolerance(one.eps_m, 0 if one.chain is None else len(one.chain.boxes))
+        for one in (certificate.link_length, certificate.coordinates)
+    ]
+    return Statement(
+        certificate.path_sha256,
+        certificate.premises_sha256,
+        len(certificate.chain.boxes),
+        certificate.bounds,
+        *tolerances,
+        tuple(chains(certificate)),
+    )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.artifacts.certificate import certificate_bytes, read_certificate
-from pipeline.certify import Certificate, certify_path
+from pipeline.certify import Certificate, certify_path, premises_sha256
 from pipeline.certify.limits import build_limits
 from pipeline.certify.recheck import verify
 from pipeline.config import Config
@@ -15,27 +15,11 @@ from pipeline.errors import NoSolutionError, UsageError
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from pipeline.route.ends import task_ends
-from tests.certify.paths import NODES, START, pose_path
 
 
-@pytest.fixture(scope="module")
-def own_task(agder_config: Config) -> Config:
-    """Ask for what the short path does, within the real limits."""
-    start = agder_config.task.start
-    goal = start.model_copy(update={"x_m": 1.05, "y_m": 0.33, "z_m": 0.88, "rx_deg": 2.0, "rz_deg": -1.0})
-    return agder_config.model_copy(update={"task": agder_config.task.model_copy(update={"goal": goal})})
-
-
-@pytest.fixture(scope="module")
-def path(machine: Machine) -> Path:
-    """Go straight from its start to its goal."""
-    goal = np.array([1.05, 0.33, 0.88, *np.deg2rad([2.0, -1.0])])
-    return pose_path(machine, np.linspace(START, goal, NODES), 0)
-
-
-def test_a_path_from_start_to_goal_is_certified(own_task: Config, machine: Machine, path: Path) -> None:
+def test_a_path_from_start_to_goal_is_certified(own_task: Config, machine: Machine, own_path: Path) -> None:
     """Within the real limits, and its ends are where the inverse kinematics put them."""
-    certificate = certify_path(own_task, machine, path)
+    certificate = certify_path(own_task, machine, own_path)
     assert certificate.verdict == "certified"
     assert certificate.bounds is not None
     assert certificate.bounds.start_miss < 1e-9
@@ -51,29 +35,29 @@ def test_a_path_from_start_to_goal_is_certified(own_task: Config, machine: Machi
     ],
 )
 def test_a_refusal_says_where_and_why(
-    own_task: Config, machine: Machine, path: Path, changes: dict[str, dict[str, float]], reason: str, advice: str
+    own_task: Config, machine: Machine, own_path: Path, changes: dict[str, dict[str, float]], reason: str, advice: str
 ) -> None:
     """With what was proven before it."""
     sections = {name: getattr(own_task, name).model_copy(update=change) for name, change in changes.items()}
     with pytest.raises(NoSolutionError, match="cannot be certified beyond s = ") as refused:
-        certify_path(own_task.model_copy(update=sections), machine, path)
+        certify_path(own_task.model_copy(update=sections), machine, own_path)
     assert reason in refused.value.reason
     assert advice in refused.value.advice
     assert refused.value.diagnosis["status"] == "not certified"
     assert isinstance(refused.value.diagnosis["certificate"], Certificate)
 
 
-def test_a_goal_that_is_missed_is_told(agder_config: Config, machine: Machine, path: Path) -> None:
+def test_a_goal_that_is_missed_is_told(agder_config: Config, machine: Machine, own_path: Path) -> None:
     """The path is a motion, but not the task's."""
     with pytest.raises(NoSolutionError, match="the goal is missed by"):
-        certify_path(agder_config, machine, path)
+        certify_path(agder_config, machine, own_path)
 
 
 def test_a_certificate_is_read_as_it_was_written(
-    tmp_path_factory: pytest.TempPathFactory, own_task: Config, machine: Machine, path: Path
+    tmp_path_factory: pytest.TempPathFactory, own_task: Config, machine: Machine, own_path: Path
 ) -> None:
     """Bit by bit, so that what is read is verified."""
-    certificate = certify_path(own_task, machine, path)
+    certificate = certify_path(own_task, machine, own_path)
     file = tmp_path_factory.mktemp("run") / "certificate.json"
     file.write_bytes(certificate_bytes(certificate, {"seconds": 1.0}))
     stored = read_certificate(file)
@@ -82,7 +66,7 @@ def test_a_certificate_is_read_as_it_was_written(
         np.testing.assert_array_equal(box.pose, read.pose)
         np.testing.assert_array_equal(box.radius, read.radius)
     limits, ends = build_limits(own_task, machine, 0.0), task_ends(own_task, machine)
-    claims = verify(machine, path, limits, ends, stored.path_sha256, stored.bounds, stored.chains)
+    claims = verify(machine, own_path, limits, ends, premises_sha256(own_task), stored)
     assert all(claim.verified for claim in claims)
 
 

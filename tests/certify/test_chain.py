@@ -10,13 +10,26 @@ from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
 from pipeline.certify import Certificate
-from pipeline.certify.chain import JUMP, NO_INCLUSION, NO_POSE
+from pipeline.certify.chain import JUMP, NO_INCLUSION, NO_POSE, close_chain, examine_nothing
+from pipeline.certify.closure import geometry, working_precision
+from pipeline.certify.pieces import pieces
 from pipeline.machine import Machine, inverse_kinematics, link_distances
 from pipeline.machine.geometry import MODES
 from pipeline.machine.kinematics import newton
 from pipeline.refine import Path
 from pipeline.refine.motion import kappa_along
-from tests.certify.paths import NODES, RLL, START, TOWARDS_SINGULARITY, actuator_path, pose_path
+from tests.certify.paths import (
+    NODES,
+    RLL,
+    START,
+    TOWARDS_SINGULARITY,
+    Jumping,
+    actuator_path,
+    other_solution,
+    pose_path,
+    torn,
+    two_branches,
+)
 
 Prove = Callable[..., Certificate]
 
@@ -98,7 +111,7 @@ def test_a_path_that_swaps_its_assembly_branch_is_refused_where_it_does(
 ) -> None:
     """The actuators are continuous and every pose closes: only the chain can tell."""
     q = line.q(0.5)
-    other = _other_solution(machine, q, line.pose(0.5))
+    other = other_solution(machine, q, line.pose(np.array([0.5]))[0])
     swapped = np.array([newton(machine, line.q(s)[None], other[None])[0][0] for s in line.node_s])
     poses = np.where(line.node_s[:, None] < 0.5, line.node_pose, swapped)
     certificate = prove(machine, replace(line, node_pose=poses), least_width=1e-5)
@@ -132,25 +145,45 @@ def test_links_that_come_too_near_are_named(machine: Machine, line: Path, prove:
 
 def test_actuators_that_jump_are_no_path(machine: Machine, line: Path, prove: Prove) -> None:
     """A knot as often as the degree plus one lets a spline jump; rational arithmetic sees a jump of any size."""
-    inside = np.full(6, 0.5)
-    knots = np.concatenate([np.zeros(6), inside, np.ones(6)])
-    values = line.q(np.array([0.5]))[0]
-    coefficients = np.vstack([np.tile(values, (6, 1)), np.tile(values + 1e-13, (6, 1))])
-    certificate = prove(machine, replace(line, spline=BSpline(knots, coefficients, 5)))
+    certificate = prove(machine, replace(line, spline=torn(line.spline, 1e-13)))
     assert certificate.broken is not None
     assert certificate.broken.s == 0.5
     assert "jump" in certificate.broken.why
 
 
-def _other_solution(machine: Machine, q: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    """Find another pose for the same actuators."""
-    random = np.random.default_rng(3)
-    for _ in range(500):
-        guess = pose + random.uniform(-1.0, 1.0, 6) * np.array([0.3, 0.3, 0.3, 0.8, 1.5, 0.8])
-        found, miss = newton(machine, q[None], guess[None])
-        if miss[0] < 1e-10 and np.abs(found[0] - pose).max() > 0.05 and np.abs(found[0]).max() < 3.0:
-            return found[0]
-    raise AssertionError("there is none near")
+@pytest.mark.parametrize("before", [True, False])
+def test_proven_boxes_on_two_branches_do_not_join(machine: Machine, line: Path, before: bool) -> None:
+    """Each half holds exactly one pose; a pose at s = 1/2 on either branch lies in one of the two boxes alone."""
+    one, other = two_branches(machine, line)
+    with working_precision(64):
+        balls, exact_pieces = geometry(machine), pieces(one.spline)
+        for path in (one, other):
+            assert close_chain(balls, path, exact_pieces, 0.3, examine_nothing).broken is None
+        chain = close_chain(
+            balls,
+            Jumping(machine, one.spline, one.node_s, one.node_pose, other, before),
+            exact_pieces,
+            0.3,
+            examine_nothing,
+        )
+    assert chain.broken is not None
+    assert chain.broken.why == JUMP
+    assert len(chain.inclusions) == (0 if before else 1)
+
+
+def test_splines_that_are_not_of_zero_to_one_are_no_path(machine: Machine, line: Path, prove: Prove) -> None:
+    """A chain from 0 to 1/2 proves nothing about the rest."""
+    knots = line.spline.t / 2.0
+    certificate = prove(machine, replace(line, spline=BSpline(knots, line.spline.c, 5)))
+    assert certificate.broken is not None
+    assert "do not reach from s = 0 to s = 1" in certificate.broken.why
+
+
+def test_sharpness_is_no_reason_to_refuse(machine: Machine, line: Path, prove: Prove) -> None:
+    """However sharp the bound of kappa is wanted: where boxes are not to be halved any more it is what it is."""
+    certificate = prove(machine, line, least_width=1e-2, kappa_excess=1e-9)
+    assert certificate.verdict == "certified"
+    assert 1e-2 <= min(box.last - box.first for box in certificate.chain.boxes) < 2e-2
 
 
 def _gate(machine: Machine, mode: int) -> np.ndarray:

@@ -88,7 +88,7 @@ def test_a_box_in_the_wrong_place_is_not_proven(balls: Geometry, line: Path) -> 
 
 def test_series_are_the_functions_of_the_machine(balls: Geometry, machine: Machine, line: Path) -> None:
     """Jacobian and statics matrix agree with those in floats, and second derivatives with differences."""
-    pose, q = line.pose(0.3), line.q(0.3)
+    pose, q = line.pose(np.array([0.3]))[0], line.q(0.3)
     with working_precision(64):
         series = closure(balls, pose_series(pose[None], arb(0)), pose_series(q[None], arb(0)))
         lengths = np.array([float(length[0].mid()) for length in series.lengths])

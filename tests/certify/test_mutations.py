@@ -4,25 +4,29 @@ A witness is a statement that holds as long as the steps are rigorous. It is run
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from flint import arb, arb_series
+from flint import arb, fmpq, fmpq_poly
+from scipy.interpolate import BSpline
 
-from pipeline.certify import clearance, closure, inclusion, kappa, ranges
-from pipeline.certify.chain import close_chain, examine_nothing, holds, prove_joint
-from pipeline.certify.closure import geometry, pose_series, working_precision
+from pipeline.certify import clearance, inclusion, kappa, limits
+from pipeline.certify.chain import close_chain, examine_nothing
+from pipeline.certify.closure import geometry, pose_series, shifted, working_precision
 from pipeline.certify.guess import guess_box
-from pipeline.certify.inclusion import Box, along, include
-from pipeline.certify.pieces import pieces
+from pipeline.certify.inclusion import Box, Inclusion, Piecewise, along, include
+from pipeline.certify.pieces import Piece, pieces
 from pipeline.certify.recheck import enclosure
+from pipeline.certify.result import proven_chain
 from pipeline.certify.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine import condition_number, link_distances, statics_matrix
+from pipeline.machine.kinematics import closure_jacobian
 from pipeline.refine import Path
 from tests.certify.audit import ROUNDING, cubic, deviations, samples_in
+from tests.certify.paths import Jumping, branching_chains, torn, two_branches, verified
 
 
 def _box(path: Path) -> Box:
@@ -31,7 +35,7 @@ def _box(path: Path) -> Box:
     return found
 
 
-def _whole(path: Path) -> tuple[Box, object]:
+def _whole(path: Path) -> tuple[Box, Piecewise]:
     """Widen the path's first piece to a fast one: poses that hardly move hide what is missing."""
     box = _box(path)
     return box, along(geometry(path.machine), pieces(path.spline)[0], box)
@@ -62,7 +66,7 @@ def witness_uncertainty(path: Path) -> None:
 def witness_kappa(path: Path) -> None:
     """The bound of kappa is above every sample of a box."""
     box, series = _whole(path)
-    bound = kappa.kappa_bound(geometry(path.machine), series, [arb(1e-9)] * 6)  # type: ignore[arg-type]
+    bound = kappa.kappa_bound(geometry(path.machine), series, [arb(1e-9)] * 6)
     s = samples_in(box)
     assert bound.kappa >= condition_number(statics_matrix(path.machine, path.pose(s), path.q(s)[:, :3])).max()
 
@@ -71,7 +75,7 @@ def witness_deviation(path: Path) -> None:
     """Kappa at a pose a centimetre off is within the bound for poses that may be that far off."""
     box, series = _whole(path)
     off = 0.01
-    bound = kappa.kappa_bound(geometry(path.machine), series, [arb(off)] * 6)  # type: ignore[arg-type]
+    bound = kappa.kappa_bound(geometry(path.machine), series, [arb(off)] * 6)
     s, worst = samples_in(box), 0.0
     for signs in np.array(np.meshgrid(*[[-1.0, 1.0]] * 6)).reshape(6, -1).T:
         pose = path.pose(s) + off * signs
@@ -83,23 +87,43 @@ def witness_distance(path: Path) -> None:
     """Bounds of distances are below every sample of a box."""
     box, series = _whole(path)
     pairs = clearance.build_pairs(path.machine)
-    bounds = clearance.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)  # type: ignore[arg-type]
+    bounds = clearance.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
     s = samples_in(box)
     assert (bounds <= link_distances(path.machine, path.pose(s), path.q(s)[:, :3]).min(axis=0) + ROUNDING).all()
 
 
 def witness_ranges(path: Path) -> None:
-    """What a polynomial reaches between samples counts."""
-    coefficients = [arb(0), arb(1), arb(0), arb(-1)]
-    _, largest = ranges.polynomial_range(coefficients, arb(1))
-    assert largest > arb(3).sqrt() * 2 / 9
+    """What an actuator does between the middle of a box and its ends is within its bounds."""
+    bend = fmpq_poly([1, 0, fmpq(1, 100)])
+    piece = Piece(0.0, 1.0, (bend,) * 5)
+    box = Box(0.0, 1.0, np.zeros((4, 6)), np.full(6, 1.0))
+    inclusion = Inclusion(box, np.zeros((2, 6, 6)), [arb(0)] * 6, [arb(0)] * 6, [])
+    ranges = limits._actuators(piece, inclusion, arb(0.5))
+    assert (ranges[:, 1] >= 1.01).all()
 
 
 def witness_rounding_of_bounds(path: Path) -> None:
-    """A float that is to be above a ball is above it, even by less than a rounding."""
-    value = arb(1) / 3 + arb(2) ** -60
+    """A bound is above what it bounds, even by less than a rounding."""
     for k in range(1, 60):
-        assert arb(kappa.above(value / k)) > value / k
+        value = fmpq(1, 3 * k) + fmpq(1, 2**60)
+        piece = Piece(0.0, 1.0, (fmpq_poly([value]),) * 5)
+        box = Box(0.0, 1.0, np.zeros((4, 6)), np.full(6, 1.0))
+        inclusion = Inclusion(box, np.zeros((2, 6, 6)), [arb(0)] * 6, [arb(0)] * 6, [])
+        above = float(limits._actuators(piece, inclusion, arb(0.5))[0, 1])
+        assert Fraction(above) >= Fraction(int(value.p), int(value.q))
+
+
+def witness_series(path: Path) -> None:
+    """Series about an interval hold the Jacobian at every s of it."""
+    box, series = _whole(path)
+    balls = series.over.jacobian()
+    for s in samples_in(box, 5):
+        q, pose = path.q(s), cubic(box, np.array([s]))[0]
+        lengths = np.linalg.norm(closure_jacobian(path.machine, pose, q)[:, :3], axis=1)
+        J = closure_jacobian(path.machine, pose, q) / lengths[:, None]
+        for row, found in zip(J, balls, strict=True):
+            size = (found[0][0] ** 2 + found[1][0] ** 2 + found[2][0] ** 2).sqrt()
+            assert all((ball[0] / size).overlaps(arb(value, 1e-12)) for value, ball in zip(row, found, strict=True))
 
 
 def witness_rounding_of_sums(path: Path) -> None:
@@ -110,15 +134,38 @@ def witness_rounding_of_sums(path: Path) -> None:
 
 
 def witness_links(path: Path) -> None:
-    """A box does not hold a joint that is beside it."""
-    balls, piece, box = geometry(path.machine), pieces(path.spline)[0], _box(path)
-    proven = include(balls, along(balls, piece, box), box)
-    joint, _ = prove_joint(balls, path, piece, box.last, CERTAIN)
-    assert proven is not None
-    assert joint is not None
-    assert holds(proven, joint)
-    beside = replace(joint, box=replace(joint.box, pose=joint.box.pose + 2.0 * proven.box.radius))
-    assert not holds(proven, beside)
+    """Two proven boxes on different branches make no chain, whichever of them holds the pose where they meet."""
+    one, other = two_branches(path.machine, path)
+    for before in (True, False):
+        jumping = Jumping(one.machine, one.spline, one.node_s, one.node_pose, other, before)
+        chain = close_chain(geometry(path.machine), jumping, pieces(one.spline), 0.3, examine_nothing)
+        assert chain.broken is not None
+
+
+def witness_stored_links(path: Path) -> None:
+    """A stored chain of two proven boxes on different branches is not verified."""
+    for chain in branching_chains(path.machine, path):
+        claims = verified(path.machine, two_branches(path.machine, path)[0], chain)
+        assert claims["each holds one pose, regular"]
+        assert not claims["neighbours share a branch"]
+
+
+def witness_jump(path: Path) -> None:
+    """Actuators that jump are no path, however little they do."""
+    jumping = replace(path, spline=torn(path.spline, 1e-13))
+    chain = close_chain(geometry(path.machine), jumping, pieces(jumping.spline), 1e-2, examine_nothing)
+    assert chain.broken is not None
+
+
+def witness_knots(path: Path) -> None:
+    """A stored box that reaches across a knot is not verified: beyond it the splines do something else."""
+    one, _ = two_branches(path.machine, path)
+    bent = replace(one, spline=BSpline(one.spline.t, one.spline.c + [[0.0] * 5, [0.0] * 5, [0.1] * 5], 1))
+    straight = replace(one, spline=BSpline([0.0, 0.0, 1.0, 1.0], one.spline.c[::2], 1))
+    chain = close_chain(geometry(path.machine), straight, pieces(straight.spline), 0.9, examine_nothing)
+    claims = verified(path.machine, bent, proven_chain(chain, CERTAIN))
+    assert claims["boxes reach from s = 0 to 1"]
+    assert not claims["each holds one pose, regular"]
 
 
 def witness_order(path: Path) -> None:
@@ -130,66 +177,87 @@ def witness_order(path: Path) -> None:
     assert all(box.last == after.first for box, after in pairwise(boxes))
 
 
-def _at_the_middle(coefficients: list[arb], at: arb) -> arb_series:
-    """Take a sample in the place of an enclosure."""
-    return closure.shifted(coefficients, arb(0))
-
-
 def _no_last_term(C: object, series: object, h: arb) -> list[arb]:
     """Leave the residual out that the whole interval has."""
     return [arb(0)] * 6
 
 
-BROKEN: dict[str, tuple[Callable[[Path], None], str, object]] = {
-    "the residual is sampled": (witness_residual, "pipeline.certify.inclusion._residual", _no_last_term),
-    "series are taken about the middle, not about the interval": (
-        witness_kappa,
-        "pipeline.certify.kappa.residual_of_inverse",
-        lambda C, J, h: [[arb(0)] * 6] * 6,
+@dataclass(frozen=True)
+class Broken:
+    """A step of the proof, where it is called from, and what is put in its place; and what notices."""
+
+    witness: Callable[[Path], None]
+    steps: dict[str, object]
+
+
+BROKEN: dict[str, Broken] = {
+    "the residual is sampled": Broken(witness_residual, {"inclusion._residual": _no_last_term}),
+    "series are taken about the middle, not about the interval": Broken(
+        witness_series,
+        {
+            "inclusion.pose_series": lambda pose, at: pose_series(pose, arb(0)),
+            "inclusion.shifted": lambda coefficients, at: shifted(coefficients, arb(0)),
+        },
     ),
-    "the Jacobian is taken for constant": (
-        witness_curvature,
-        "pipeline.certify.inclusion.second_derivatives",
-        lambda hull: [[arb(0)] * 36] * 6,
+    "what an approximate inverse misses is left out": Broken(
+        witness_kappa, {"kappa.residual_of_inverse": lambda C, J, h: [[arb(0)] * 6] * 6}
     ),
-    "what the parameters change is left out": (
-        witness_uncertainty,
-        "pipeline.certify.inclusion.residual_change",
-        lambda *given: [arb(0)] * 6,
+    "the Jacobian is taken for constant": Broken(
+        witness_curvature, {"inclusion.second_derivatives": lambda hull: [[arb(0)] * 36] * 6}
     ),
-    "poses are taken to be on the cubic": (
-        witness_deviation,
-        "pipeline.certify.kappa.statics_change",
-        lambda *given: arb(0),
+    "what the parameters change is left out": Broken(
+        witness_uncertainty, {"inclusion.residual_change": lambda *given: [arb(0)] * 6}
     ),
-    "distances are taken in the middle": (
+    "poses are taken to be on the cubic": Broken(witness_deviation, {"kappa.statics_change": lambda *given: arb(0)}),
+    "distances are taken in the middle": Broken(
         witness_distance,
-        "pipeline.certify.clearance._end_points",
-        lambda pairs, series: [
-            table if order == 0 else 0 * table for order, table in enumerate(_END_POINTS(pairs, series))
-        ],
+        {
+            "clearance._end_points": lambda pairs, series: [
+                table if order == 0 else 0 * table for order, table in enumerate(_END_POINTS(pairs, series))
+            ]
+        },
     ),
-    "ranges are taken at samples": (
-        witness_ranges,
-        "pipeline.certify.ranges.polynomial_range",
-        lambda coefficients, half: (arb(0), max(t - t**3 for t in (arb(k) / 16 for k in range(17)))),
+    "ranges are taken in the middle": Broken(
+        witness_ranges, {"limits.polynomial_range": lambda coefficients, half: (coefficients[0], coefficients[0])}
     ),
-    "a bound is rounded to nearest": (witness_rounding_of_bounds, "pipeline.certify.kappa.above", float),
-    "a rounding is dropped": (witness_rounding_of_sums, "pipeline.certify.recheck.enclosure._U", 0.0),
-    "neighbours are not compared": (witness_links, "tests.certify.test_mutations.holds", lambda *given: True),
+    "a bound is rounded to nearest": Broken(
+        witness_rounding_of_bounds, {"limits.above": lambda value: float(value.upper())}
+    ),
+    "neighbours are not compared": Broken(witness_links, {"chain.holds": lambda *given: True}),
+    "a jump is not looked for": Broken(witness_jump, {"chain._no_function": lambda *given: None}),
+    "a rounding is dropped": Broken(witness_rounding_of_sums, {"recheck.enclosure._U": 0.0}),
+    "stored neighbours are not compared": Broken(
+        witness_stored_links, {"recheck.verdict.holds": lambda boxes, *given, at_end: np.ones(len(boxes.first), bool)}
+    ),
+    "knots are passed over": Broken(
+        witness_knots, {"recheck.inclusion.on_one_piece": lambda spline, first, last: np.ones(len(first), bool)}
+    ),
 }
 _END_POINTS = clearance._end_points
 
 
 @pytest.mark.parametrize("step", BROKEN)
 def test_a_broken_step_is_noticed(line: Path, monkeypatch: pytest.MonkeyPatch, step: str) -> None:
-    """The witness holds, and fails once the step is broken."""
-    witness, target, broken = BROKEN[step]
+    """The witness holds, and fails once the step is broken where it is called from."""
+    broken, called = BROKEN[step], set()
+
+    def counted(name: str, replacement: object) -> object:
+        if not callable(replacement):
+            return replacement
+
+        def call(*given: object, **named: object) -> object:
+            called.add(name)
+            return replacement(*given, **named)
+
+        return call
+
     with working_precision(64):
-        witness(line)
-        monkeypatch.setattr(target, broken)
+        broken.witness(line)
+        for name, replacement in broken.steps.items():
+            monkeypatch.setattr(f"pipeline.certify.{name}", counted(name, replacement))
         with pytest.raises(AssertionError):
-            witness(line)
+            broken.witness(line)
+    assert called == {name for name, replacement in broken.steps.items() if callable(replacement)}
 
 
 def test_an_unbroken_chain_has_no_gap(line: Path) -> None:

@@ -68,6 +68,14 @@ def test_a_machine_that_fails_does_so_at_its_eps(machine: Machine, singular_at: 
     assert 1e-6 < more <= few < 0.05
 
 
+@pytest.mark.parametrize("eps", [-1e-12, np.nan, np.inf])
+@pytest.mark.parametrize("name", ["length_m", "coordinate_m"])
+def test_an_uncertainty_is_a_number_that_is_not_negative(name: str, eps: float) -> None:
+    """What is none would count as certain."""
+    with pytest.raises(ValueError, match="finite, and not negative"):
+        Uncertainty(**{name: eps})
+
+
 def test_uncertainty_says_whether_there_is_any() -> None:
     """Of lengths, or of coordinates."""
     assert not Uncertainty().any

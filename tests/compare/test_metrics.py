@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, comparison_rows, markdown_table, table_cells
+from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, compare_paths, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures
-from pipeline.compare.quantities import Measured
-from pipeline.refine.measure import PathFigures, PathSamples, measure
+from pipeline.compare.quantities import MeasuredPath
+from pipeline.refine.measure import PathFigures, PathSamples, measure_path
 
 COARSE_PATH = PathFigures(
     kappa_max=40.0,
@@ -35,7 +35,7 @@ REFINED_PATH = dataclasses.replace(
     min_rail_distance_m=0.6,
     max_tilt_deg=27.0,
 )
-COARSE, REFINED = Measured(COARSE_PATH), Measured(REFINED_PATH)
+COARSE, REFINED = MeasuredPath(COARSE_PATH), MeasuredPath(REFINED_PATH)
 SLOW, FAST = MotionFigures(8.0, 2.0, 0.5, 40.0, 10.0), MotionFigures(4.0, 2.0, 0.4, 40.0, 10.0)
 
 positive = st.floats(1e-3, 1e3)
@@ -51,7 +51,7 @@ figures = st.builds(
     max_tilt_deg=st.floats(0.0, 85.0),
     det_sign_constant=st.just(True),
     modes=st.sampled_from([("LLL",), ("LLL", "RLL"), ("LLL", "LRR", "RRR")]),
-).map(Measured)
+).map(MeasuredPath)
 
 
 def by_name(rows: list[ComparisonRow]) -> dict[str, ComparisonRow]:
@@ -61,7 +61,7 @@ def by_name(rows: list[ComparisonRow]) -> dict[str, ComparisonRow]:
 
 def test_lower_kappa_is_better_and_counts_negative() -> None:
     """350 instead of 500 is -150, -30 %, and better."""
-    row = by_name(comparison_rows(COARSE, REFINED))["kappa integral"]
+    row = by_name(compare_paths(COARSE, REFINED))["kappa integral"]
     assert (row.coarse, row.refined, row.difference) == (500.0, 350.0, -150.0)
     assert row.per_cent == pytest.approx(-30.0)
     assert (row.prefers, row.better, row.unit) == ("lower", "refined", "steps")
@@ -81,14 +81,14 @@ def test_lower_kappa_is_better_and_counts_negative() -> None:
 )
 def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, better: str) -> None:
     """Distances are better when larger, all else when smaller; rounding in the closure is no difference."""
-    row = by_name(comparison_rows(COARSE, REFINED))[figure]
+    row = by_name(compare_paths(COARSE, REFINED))[figure]
     assert row.per_cent == pytest.approx(per_cent)
     assert row.better == better
 
 
 def test_no_per_cent_of_zero() -> None:
     """A coarse value of zero has no percentage, and its cell is empty."""
-    rows = comparison_rows(Measured(dataclasses.replace(COARSE_PATH, max_tilt_deg=0.0)), REFINED)
+    rows = compare_paths(MeasuredPath(dataclasses.replace(COARSE_PATH, max_tilt_deg=0.0)), REFINED)
     row = by_name(rows)["largest tilt"]
     assert row.per_cent is None
     assert row.better == "coarse"
@@ -97,13 +97,13 @@ def test_no_per_cent_of_zero() -> None:
 
 def with_motions(coarse: MotionFigures, refined: MotionFigures) -> list[ComparisonRow]:
     """Compare both paths in time, too."""
-    return comparison_rows(dataclasses.replace(COARSE, motion=coarse), dataclasses.replace(REFINED, motion=refined))
+    return compare_paths(dataclasses.replace(COARSE, motion=coarse), dataclasses.replace(REFINED, motion=refined))
 
 
 def test_durations_are_optional() -> None:
     """Rows about time appear exactly when both motions are known."""
-    assert "duration" not in by_name(comparison_rows(COARSE, REFINED))
-    assert "duration" not in by_name(comparison_rows(dataclasses.replace(COARSE, motion=SLOW), REFINED))
+    assert "duration" not in by_name(compare_paths(COARSE, REFINED))
+    assert "duration" not in by_name(compare_paths(dataclasses.replace(COARSE, motion=SLOW), REFINED))
     row = by_name(with_motions(SLOW, FAST))["duration"]
     assert (row.difference, row.per_cent, row.better, row.unit) == (-4.0, -50.0, "refined", "s")
 
@@ -125,24 +125,24 @@ def test_no_row_for_jerk_without_bound() -> None:
 
 
 @given(a=figures, b=figures)
-def test_swapping_the_paths_swaps_the_verdicts(a: Measured, b: Measured) -> None:
+def test_swapping_the_paths_swaps_the_verdicts(a: MeasuredPath, b: MeasuredPath) -> None:
     """Differences change sign and better becomes the other one, whatever the values."""
     other = {"coarse": "refined", "refined": "coarse", "equal": "equal", "neither": "neither"}
-    for there, back in zip(comparison_rows(a, b), comparison_rows(b, a), strict=True):
+    for there, back in zip(compare_paths(a, b), compare_paths(b, a), strict=True):
         assert there.difference == -back.difference
         assert there.better == other[back.better]
 
 
 @given(a=figures)
-def test_a_path_equals_itself(a: Measured) -> None:
+def test_a_path_equals_itself(a: MeasuredPath) -> None:
     """No figure of a path is better than its own."""
-    assert {row.better for row in comparison_rows(a, a)} == {"equal", "neither"}
+    assert {row.better for row in compare_paths(a, a)} == {"equal", "neither"}
 
 
 def test_measured_paths_compare(coarse: PathSamples, refined: PathSamples) -> None:
     """The swaying path is longer than the straight one and collects more kappa."""
     steps = np.array([0.1, 0.06, 0.06, 0.1, 0.1])
-    rows = by_name(comparison_rows(*(Measured(measure(path, steps)) for path in (coarse, refined))))
+    rows = by_name(compare_paths(*(MeasuredPath(measure_path(path, steps)) for path in (coarse, refined))))
     assert rows["length"].better == "refined"
     assert rows["kappa integral"].better == "refined"
     assert (rows["working-mode changes"].coarse, rows["working-mode changes"].better) == (0.0, "neither")
@@ -150,7 +150,7 @@ def test_measured_paths_compare(coarse: PathSamples, refined: PathSamples) -> No
 
 def test_markdown_is_a_table() -> None:
     """Every line has as many cells as the header; the second is the rule, numbers to the right."""
-    lines = markdown_table(comparison_rows(COARSE, REFINED)).splitlines()
+    lines = markdown_table(compare_paths(COARSE, REFINED)).splitlines()
     assert len(lines) == 2 + 9
     assert {line.count("|") for line in lines} == {len(TABLE_HEADER) + 1}
     assert lines[1] == "| :-- | :-- | --: | --: | --: | --: | :-- |"

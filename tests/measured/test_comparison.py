@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from pipeline.measured import Comparison, Measurement, Reflectors, compare_measurement, error_rows, reflector_positions
+from pipeline.measured import (
+    Measurement,
+    MeasurementComparison,
+    Reflectors,
+    compare_measurement,
+    error_rows,
+    reflector_positions,
+)
 from pipeline.measured.comparison import QUANTITIES, TABLE_HEADER, table_cells
 from pipeline.measured.estimate import CONTROLLED
 
@@ -12,7 +19,7 @@ POINTS = np.array([[0.0, 0.10, 0.05], [0.0, 0.40, 0.05]])
 POSE = np.column_stack([np.full(400, 1.0), 0.3 + 0.1 * T, 0.9 - 0.1 * T, -0.3 * T, 0.5 * T, 0.2 * T])
 
 
-def noisy(noise_m: float) -> Comparison:
+def noisy(noise_m: float) -> MeasurementComparison:
     """Compare a measurement that has noise and nothing else wrong."""
     positions = reflector_positions(POINTS, POSE)
     positions += np.random.default_rng(0).normal(0.0, noise_m, positions.shape)
@@ -43,7 +50,7 @@ def test_the_largest_error_is_told_with_its_time() -> None:
     """Of a single wrong row sign and time are given."""
     measured = POSE[:, CONTROLLED].copy()
     measured[100, 2] -= 0.5
-    row = error_rows(Comparison(T, POSE[:, CONTROLLED], measured, None))[2]
+    row = error_rows(MeasurementComparison(T, POSE[:, CONTROLLED], measured, None))[2]
     assert (row.largest, row.largest_at_s) == (pytest.approx(-0.5), T[100])
 
 
@@ -57,7 +64,7 @@ def test_without_noise_there_are_no_error_bars() -> None:
 def test_cells_are_in_millimetres_and_degrees() -> None:
     """Every row has a text per heading, in the units people read; what is not known is a dash."""
     measured = POSE[:, CONTROLLED] + [1e-3, 0.0, 0.0, np.deg2rad(2.0), 0.0]
-    cells = table_cells(error_rows(Comparison(T, POSE[:, CONTROLLED], measured, None)))
+    cells = table_cells(error_rows(MeasurementComparison(T, POSE[:, CONTROLLED], measured, None)))
     assert {len(row) for row in cells} == {len(TABLE_HEADER)}
     assert cells[0][:4] == ("x", "mm", "+1.0000", "1.0000")
     assert cells[3][:4] == ("rx", "deg", "+2.0000", "2.0000")

@@ -1,5 +1,7 @@
 """Poses from two reflectors: exact without noise, the least squares with it, and error bars that are right."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -119,3 +121,27 @@ def test_reflectors_that_tell_nothing(second: tuple[float, ...], expected: str) 
     flat = np.array([[1.0, 0.3, 0.9, 0.0, 0.0, 0.0]])
     with pytest.raises(UsageError, match=expected):
         estimate(points, reflector_positions(points, flat), flat)
+
+
+@pytest.mark.parametrize(
+    ("seen", "said"),
+    [
+        (lambda positions: 1e3 * positions, "300 m apart"),
+        (lambda positions: positions[:, [0, 0]], "0 m apart"),
+        (lambda positions: positions[:, ::-1], "other way round"),
+    ],
+    ids=["millimetres", "the same twice", "exchanged"],
+)
+def test_what_cannot_have_been_seen_is_refused(seen: Callable[[FloatArray], FloatArray], said: str) -> None:
+    """Positions in another unit, the same reflector twice, and exchanged reflectors are told from noise."""
+    positions = seen(reflector_positions(POINTS, POSE))
+    with pytest.raises(UsageError, match=said):
+        estimate(POINTS, positions, POSE)
+
+
+def test_much_noise_is_not_refused() -> None:
+    """A tracker as bad as it says it is may see distances that are far off."""
+    positions = reflector_positions(POINTS, POSE) + np.array([[0.0, 0.0, 0.0], [0.0, 0.04, 0.0]])
+    assert np.isfinite(estimate(POINTS, positions, POSE, noise_m=0.02)).all()
+    with pytest.raises(UsageError, match="apart"):
+        estimate(POINTS, positions, POSE, noise_m=1e-4)

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from pipeline.refine import Path, Refinement, measure, sample_path
+from pipeline.refine import Path, Refinement, measure_path, sample_path
 
 
 def test_length_and_integral_converge_with_order_two(refinement: Refinement, steps: np.ndarray) -> None:
     """The trapezoidal rule on twice the samples errs a quarter."""
     values = []
     for points in (201, 401, 801, 6401):
-        figures = measure(sample_path(refinement.path, np.linspace(0.0, 1.0, points)), steps)
+        figures = measure_path(sample_path(refinement.path, np.linspace(0.0, 1.0, points)), steps)
         values.append((figures.length, figures.kappa_integral))
     errors = np.abs(np.array(values[:-1]) - values[-1])
     orders = np.log2(errors[:-1] / errors[1:])
@@ -19,7 +19,7 @@ def test_length_and_integral_converge_with_order_two(refinement: Refinement, ste
 
 def test_the_largest_kappa_is_found_where_it_is(coarse: Path, steps: np.ndarray) -> None:
     """Value and place belong together."""
-    figures = measure(sample_path(coarse, np.linspace(0.0, 1.0, 500)), steps)
+    figures = measure_path(sample_path(coarse, np.linspace(0.0, 1.0, 500)), steps)
     there = sample_path(coarse, np.array([figures.kappa_max_s]))
     assert there.kappa[0] == pytest.approx(figures.kappa_max)
 

@@ -10,7 +10,7 @@ import pytest
 from pipeline.config import Config
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.machine import Machine, build_machine
-from pipeline.refine import Path, PathFigures, Refinement, coarse_path, measure, refine_path, sample_path
+from pipeline.refine import Path, PathFigures, Refinement, coarse_path, measure_path, refine_path, sample_path
 from pipeline.refine.between import Breach, breaches
 from pipeline.route import Route, build_regions, plan_route
 from pipeline.route.metric import step_sizes
@@ -25,8 +25,8 @@ def samples(refinement: Refinement):
 
 def test_it_is_better_than_the_coarse_path(refinement: Refinement, steps: np.ndarray, samples) -> None:
     """Less integral of kappa, less length and no larger kappa."""
-    coarse = measure(sample_path(refinement.coarse, np.linspace(0.0, 1.0, 10_000)), steps)
-    fine = measure(samples, steps)
+    coarse = measure_path(sample_path(refinement.coarse, np.linspace(0.0, 1.0, 10_000)), steps)
+    fine = measure_path(samples, steps)
     assert fine.kappa_integral < 0.8 * coarse.kappa_integral
     assert fine.kappa_max <= coarse.kappa_max
     assert fine.length < coarse.length
@@ -62,7 +62,9 @@ def test_the_route_backwards_gives_the_same_path(
     there, back = (refine_path(config, machine, way) for way in (route, flipped))
     assert (back.meshes, back.nodes) == (there.meshes, there.nodes)
     assert back.meshes > 1
-    one, other = (measure(sample_path(result.path, np.linspace(0.0, 1.0, 2_000)), steps) for result in (there, back))
+    one, other = (
+        measure_path(sample_path(result.path, np.linspace(0.0, 1.0, 2_000)), steps) for result in (there, back)
+    )
     assert other.kappa_integral == pytest.approx(one.kappa_integral, rel=1e-6)
     assert other.modes == one.modes[::-1]
 
@@ -174,7 +176,7 @@ def test_the_reference_machine_keeps_its_figures(agder_config: Config, machine: 
     result = refine_path(agder_config, machine, route)
     steps = step_sizes(agder_config.route)
     coarse, fine = (
-        measure(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
+        measure_path(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
     )
     assert fine.kappa_integral < 0.82 * coarse.kappa_integral
     assert fine.kappa_max <= coarse.kappa_max
@@ -217,7 +219,7 @@ def test_other_limits_are_kept_as_well(quick_config: Config, section: str, chang
     machine, steps = build_machine(config.machine), step_sizes(config.route)
     result = refine_path(config, machine, plan_route(config, machine, build_regions(config, machine)))
     coarse, fine = (
-        measure(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
+        measure_path(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
     )
     assert fine.kappa_integral < coarse.kappa_integral
     assert fine.kappa_max <= coarse.kappa_max
@@ -247,7 +249,7 @@ def test_every_objective_is_best_at_its_own(
         refine = quick_config.refine.model_copy(update={"objective": objective})
         config = quick_config.model_copy(update={"refine": refine})
         path = refine_path(config, machine, along).path
-        return measure(sample_path(path, np.linspace(0.0, 1.0, 5_001)), step_sizes(config.route))
+        return measure_path(sample_path(path, np.linspace(0.0, 1.0, 5_001)), step_sizes(config.route))
 
     integral, mixed, maximum = (refined(objective, route) for objective in ("integral", "mixed", "maximum"))
     assert integral.kappa_integral < mixed.kappa_integral < maximum.kappa_integral
@@ -277,12 +279,12 @@ def test_where_ipopt_fails_the_path_comes_from_another_start(
     def fail(*_: object) -> None:
         raise NoSolutionError("refine", "IPOPT gave up", "Try again.")
 
-    usual = measure(sample_path(refine_path(light_config, machine, route).path, np.linspace(0, 1, 2_000)), steps)
+    usual = measure_path(sample_path(refine_path(light_config, machine, route).path, np.linspace(0, 1, 2_000)), steps)
     monkeypatch.setattr("pipeline.refine.refiner.solve_from", fail)
     heard: list[str] = []
     result = refine_path(light_config, machine, route, lambda message, fraction=None: heard.append(message))
     assert any("IPOPT gave up; another start" in message for message in heard)
-    figures = measure(sample_path(result.path, np.linspace(0.0, 1.0, 2_000)), steps)
+    figures = measure_path(sample_path(result.path, np.linspace(0.0, 1.0, 2_000)), steps)
     assert figures.kappa_integral == pytest.approx(usual.kappa_integral, rel=0.01)
     assert breaches(light_config, route, result.path, result.coarse) == []
 

@@ -8,7 +8,7 @@ import pytest
 from pipeline.config import Config
 from pipeline.machine import MODES, Machine
 from pipeline.machine.geometry import MODE_SIGNS
-from pipeline.refine import Path, Refinement, measure, refine_path, sample_path
+from pipeline.refine import Path, Refinement, measure_path, refine_path, sample_path
 from pipeline.refine.between import breaches
 from pipeline.refine.coarse import corner_parameters
 from pipeline.refine.sides import sides_at
@@ -47,7 +47,7 @@ def test_a_path_has_the_working_modes_of_its_route(
     """Carts change sides once each, in the order of the route: its budget of mode changes is kept."""
     refine = light_config.refine.model_copy(update={"corridor": corridor})
     result = refine_path(light_config.model_copy(update={"refine": refine}), machine, route)
-    figures = measure(sample_path(result.path, np.linspace(0.0, 1.0, 4_001)), step_sizes(light_config.route))
+    figures = measure_path(sample_path(result.path, np.linspace(0.0, 1.0, 4_001)), step_sizes(light_config.route))
     assert list(figures.modes) == [name for name, _ in itertools.groupby(route.mode_names)]
     assert figures.mode_changes == route.mode_changes == 3
 

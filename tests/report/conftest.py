@@ -11,9 +11,9 @@ from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
 from pipeline.config_file import parse_config
 from pipeline.machine import Machine
-from pipeline.refine.measure import measure, sample_path
+from pipeline.refine.measure import measure_path, sample_path
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
-from pipeline.retime import measure_trajectory, sample
+from pipeline.retime import measure_trajectory, sample_trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
 from pipeline.summary import (
@@ -52,12 +52,12 @@ def complete(config: Config, machine: Machine) -> RunResults:
     coarse, refined = sample_path(refinement.coarse, s), sample_path(refinement.path, s)
     certificate = make_certificate(refinement.path)
     trajectory = make_trajectory(refinement.path)
-    figures = measure_trajectory(trajectory, sample(trajectory, config.retime.period_s))
+    figures = measure_trajectory(trajectory, sample_trajectory(trajectory, config.retime.period_s))
     steps = step_sizes(config.route)
     sections = {
         Stage.REGIONS: regions_section(config, make_regions(machine)),
         Stage.ROUTE: route_section(make_route(machine)),
-        Stage.REFINE: path_section(refinement, measure(refined, steps), measure(coarse, steps)),
+        Stage.REFINE: path_section(refinement, measure_path(refined, steps), measure_path(coarse, steps)),
         Stage.CERTIFY: certificate_section(certificate),
         Stage.RETIME: trajectory_section(figures),
     }

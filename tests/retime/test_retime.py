@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError
 from pipeline.refine.result import Path
-from pipeline.retime import measure_usage, retime_path, sample
+from pipeline.retime import measure_usage, retime_path, sample_trajectory
 from pipeline.retime.plan import plan
 
 
@@ -117,7 +117,7 @@ def test_jerk_is_limited_by_default_and_what_it_costs_is_told(agder_config: Conf
 
 def test_positions_at_a_millisecond_show_the_accelerations(agder_config: Config, path: Path) -> None:
     """Second differences of the rows agree with qdd to a thousandth of the limit, everywhere."""
-    samples = sample(retime_path(agder_config, path), 0.001)
+    samples = sample_trajectory(retime_path(agder_config, path), 0.001)
     second = np.diff(samples.q_m, 2, axis=0) / 0.001**2
     assert (np.abs(second - samples.qdd_mps2[1:-1]) / path.machine.acceleration_mps2).max() < 1e-3
 
@@ -142,7 +142,7 @@ def test_speed_and_dwell(without_jerk: Config, path: Path, speed: float, dwell_s
     assert trajectory.motion_s == pytest.approx(full.quality.motion_s / speed, abs=0.0101)
     waits = np.ceil(np.array(dwell_s) / 0.01 - 1e-9) * 0.01
     assert trajectory.dwell_s == pytest.approx(waits)
-    samples = sample(trajectory, 0.01)
+    samples = sample_trajectory(trajectory, 0.01)
     assert samples.duration_s == pytest.approx(trajectory.motion_s + waits.sum())
     resting = (samples.t_s < waits[0] - 1e-9) | (samples.t_s > samples.duration_s - waits[1] - 1e-9)
     assert not samples.qd_mps[resting].any()

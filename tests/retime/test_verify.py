@@ -13,7 +13,7 @@ from pipeline.retime import (
     measure_trajectory,
     measure_usage,
     require_limits,
-    sample,
+    sample_trajectory,
     stretched,
 )
 from pipeline.retime.plan import plan
@@ -109,7 +109,7 @@ def test_an_exceeded_velocity_is_told(line) -> None:
 
 def test_figures_are_those_of_the_samples_and_the_law(planned: Trajectory) -> None:
     """Duration, period and number of rows; usage of the trajectory itself, denser than the rows."""
-    samples = sample(planned, 0.01)
+    samples = sample_trajectory(planned, 0.01)
     figures = measure_trajectory(planned, samples)
     assert (figures.duration_s, figures.period_s, figures.samples) == (samples.t_s[-1], 0.01, len(samples))
     assert figures.usage.largest == measure_usage(planned).largest

@@ -10,9 +10,10 @@ import pytest
 from matplotlib.figure import Figure
 from scipy.interpolate import make_interp_spline
 
-from pipeline.certify import Bounds, Certificate, ProvenChain, Tolerance, Uncertainty, path_sha256
+from pipeline.certify import Bounds, Certificate, ProvenChain, Tolerance, path_sha256
 from pipeline.certify.guess import point_box
 from pipeline.certify.inclusion import Box
+from pipeline.certify.uncertainty import CERTAIN, of_everything, of_lengths
 from pipeline.config import Config
 from pipeline.config_file import parse_config
 from pipeline.machine import Machine, inverse_kinematics
@@ -121,11 +122,11 @@ def make_refinement(machine: Machine) -> Refinement:
 
 
 def make_certificate(path: Path) -> Certificate:
-    """Make a certificate of one box, and of another for machines that are a little wrong."""
+    """Make a certificate of one box, and of two more for machines that are a little wrong."""
     pose = path.pose(np.array([0.0, 0.5, 1.0]))
     box = Box(0.0, 1.0, np.vstack([pose[1], pose[2] - pose[0], np.zeros((2, 6))]), np.full(6, 0.1))
     joints = (point_box(0.0, pose[0]), point_box(1.0, pose[2]))
-    proofs = [ProvenChain(Uncertainty(eps), (box,), joints) for eps in (0.0, 1e-4)]
+    proofs = [ProvenChain(given, (box,), joints) for given in (CERTAIN, of_lengths(1e-4), of_everything(1e-4))]
     bounds = Bounds(
         kappa=31.0,
         kappa_s=0.5,
@@ -137,8 +138,16 @@ def make_certificate(path: Path) -> Certificate:
         start_miss=1e-11,
         goal_miss=2e-11,
     )
-    tolerance = Tolerance(1e-4, 1.1e-4, np.inf, proofs[1])
-    return Certificate(path_sha256(path), 64, proofs[0], bounds, None, tolerance, tolerance)
+    return Certificate(
+        path_sha256=path_sha256(path),
+        premises_sha256="0" * 64,
+        precision_bits=64,
+        chain=proofs[0],
+        bounds=bounds,
+        broken=None,
+        link_length=Tolerance(1e-4, 1.1e-4, np.inf, proofs[1]),
+        coordinates=Tolerance(1e-4, 1.1e-4, np.inf, proofs[2]),
+    )
 
 
 def make_trajectory(path: Path) -> Trajectory:
@@ -157,6 +166,7 @@ class Stages:
     messages: dict[str, list[tuple[str, float | None]]] = field(default_factory=dict)
     objective: float = 100.0
     grids: int = 0
+    proofs: list[str] = field(default_factory=list)
 
     def enter(self, name: str, progress: Progress) -> None:
         """Count a call, talk, and fail where that is asked for."""
@@ -209,6 +219,7 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
 
     def certify_path(config: Config, machine: Machine, path: Path, progress: Progress = silent) -> Certificate:
         fake.enter("certify", progress)
+        fake.proofs.append(config.certify.what)
         return make_certificate(path)
 
     def retime_path(config: Config, path: Path, progress: Progress = silent, verbose: bool = False) -> Trajectory:

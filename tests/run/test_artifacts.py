@@ -54,7 +54,7 @@ from pipeline.errors import UsageError
 from pipeline.export import read_csv, sidecar
 from pipeline.machine import Machine
 from pipeline.refine.measure import sample_path
-from pipeline.retime import measure_usage, sample
+from pipeline.retime import measure_usage, sample_trajectory
 from pipeline.stage import STAGES, Stage
 from pipeline.status import Status
 
@@ -270,7 +270,7 @@ class TestResults:
     def test_trajectory(self, tmp_path: Path, fast_config: Config, machine: Machine, make: Make) -> None:
         """The trajectory comes back exactly, and its sidecar tells of every column of its table."""
         trajectory = make["trajectory"](make["path"](machine, 5))
-        samples = sample(trajectory, 0.01)
+        samples = sample_trajectory(trajectory, 0.01)
         usage = measure_usage(trajectory)
         put(tmp_path, trajectory_files(trajectory, samples, sidecar(fast_config, machine, samples, usage)))
         loaded = load_trajectory(tmp_path, trajectory.path)

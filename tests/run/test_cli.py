@@ -211,11 +211,57 @@ class TestCertify:
         assert not (tmp_path / "out" / "certificate.json").exists()
 
     def test_tolerances_are_asked_for(self, call: Call, config_file: Path, stages: Any, tmp_path: Path) -> None:
-        """The option is the key of the configuration, and is kept with the results."""
+        """They are searched, and told; the configuration stays what it is."""
         result = call("certify", config_file, "--tolerance", "--out", tmp_path / "out")
         assert result.exit_code == 0
         assert "link lengths may be wrong by 0.10 mm" in result.stdout
-        assert load_config(tmp_path / "out" / "config.yaml").certify.what == "tolerances"
+        assert stages.proofs == ["tolerances"]
+        certificate = json.loads((tmp_path / "out" / "certificate.json").read_text())
+        assert certificate["settings"]["what"] == "tolerances"
+        assert load_config(tmp_path / "out" / "config.yaml").certify.what == "path"
+
+    def test_tolerances_cost_nothing_else(self, call: Call, config_file: Path, stages: Any, tmp_path: Path) -> None:
+        """Trajectory and figures stay, to the byte; only the certificate is another one."""
+        out = tmp_path / "out"
+        call("run", config_file, "--out", out)
+        before = {file: file.read_bytes() for file in out.rglob("*.*") if file.is_file()}
+        stages.taken()
+        call("certify", config_file, "--tolerance", "--out", out)
+        assert stages.taken() == ["certify"]
+        changed = {file.name for file, content in before.items() if file.read_bytes() != content}
+        assert changed == {"certificate.json", "summary.json", "state.json"}
+        assert {file.name for file in (out / "superseded" / "0001").iterdir()} >= {"certificate.json"}
+        assert not list((out / "superseded").rglob("trajectory.*"))
+
+    @pytest.mark.parametrize("command", ["run", "retime", "certify"])
+    def test_tolerances_once_found_stay(
+        self, call: Call, config_file: Path, stages: Any, tmp_path: Path, command: str
+    ) -> None:
+        """A certificate that proves more than is asked for is up to date."""
+        out = tmp_path / "out"
+        call("run", config_file, "--out", out)
+        call("certify", config_file, "--tolerance", "--out", out)
+        certificate = (out / "certificate.json").read_bytes()
+        stages.taken()
+        assert call(command, config_file, "--out", out).exit_code == 0
+        assert stages.calls == []
+        assert (out / "certificate.json").read_bytes() == certificate
+        assert json.loads((out / "summary.json").read_text())["certificate"]["tolerance_m"] == 1e-4
+        assert "link lengths may be wrong by 0.10 mm" in call(command, config_file, "--out", out).stdout
+
+    def test_a_weaker_certificate_is_not_enough(
+        self, call: Call, config_file: Path, stages: Any, tmp_path: Path
+    ) -> None:
+        """Tolerances are searched although the path is proven, a second time only where the path is another one."""
+        for again in (["certify"], []):
+            call("certify", config_file, "--out", tmp_path / "out")
+            stages.taken()
+            call("certify", config_file, "--tolerance", "--out", tmp_path / "out")
+            assert stages.calls == again
+        stages.taken()
+        call("certify", edit(config_file, route__kappa_max=90.0), "--out", tmp_path / "out")
+        assert "certify" in stages.calls
+        assert stages.proofs[-1] == "path"
 
     def test_nothing_is_proven_where_nothing_is_asked(
         self, call: Call, config_file: Path, stages: Any, tmp_path: Path
@@ -451,6 +497,14 @@ class TestLooks:
         assert result.exit_code == 0
         assert "duration" not in result.stdout
         assert "stronger motors" in result.stderr
+
+    def test_compare_tells_what_is_not_certified(self, call: Call, config_file: Path) -> None:
+        """A path without a certificate can be compared, and is said to have none; one that has is not spoken of."""
+        call("refine", config_file, "--out", "other")
+        result = call("compare", "out", "other", "--no-timing")
+        assert result.exit_code == 0
+        assert result.stderr.count("not certified") == 1
+        assert "other: the refined path is not certified" in result.stderr
 
     def test_compare_runs(self, call: Call, config_file: Path) -> None:
         """Runs of one name are told apart by their folders; equal runs have no difference."""

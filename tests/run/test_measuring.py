@@ -40,6 +40,25 @@ def test_there_and_back() -> None:
     assert [row["unit"] for row in rows.values()] == ["m", "m", "m", "rad", "rad"]
 
 
+@pytest.mark.parametrize("options", [("--period", 0.007), ("--speed", 0.3), ("--speed", 0.37, "--period", 0.003)])
+def test_there_and_back_at_another_pace(options: tuple[object, ...]) -> None:
+    """The same holds for what was exported slower, or at a period that does not divide the duration."""
+    call("simulate-measurement", "out", "--geometry", 0, "--noise", 0, "--output", "seen.csv", *options)
+    rows = errors("seen.csv", "--noise", 0, *options)
+    assert max(abs(row["largest"]) for row in rows.values()) < 1e-9
+    result = call("measured", "out", "seen.csv")
+    assert result.exit_code == 2
+    assert "give --speed or --period" in result.stderr
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_other_separators(separator: str) -> None:
+    """Semicolons and tabs are read as commas are."""
+    call("simulate-measurement", "out", "--output", "seen.csv")
+    Path("other.csv").write_text(Path("seen.csv").read_text().replace(",", separator))
+    assert errors("other.csv") == errors("seen.csv")
+
+
 def test_noise_is_told_by_the_error_bars() -> None:
     """With noise alone, errors are about as large as their bars."""
     call("simulate-measurement", "out", "--geometry", 0, "--period", 0.005, "--output", "seen.csv")
@@ -94,12 +113,17 @@ def test_table_and_picture() -> None:
         (("measured", "nowhere", "seen.csv"), "does not exist"),
         (("simulate-measurement", "out", "--output", "out/seen.csv"), "kept as they are"),
         (("simulate-measurement", "out", "--period", 10), "period"),
+        (("simulate-measurement", "out", "--output", "facts.json"), "another ending"),
+        (("simulate-measurement", "out", "--output", "out/../folder"), "folder: Is a directory"),
+        (("measured", "out", "folder"), "folder: Is a directory"),
+        (("measured", "out", "seen.csv", "--speed", 2), "speed"),
     ],
 )
 def test_bad_usage(arguments: tuple[object, ...], expected: str) -> None:
     """What cannot be used is refused with the reason, and nothing is written."""
     call("simulate-measurement", "out", "--output", "seen.csv")
     Path("bad.csv").write_text("t_s,x_m\n1\n")
+    Path("folder").mkdir()
     before = sorted(Path().rglob("*"))
     result = call(*arguments)
     assert result.exit_code == 2

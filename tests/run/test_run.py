@@ -16,7 +16,7 @@ from pipeline.machine import Machine
 from pipeline.progress import Progress
 from pipeline.run import Quiet, RunReport, Stage, run_pipeline
 from pipeline.run.fingerprint import UPSTREAM, config_part, fingerprint
-from pipeline.run.reading import open_results, with_period
+from pipeline.run.reading import open_results, with_retime
 
 ALL = ["regions", "route", "refine", "certify", "retime", "figures"]
 RESULT_FILES = {
@@ -197,6 +197,10 @@ class TestCaching:
             ("route__follow__max_samples", 32, ["route", "refine", "certify"]),
             ("refine__nodes", 90, ["refine", "certify"]),
             ("refine__check_points", 1_001, ["refine", "certify"]),
+            ("certify__kappa_excess", 0.1, ["certify"]),
+            ("certify__what", "tolerances", ["certify"]),
+            ("certify__monte_carlo_samples", 9, []),
+            ("certify__tolerance_resolution", 0.5, []),
             ("retime__period_s", 0.02, []),
             ("retime__jerk", False, []),
             ("machine__dynamics", None, []),
@@ -630,7 +634,7 @@ class TestReading:
         self.run(tmp_path, fast_config, last=Stage.ROUTE)
         with pytest.raises(UsageError, match="no result of refine yet"):
             open_results(tmp_path, Stage.REFINE)
-        assert len(open_results(tmp_path, Stage.ROUTE).route) == 4
+        assert len(open_results(str(tmp_path), Stage.ROUTE).route) == 4
 
     def test_failed_stage(self, tmp_path: Path, fast_config: Config, stages: Any) -> None:
         """A failed stage has no result, and its reason is told."""
@@ -649,10 +653,10 @@ class TestReading:
 
     def test_other_period(self, fast_config: Config) -> None:
         """Another period is held against what configurations allow."""
-        assert with_period(fast_config, None) is fast_config
-        assert with_period(fast_config, 0.004).retime.period_s == 0.004
+        assert with_retime(fast_config) is fast_config
+        assert with_retime(fast_config, period_s=0.004).retime.period_s == 0.004
         with pytest.raises(ConfigError, match=r"a period of 5 s cannot be used:\n.*retime\.period_s"):
-            with_period(fast_config, 5.0)
+            with_retime(fast_config, period_s=5.0)
 
 
 def test_two_runs_at_once(tmp_path: Path, fast_config: Config, stages: Any) -> None:

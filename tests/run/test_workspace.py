@@ -43,9 +43,18 @@ def test_picture(tmp_path: Path, ending: str, begin: bytes) -> None:
     assert str(picture) in result.stderr
 
 
+def test_picture_in_3d(tmp_path: Path) -> None:
+    """The 3-D picture can be had beside the maps."""
+    maps, volume = tmp_path / "maps.png", tmp_path / "volume.png"
+    result = call("workspace", AGDER, "--step", 0.1, "--picture", maps, "--picture-3d", volume)
+    assert result.exit_code == 0
+    assert maps.read_bytes()[:8] == volume.read_bytes()[:8]
+    assert "in 3-D" in result.stderr
+
+
 @pytest.mark.parametrize(
     "options",
-    [("--picture", "maps.gif"), ("--step", 0), ("--rx", 90), ("--kappa-max", 0.5)],
+    [("--picture", "maps.gif"), ("--picture-3d", "volume.txt"), ("--step", 0), ("--rx", 90), ("--kappa-max", 0.5)],
 )
 def test_bad_options(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[object, ...]) -> None:
     """What cannot be computed or written is refused as bad usage before anything is done."""

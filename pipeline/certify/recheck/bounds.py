@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.certify.clearance import Pairs, build_pairs, separating_directions
+from pipeline.certify.recheck.determinant import det_signs
 from pipeline.certify.recheck.enclosure import Enclosure, bound, contract, cross, dot, exactly, root, total, within
 from pipeline.certify.recheck.inclusion import Boxes, Inclusions, linear_inverse, power, residual_of_inverse
 from pipeline.certify.recheck.jets import moved
@@ -11,7 +12,6 @@ from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, PRIMARY, TRIANGLE
 from pipeline.route.ends import End
 
 _PARTS = 16
-_SURE_OF_SIGN = 1e9
 
 
 def kappa_bounds(machine: Machine, boxes: Boxes, deviation: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -27,9 +27,8 @@ def kappa_bounds(machine: Machine, boxes: Boxes, deviation: FloatArray) -> tuple
     miss = total(_frobenius(squares), bound_Y * off)
     with np.errstate(divide="ignore", invalid="ignore"):
         kappa = np.where(miss < 1.0, total(bound_H * bound_Y / (1.0 - miss)), np.inf)
-    # An elimination is exact for a matrix within 1e-13, relatively: too near to be across a singularity.
-    sign = np.sign(np.linalg.det(np.moveaxis(Y[0], -1, 0)))
-    return kappa, np.where(kappa < _SURE_OF_SIGN, sign, 0.0)
+    # ||I - Y0 H'|| < 1: the determinants of Y0 and H have one sign.
+    return kappa, np.where(miss < 1.0, det_signs(Y[0]), 0.0)
 
 
 def distance_bounds(machine: Machine, boxes: Boxes, deviation: FloatArray) -> tuple[Pairs, FloatArray]:

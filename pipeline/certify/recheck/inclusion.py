@@ -9,6 +9,7 @@ from pipeline.certify.pieces import middle
 from pipeline.certify.recheck.enclosure import Enclosure, bound, contract, exactly, root, total, within
 from pipeline.certify.recheck.jets import TERMS, moved, spline_taylor
 from pipeline.certify.recheck.motion import Motion, follow, second_derivatives
+from pipeline.certify.recheck.splines import on_one_piece
 from pipeline.certify.uncertainty import Uncertainty
 from pipeline.machine.geometry import BoolArray, FloatArray, Machine
 from pipeline.refine.result import Path
@@ -22,6 +23,8 @@ class Boxes:
     ----------
     first, last, centre, half : (n,)
         Intervals of s.
+    on_one_piece : (n,)
+        Whether no knot of the splines lies within; where one does, q is not what the actuators do.
     pose : (4, 6, n)
         Taylor coefficients about the centres.
     radius : (6, n)
@@ -36,6 +39,7 @@ class Boxes:
     last: FloatArray
     centre: FloatArray
     half: FloatArray
+    on_one_piece: BoolArray
     pose: FloatArray
     radius: FloatArray
     q: Enclosure
@@ -59,14 +63,12 @@ def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
     first, last = (np.array([getattr(box, name) for box in boxes]) for name in ("first", "last"))
     centre, half = np.array([middle(box.first, box.last) for box in boxes]).T
     pose, radius = np.stack([box.pose for box in boxes], -1), np.stack([box.radius for box in boxes], -1)
-    knots, degree = path.spline.t, path.spline.k
-    inside = np.minimum(first, np.nextafter(knots[-1], 0.0))
-    q = spline_taylor(knots, path.spline.c, degree, inside, centre)
+    q = spline_taylor(path.spline.t, path.spline.c, path.spline.k, first, centre)
     at, over = (
         follow(machine, moved(exactly(pose), where), moved(q, where))
         for where in (exactly(np.zeros_like(half)), within(half))
     )
-    return Boxes(first, last, centre, half, pose, radius, q, at, over)
+    return Boxes(first, last, centre, half, on_one_piece(path.spline, first, last), pose, radius, q, at, over)
 
 
 def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusions:
@@ -97,7 +99,7 @@ def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusi
         bound("iln,ln->in", C_abs, change, terms=6),
         bound("ikn,kn->in", spread, r, terms=6),
     )
-    proven: BoolArray = np.all(image < r, axis=0)
+    proven: BoolArray = np.all(image < r, axis=0) & boxes.on_one_piece
     return Inclusions(proven, inverse, image, E, D)
 
 

@@ -64,8 +64,8 @@ def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
 
 
 def _horner(x: Enclosure, coefficients: list[float]) -> Enclosure:
-    """Evaluate a polynomial whose coefficients are floats right to the last bit."""
-    slack = 2.0**-52
+    """Evaluate a polynomial whose coefficients are floats off by two roundings, (1 + u)^2 - 1 < 2^-51, at most."""
+    slack = 2.0**-51
     result = exactly(np.zeros_like(x.mid))
     for value in reversed(coefficients):
         result = result * x + Enclosure(np.full_like(x.mid, value), np.full_like(x.mid, abs(value) * slack))
@@ -93,9 +93,13 @@ def spline_taylor(
 ) -> Enclosure:
     """Taylor coefficients (degree + 1, 5, n) of a spline about centres (n,), on the pieces that hold `first` (n,).
 
-    Control points of the r-th derivative are differences of those before, r-th derivatives follow by de Boor's scheme.
+    Beyond the ends these are the first and the last piece. Control points of the r-th derivative are differences of
+    those before, r-th derivatives follow by de Boor's scheme.
     """
-    span = np.searchsorted(knots, first, side="right") - 1
+    # Knots where the domain begins or ends may be repeated as often as they like.
+    least = np.searchsorted(knots, knots[degree], side="right") - 1
+    largest = np.searchsorted(knots, knots[-degree - 1], side="left") - 1
+    span = np.clip(np.searchsorted(knots, first, side="right") - 1, least, largest)
     points = [exactly(coefficients[span - degree + i].T) for i in range(degree + 1)]
     result = []
     for r in range(degree + 1):

@@ -8,14 +8,18 @@ from matplotlib.figure import Figure
 from pipeline.certify.recheck import KappaProfile
 from pipeline.compare.figures.clearance import clearance_figure
 from pipeline.compare.figures.kappa import kappa_figure
-from pipeline.compare.figures.loads import loads_figure, usage_figure
-from pipeline.compare.figures.machine import machine_figure
+from pipeline.compare.figures.loads import has_loads, loads_figure, usage_figure
+from pipeline.compare.figures.machine import machine_figure, postures_figure
+from pipeline.compare.figures.map_panels import kappa_map_figure
+from pipeline.compare.figures.measured import measured_figure
 from pipeline.compare.figures.phase import phase_figure
 from pipeline.compare.figures.pose import pose_figure
 from pipeline.compare.figures.proof import proof_figure
 from pipeline.compare.figures.regions import regions_figure
 from pipeline.compare.figures.route import route_figure
 from pipeline.compare.figures.trajectory import trajectory_figure
+from pipeline.compare.figures.volume import workspace_volume_figure
+from pipeline.compare.figures.workspace import workspace_figure
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
@@ -26,16 +30,22 @@ from pipeline.route.table import RegionTable
 __all__ = [
     "all_figures",
     "clearance_figure",
+    "has_loads",
     "kappa_figure",
+    "kappa_map_figure",
     "loads_figure",
     "machine_figure",
+    "measured_figure",
     "phase_figure",
     "pose_figure",
+    "postures_figure",
     "proof_figure",
     "regions_figure",
     "route_figure",
     "trajectory_figure",
     "usage_figure",
+    "workspace_figure",
+    "workspace_volume_figure",
 ]
 
 
@@ -67,5 +77,7 @@ def all_figures(
     if trajectory is not None:
         figures["trajectory"] = trajectory_figure(machine, trajectory)
     if timed is not None:
-        figures |= {"loads": loads_figure(timed), "usage": usage_figure(timed), "phase": phase_figure(timed)}
+        if has_loads(timed):
+            figures["loads"] = loads_figure(timed)
+        figures |= {"usage": usage_figure(timed), "phase": phase_figure(timed)}
     return figures

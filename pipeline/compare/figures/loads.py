@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,6 +20,28 @@ _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPL
 _INSTANTS = 4_001
 _TABLE_POINTS = 2_001
 _CARTS, _TELESCOPES = slice(0, 3), slice(3, 5)
+
+
+class _Panel(NamedTuple):
+    """Which of a kind of load is drawn together."""
+
+    kind: str
+    which: slice
+    label: str
+    names: Sequence[str]
+
+
+_ROWS = (
+    (
+        _Panel(JERK, _CARTS, "cart jerk (m/s³)", ACTUATORS),
+        _Panel(JERK, _TELESCOPES, "telescope jerk (m/s³)", ACTUATORS),
+    ),
+    (
+        _Panel("force", _CARTS, "cart force (N)", ACTUATORS),
+        _Panel("force", _TELESCOPES, "telescope force (N)", ACTUATORS),
+    ),
+    (_Panel("link_force", slice(0, 6), "force along links (N)", LINKS),),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,53 +62,58 @@ def _loads(trajectory: Trajectory) -> _Loads:
     return _Loads(t, values, limits(trajectory.path.machine))
 
 
+def has_loads(trajectory: Trajectory) -> bool:
+    """Tell whether there is anything to draw: jerks, where they are limited, or forces, where masses are known."""
+    return not trajectory.jerk_jumps or trajectory.path.machine.masses is not None
+
+
 @style.styled
 def loads_figure(trajectory: Trajectory) -> Figure:
     """Draw jerks and forces of the actuators and the forces along the links over time, limits dashed.
 
     Carts are on the left, telescopes on the right. Without masses there are no forces, without limited jerk no jerks:
-    their panels say so.
+    they have no panels then.
+
+    Raises
+    ------
+    ValueError
+        When there is neither.
     """
+    if not has_loads(trajectory):
+        raise ValueError("without masses and without limited jerk there are no loads to draw")
     loads = _loads(trajectory)
-    figure = style.new_figure(4.0)
-    axes = figure.subplot_mosaic([["jerk c", "jerk t"], ["force c", "force t"], ["links", "links"]], sharex=True)
-    for name, kind, which, label in (
-        ("jerk c", "jerk", _CARTS, "cart jerk (m/s³)"),
-        ("jerk t", "jerk", _TELESCOPES, "telescope jerk (m/s³)"),
-        ("force c", "force", _CARTS, "cart force (N)"),
-        ("force t", "force", _TELESCOPES, "telescope force (N)"),
-    ):
-        _draw(axes[name], loads, kind, which, ACTUATORS)
-        axes[name].set_ylabel(label)
-    _draw(axes["links"], loads, "link_force", slice(0, 6), LINKS)
-    axes["links"].set_ylabel("force along links (N)")
-    for name in ("jerk c", "jerk t", "links"):
-        count = len(axes[name].get_legend_handles_labels()[0])
-        if count:
-            style.name_lines(axes[name], count)
-    axes["links"].set_xlabel("time (s)")
-    axes["links"].set_xlim(0.0, loads.t_s[-1])
-    figure.align_ylabels([axes["jerk c"], axes["force c"], axes["links"]])
+    rows = [row for row in _ROWS if row[0].kind in loads.values]
+    figure = style.new_figure(0.7 + 1.1 * len(rows))
+    mosaic: list[Any] = [[row[0].label, row[-1].label] for row in rows]
+    axes = figure.subplot_mosaic(mosaic, sharex=True)
+    for number, panel in ((number, panel) for number, row in enumerate(rows) for panel in row):
+        _draw(axes[panel.label], loads, panel)
+        if number == 0 or panel.kind == "link_force":
+            style.name_lines(axes[panel.label], panel.which.stop - panel.which.start)
+    for name in mosaic[-1]:
+        axes[name].set_xlabel("time (s)")
+        axes[name].set_xlim(0.0, loads.t_s[-1])
+        axes[name].xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    for column in (0, -1):
+        figure.align_ylabels([axes[row[column].label] for row in rows if column == 0 or len(row) > 1])
     limit = Line2D([], [], label="limit, where it is in sight", **style.LIMIT_LINE)
     figure.legend(handles=[limit], loc="outside lower center")
     return figure
 
 
-def _draw(axes: Axes, loads: _Loads, kind: str, which: slice, names: Sequence[str]) -> None:
+def _draw(axes: Axes, loads: _Loads, panel: _Panel) -> None:
     """Draw some of a kind; limits far beyond all that is used would only flatten the curves, and are told instead."""
-    if kind not in loads.values:
-        axes.text(0.5, 0.5, "not limited" if kind == JERK else "no masses given", transform=axes.transAxes, ha="center")
-        return
-    values, allowed = loads.values[kind][:, which], loads.allowed[kind][which]
-    for value, colour, name in zip(values.T, _COLOURS[which], names[which], strict=False):
+    values, allowed = loads.values[panel.kind][:, panel.which], loads.allowed[panel.kind][panel.which]
+    for value, colour, name in zip(values.T, _COLOURS[panel.which], panel.names[panel.which], strict=True):
         axes.plot(loads.t_s, value, color=colour, linewidth=0.7, label=name)
     used = float(np.abs(values).max())
+    axes.set_ylabel(panel.label)
     for limit in np.unique(allowed[np.isfinite(allowed)]):
         if limit <= 2.0 * used:
             for bound in (-limit, limit):
                 axes.axhline(bound, **style.LIMIT_LINE)
         else:
-            axes.set_title(f"limit {limit:g}", loc="right", fontsize=style.SMALL_TEXT_PT, color=style.GREY)
+            axes.set_ylabel(f"{panel.label}\nlimit {limit:g}")
     axes.yaxis.set_major_locator(MaxNLocator(5))
 
 

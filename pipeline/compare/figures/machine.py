@@ -1,9 +1,11 @@
-"""The machine in 3-D at every step of the route, small and side by side (as in Fig. 5 of the paper).
+"""The machine in 3-D, at every step of the route (as in Fig. 5 of the paper) or at any poses, small and side by side.
 
 All machines are drawn in one plane by a parallel projection, in one set of axes: that costs a fraction of as many 3-D
 axes, and leaves no room unused.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,11 +23,11 @@ from pipeline.machine.geometry import (
     MODE_SIGNS,
     TELESCOPES,
     FloatArray,
-    IntArray,
     Machine,
     cart_joints,
     platform_arms,
 )
+from pipeline.machine.working_modes import mode_names, reach_along_rails
 from pipeline.route.result import Route
 
 MAX_MACHINES = 30
@@ -40,6 +42,17 @@ _LINK: dict[str, Any] = {"linewidth": 0.9}
 _PLATFORM: dict[str, Any] = {"facecolor": style.LIGHT_GREY, "edgecolor": style.BLACK, "linewidth": 0.5}
 
 
+@dataclass(frozen=True, eq=False)
+class _Stance:
+    """A machine to be drawn: its pose (6,) and actuators (5,), sides of its arms (3,), title, and way of the TCP."""
+
+    pose: FloatArray
+    q_m: FloatArray
+    sides: FloatArray
+    title: str
+    way_m: FloatArray
+
+
 @style.styled
 def machine_figure(machine: Machine, route: Route) -> Figure:
     """Draw rails, carts, links and platform at every step of the route, seen from the front, right and above.
@@ -47,32 +60,62 @@ def machine_figure(machine: Machine, route: Route) -> Figure:
     Arms have the colour of their working mode, dashed links are telescopes; routes of more than 30 steps are thinned.
     The dot is the TCP, its line the way it has come.
     """
-    steps = select_steps(route, MAX_MACHINES)
-    low, high = _window(machine, route, steps)
-    columns = min(5 if len(steps) > 12 else 4, len(steps))
-    rows = -(-len(steps) // columns)
-    size = high - low + np.array([0.0, _TITLE_M])
+    stances = [
+        _Stance(
+            pose=route.pose[step],
+            q_m=route.q_m[step],
+            sides=MODE_SIGNS[route.modes[step]],
+            title=f"{step}  {route.mode_names[step]}",
+            way_m=route.pose[: step + 1, :3],
+        )
+        for step in select_steps(route, MAX_MACHINES)
+    ]
+    return _draw(machine, stances, route.pose[:, :3])
+
+
+@style.styled
+def postures_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequence[str] | None = None) -> Figure:
+    """Draw the machine at poses (n, 6) with actuators (n, 5) side by side, as `machine_figure` does for a route.
+
+    Without titles every machine is named by its working mode.
+    """
+    pose, q_m = np.reshape(pose, (-1, 6)), np.reshape(q_m, (-1, 5))
+    sides = np.where(reach_along_rails(machine, pose, q_m[:, :3]) < 0.0, -1.0, 1.0)
+    names = mode_names(sides) if titles is None else titles
+    stances = [
+        _Stance(pose=a_pose, q_m=q, sides=side, title=name, way_m=a_pose[None, :3])
+        for a_pose, q, side, name in zip(pose, q_m, sides, names, strict=True)
+    ]
+    return _draw(machine, stances, pose[:, :3])
+
+
+def _draw(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> Figure:
+    low, high = _window(machine, stances, tcp_m)
+    columns = min(5 if len(stances) > 12 else 4, len(stances))
+    rows = -(-len(stances) // columns)
+    size = high - low + np.array([0.0, _TITLE_M * min(1.0, columns / 4.0)])
     scale = (style.WIDTH_IN - 0.06) / (columns * size[0])
     figure = style.new_figure(float(rows * size[1] * scale + 0.45))
     axes = figure.subplots()
     axes.set_axis_off()
-    for number, step in enumerate(steps):
+    for number, stance in enumerate(stances):
         row, column = divmod(number, columns)
         origin = np.array([column, -row]) * size - low
-        _draw_machine(axes, machine, route, int(step), origin)
+        _draw_machine(axes, machine, stance, origin)
         axes.text(
             origin[0] + low[0] + size[0] / 2.0,
             origin[1] + high[1],
-            f"{step}  {route.mode_names[step]}",
+            stance.title,
             fontsize=style.SMALL_TEXT_PT,
             ha="center",
             va="bottom",
         )
-    _draw_triad(axes, project(_triad_place(machine, route)) - low)
+    _draw_triad(axes, project(_triad_place(machine, stances[0].sides)) - low)
     axes.set_xlim(0.0, columns * size[0])
     axes.set_ylim(-(rows - 1) * size[1], size[1])
     axes.set_aspect("equal")
-    figure.legend(handles=_legend_handles(), loc="outside lower center", ncols=4)
+    way = any(len(stance.way_m) > 1 for stance in stances)
+    figure.legend(handles=_legend_handles(way), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -89,10 +132,9 @@ def project(points: FloatArray) -> FloatArray:
     return np.stack([points @ right, points @ up], axis=-1)
 
 
-def _joints(machine: Machine, route: Route, steps: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Cart and platform joints C_l, A_l at steps (n,), each (n, 6, 3)."""
-    pose = route.pose[steps]
-    return cart_joints(machine, route.q_m[steps, :3]), pose[:, None, :3] + platform_arms(machine, pose)
+def _joints(machine: Machine, stance: _Stance) -> tuple[FloatArray, FloatArray]:
+    """Cart and platform joints C_l, A_l, each (6, 3)."""
+    return cart_joints(machine, stance.q_m[:3]), stance.pose[:3] + platform_arms(machine, stance.pose)
 
 
 def _rails(machine: Machine) -> FloatArray:
@@ -103,27 +145,27 @@ def _rails(machine: Machine) -> FloatArray:
     )
 
 
-def _window(machine: Machine, route: Route, steps: IntArray) -> tuple[FloatArray, FloatArray]:
+def _window(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Least and largest projected coordinates of all there is to draw, each (2,)."""
-    parts = [*_joints(machine, route, steps), _rails(machine), route.pose[:, :3]]
+    parts = [_rails(machine), tcp_m, *(joints for stance in stances for joints in _joints(machine, stance))]
     seen = np.concatenate([project(part).reshape(-1, 2) for part in parts])
     return seen.min(axis=0) - _MARGIN_M / 2.0, seen.max(axis=0) + _MARGIN_M / 2.0
 
 
-def _draw_machine(axes: Axes, machine: Machine, route: Route, step: int, origin: FloatArray) -> None:
-    carts, platform = (joints[0] for joints in _joints(machine, route, np.array([step])))
-    colours = [_COLOURS[sign] for sign in MODE_SIGNS[route.modes[step]]]
+def _draw_machine(axes: Axes, machine: Machine, stance: _Stance, origin: FloatArray) -> None:
+    carts, platform = _joints(machine, stance)
+    colours = [_COLOURS[side] for side in stance.sides]
     links = project(np.stack([carts, platform], axis=1)) + origin
     of_link = [colours[arm] for arm in ARM_OF_LINK]
     rails = project(_rails(machine)) + origin
     axes.add_collection(LineCollection(list(rails), colors=style.GREY, linewidths=1.2, zorder=1.0))
-    tcp = project(route.pose[: step + 1, :3]) + origin
+    tcp = project(stance.way_m) + origin
     outline = _hull(np.vstack([links[:, 1], tcp[-1:]]))
     axes.add_collection(PolyCollection([outline], zorder=2.0, **_PLATFORM))
     for which, look in ((_FIXED, _LINK), (TELESCOPES, _TELESCOPE)):
         lines = LineCollection([links[k] for k in which], colors=[of_link[k] for k in which], zorder=3.0, **look)
         axes.add_collection(lines)
-    feet = project(np.column_stack([route.q_m[step, :3], machine.rails_m])) + origin
+    feet = project(np.column_stack([stance.q_m[:3], machine.rails_m])) + origin
     beams = np.stack([feet[ARM_OF_LINK], links[:, 0]], axis=1)
     axes.add_collection(LineCollection(list(beams), colors=style.BLACK, linewidths=0.9, zorder=3.5))
     for foot, colour in zip(feet, colours, strict=True):
@@ -143,10 +185,10 @@ def _hull(points: FloatArray) -> FloatArray:
     return corners
 
 
-def _triad_place(machine: Machine, route: Route) -> FloatArray:
+def _triad_place(machine: Machine, sides: FloatArray) -> FloatArray:
     """Choose a place for the axes beside the first machine: above rail 3, where its arm is not. Shape (3,)."""
     least, largest = machine.travel_m[2]
-    part = 0.8 if MODE_SIGNS[route.modes[0]][2] < 0.0 else 0.0
+    part = 0.8 if sides[2] < 0.0 else 0.0
     y, z = machine.rails_m[2]
     height = machine.rails_m[:, 1].max() - z
     return np.array([least + part * (largest - least), y, z + 0.15 * height])
@@ -173,13 +215,16 @@ def _draw_triad(axes: Axes, place: FloatArray) -> None:
         )
 
 
-def _legend_handles() -> list[Line2D | Patch]:
+def _legend_handles(way: bool) -> list[Line2D | Patch]:
+    tcp = Line2D([], [], color=style.VERMILLION, linewidth=0.6, label="way of the TCP")
+    if not way:
+        tcp = Line2D([], [], color=style.VERMILLION, marker="o", markersize=1.8, linestyle="none", label="TCP")
     return [
         Line2D([], [], color=_COLOURS[-1.0], label="arm left (L)", **_LINK),
         Line2D([], [], color=_COLOURS[1.0], label="arm right (R)", **_LINK),
         Line2D([], [], color=style.BLACK, label="telescope", **_TELESCOPE),
         Patch(label="platform", **_PLATFORM),
         Line2D([], [], color=style.GREY, linewidth=1.2, label="rail"),
-        Line2D([], [], color=style.VERMILLION, linewidth=0.6, label="way of the TCP"),
+        tcp,
         Line2D([], [], marker="$\\rightarrow$", linestyle="none", color=style.BLACK, label="axes, 0.5 m long"),
     ]

@@ -9,16 +9,18 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.compare.figures import style
-from pipeline.measured.comparison import QUANTITIES, SCALES, UNITS, Comparison
+from pipeline.measured.comparison import QUANTITIES, SCALES, UNITS, MeasurementComparison
 
 _SHOWN = 40
 """Measured points drawn over a commanded curve: more would hide it."""
+_SHORTEST_S = 1e-3
+"""Least time shown, for a measurement of a single instant."""
 _BAND = 2.0
 """Half width of the band of noise in standard deviations."""
 
 
 @style.styled
-def measured_figure(comparison: Comparison) -> Figure:
+def measured_figure(comparison: MeasurementComparison) -> Figure:
     """Draw x, y, z, rx, rz over time: commanded and measured on the left, their difference on the right.
 
     On the left every few measured points are shown, on the right all of them, with two standard deviations of their
@@ -33,7 +35,7 @@ def measured_figure(comparison: Comparison) -> Figure:
     panels[0, 1].set_title("measured - commanded")
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
-        axes.set_xlim(0.0, comparison.t_s[-1])
+        axes.set_xlim(0.0, max(float(comparison.t_s[-1]), _SHORTEST_S))
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     for column in panels.T:
         figure.align_ylabels(column)
@@ -41,7 +43,7 @@ def measured_figure(comparison: Comparison) -> Figure:
     return figure
 
 
-def _draw_motion(axes: Axes, comparison: Comparison, index: int) -> None:
+def _draw_motion(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
     angle = UNITS[index] == "deg"
     scale = SCALES[index] if angle else 1.0
     every = max(len(comparison.t_s) // _SHOWN, 1)
@@ -51,7 +53,7 @@ def _draw_motion(axes: Axes, comparison: Comparison, index: int) -> None:
     axes.yaxis.set_major_locator(style.angle_locator() if angle else MaxNLocator(4))
 
 
-def _draw_error(axes: Axes, comparison: Comparison, index: int) -> None:
+def _draw_error(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
     scale = SCALES[index]
     if comparison.std is not None:
         half = _BAND * scale * comparison.std[:, index]

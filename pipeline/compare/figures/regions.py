@@ -2,20 +2,18 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from pipeline.compare.figures import style
+from pipeline.compare.figures.map_panels import COLORMAP, add_kappa_bar
 from pipeline.config import Config
 from pipeline.machine.geometry import MODES, BoolArray, FloatArray
 from pipeline.route.table import RegionTable
 
 _COLUMNS = 4
-_COLORMAP = "Blues"
 _GATE_COLOURS = {1: style.VERMILLION, 2: style.GREEN, 3: style.PURPLE}
 _SAME_RAD = 1e-9
 _MARGIN_M = 0.08
@@ -43,7 +41,7 @@ def regions_figure(config: Config, regions: RegionTable) -> Figure:
     for axes in panels[len(modes) :]:
         axes.remove()
     style.label_yz_panels(panels[: len(modes)], columns)
-    _add_colour_bar(figure, panels[: len(modes)], norm)
+    add_kappa_bar(figure, panels[: len(modes)], norm)
     rx, rz = np.rad2deg(shown.controlled[0, 3:])
     figure.legend(
         handles=_legend_handles(shown),
@@ -88,7 +86,7 @@ def _draw_panel(axes: Axes, config: Config, regions: RegionTable, norm: LogNorm)
         offset_transform=axes.transData,
         array=cells.kappa,
         norm=norm,
-        cmap=_COLORMAP,
+        cmap=COLORMAP,
         edgecolors=style.GREY,
         linewidths=0.15,
     )
@@ -96,16 +94,6 @@ def _draw_panel(axes: Axes, config: Config, regions: RegionTable, norm: LogNorm)
     for arm, colour in _GATE_COLOURS.items():
         gates = regions.controlled[regions.gate == arm, 1:3]
         axes.plot(*gates.T, ".", color=colour, markersize=1.8, markeredgewidth=0.0)
-
-
-def _add_colour_bar(figure: Figure, panels: list[Axes], norm: LogNorm) -> None:
-    bar = figure.colorbar(
-        ScalarMappable(norm, _COLORMAP), ax=panels, location="bottom", aspect=35, pad=0.02, shrink=0.9
-    )
-    bar.set_label("κ, the condition number of H (moments in m)")
-    bar.ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
-    bar.ax.xaxis.set_minor_locator(NullLocator())
-    bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def _legend_handles(regions: RegionTable) -> list[Line2D]:

@@ -3,17 +3,15 @@
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from pipeline.compare.figures import style
+from pipeline.compare.figures.map_panels import add_kappa_bar, draw_map, map_handles, map_norm
 from pipeline.compare.figures.maps import KappaMap, YzWindow, kappa_map, seen_window
 from pipeline.compare.figures.samples import corner_samples
 from pipeline.config import Config
@@ -25,8 +23,6 @@ MAX_PANELS = 28
 _FEW = 12
 """Panels that go three to a row; more go four to a row."""
 _POINTS_Y, _POINTS_Z = 100, 80
-_COLORMAP = "Blues"
-_LOOP_COLOUR = style.YELLOW
 
 _REFINED_LINE: dict[str, Any] = {"color": style.REFINED, "linewidth": 0.8, "label": "refined path"}
 _ROUTE_LINE: dict[str, Any] = {"color": style.COARSE, "linewidth": 1.4, "label": "route so far"}
@@ -68,7 +64,11 @@ class _Canvas:
 
 @style.styled
 def route_figure(
-    config: Config, machine: Machine, route: Route, coarse: PathSamples | None, refined: PathSamples | None
+    config: Config,
+    machine: Machine,
+    route: Route,
+    coarse: PathSamples | None = None,
+    refined: PathSamples | None = None,
 ) -> Figure:
     """Draw every step of the route, at most 28, each over the map of kappa for its tilt and working mode.
 
@@ -83,7 +83,7 @@ def route_figure(
     )
     maps = _maps(machine, route, steps, window)
     canvas = _Canvas(
-        norm=_norm(maps, config.route.kappa_max),
+        norm=map_norm(maps, config.route.kappa_max),
         window=window,
         route=route,
         coarse_yz=coarse_yz,
@@ -104,7 +104,7 @@ def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
     for axes in panels[len(steps) :]:
         axes.remove()
     style.label_yz_panels(panels[: len(steps)], columns)
-    _add_colour_bar(figure, panels[: len(steps)], canvas.norm)
+    add_kappa_bar(figure, panels[: len(steps)], canvas.norm, extend="max")
     figure.legend(handles=_legend_handles(canvas), loc="outside lower center", ncols=3)
     return figure
 
@@ -127,11 +127,6 @@ def _maps(machine: Machine, route: Route, steps: IntArray, window: YzWindow) -> 
     return [kappa_map(machine, y_m, z_m, tilt, int(route.modes[i])) for i, tilt in zip(steps, tilts, strict=True)]
 
 
-def _norm(maps: list[KappaMap], kappa_max: float) -> LogNorm:
-    least = min((float(np.nanmin(a.kappa)) for a in maps if np.isfinite(a.kappa).any()), default=1.0)
-    return LogNorm(min(least, 0.5 * kappa_max), kappa_max)
-
-
 def _height_in(canvas: _Canvas, rows: int, columns: int) -> float:
     window = canvas.window
     aspect = (window.z_largest - window.z_least) / (window.y_largest - window.y_least)
@@ -141,27 +136,7 @@ def _height_in(canvas: _Canvas, rows: int, columns: int) -> float:
 
 def _draw_panel(axes: Axes, canvas: _Canvas, step: int, a_map: KappaMap) -> None:
     route = canvas.route
-    axes.grid(False)
-    axes.set_facecolor(style.LIGHT_GREY)
-    axes.patch.set(hatch="//////", edgecolor="white", linewidth=0.0)
-    axes.imshow(
-        a_map.kappa,
-        norm=canvas.norm,
-        cmap=_COLORMAP,
-        origin="lower",
-        extent=_extent(a_map),
-        interpolation="nearest",
-    )
-    if a_map.has_singularities:
-        axes.contour(
-            a_map.y_m,
-            a_map.z_m,
-            a_map.det,
-            levels=[0.0],
-            colors=_LOOP_COLOUR,
-            linewidths=0.9,
-            corner_mask=False,
-        )
+    draw_map(axes, a_map, canvas.norm)
     _draw_paths(axes, canvas, step)
     axes.set_xlim(canvas.window.y_least, canvas.window.y_largest)
     axes.set_ylim(canvas.window.z_least, canvas.window.z_largest)
@@ -172,13 +147,6 @@ def _draw_panel(axes: Axes, canvas: _Canvas, step: int, a_map: KappaMap) -> None
         fontsize=style.SMALL_TEXT_PT,
         linespacing=1.1,
     )
-
-
-def _extent(a_map: KappaMap) -> tuple[float, float, float, float]:
-    """Edges of the image whose pixels are centred on the map's points."""
-    y, z = a_map.y_m, a_map.z_m
-    half_y, half_z = 0.5 * (y[1] - y[0]), 0.5 * (z[1] - z[0])
-    return float(y[0] - half_y), float(y[-1] + half_y), float(z[0] - half_z), float(z[-1] + half_z)
 
 
 def _degrees(angle: float) -> str:
@@ -195,22 +163,6 @@ def _draw_paths(axes: Axes, canvas: _Canvas, step: int) -> None:
     axes.plot(*route.pose[step, 1:3], **_HERE)
 
 
-def _add_colour_bar(figure: Figure, panels: list[Axes], norm: LogNorm) -> None:
-    bar = figure.colorbar(
-        ScalarMappable(norm, _COLORMAP),
-        ax=panels,
-        location="bottom",
-        extend="max",
-        aspect=35,
-        pad=0.02,
-        shrink=0.9,
-    )
-    bar.set_label("κ, the condition number of H (moments in m)")
-    bar.ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
-    bar.ax.xaxis.set_minor_locator(NullLocator())
-    bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-
-
 def _legend_handles(canvas: _Canvas) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = [Line2D([], [], **_ROUTE_LINE)]
     if canvas.refined_yz is not None:
@@ -219,7 +171,6 @@ def _legend_handles(canvas: _Canvas) -> list[Line2D | Patch]:
         Line2D([], [], linestyle="none", label="this step", **_HERE),
         Line2D([], [], **_START),
         Line2D([], [], **_GOAL),
-        Patch(facecolor=mpl.colormaps[_COLORMAP](1.0), edgecolor=_LOOP_COLOUR, label="det H = 0"),
-        Patch(facecolor=style.LIGHT_GREY, edgecolor="white", hatch="//////", linewidth=0.0, label="out of reach"),
+        *map_handles(),
     ]
     return handles

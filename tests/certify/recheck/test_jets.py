@@ -1,5 +1,8 @@
 """Series for many boxes: sines and cosines, shifted polynomials, splines."""
 
+from fractions import Fraction
+from math import factorial
+
 import numpy as np
 import pytest
 from flint import arb, arb_series, ctx
@@ -7,7 +10,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from pipeline.certify.pieces import pieces
 from pipeline.certify.recheck.enclosure import Enclosure, exactly, within
-from pipeline.certify.recheck.jets import TERMS, moved, sine_cosine, spline_taylor
+from pipeline.certify.recheck.jets import TERMS, _horner, moved, sine_cosine, spline_taylor
 
 
 @pytest.mark.parametrize("angle", [-3.9, -1.0, 0.0, 1e-9, 0.7, 3.2])
@@ -22,6 +25,14 @@ def test_sine_and_cosine_hold_those_of_ball_arithmetic(angle: float) -> None:
                 off = abs(exact[n] - arb(float(found.mid[n, 0])))
                 assert off < arb(float(found.rad[n, 0]))
                 assert found.rad[n, 0] < 1e-13
+
+
+@pytest.mark.parametrize("k", range(40))
+def test_coefficients_of_the_series_are_enclosed(k: int) -> None:
+    """One over a factorial is off by the roundings of the factorial and of the division."""
+    found = _horner(exactly(np.zeros(1)), [-1.0 / factorial(k)])
+    assert abs(Fraction(-1, factorial(k)) - Fraction(found.mid[0])) <= Fraction(found.rad[0])
+    assert found.rad[0] >= 2.0**-51 / factorial(k)
 
 
 def test_angles_beyond_the_series_are_enclosed_coarsely() -> None:

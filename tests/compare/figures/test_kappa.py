@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from pipeline.compare.figures.kappa import kappa_figure
 from pipeline.config import Config
-from pipeline.refine.measure import PathSamples, measure
+from pipeline.refine.measure import PathSamples, measure_path
 from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 
@@ -27,7 +27,7 @@ def test_curves_end_at_the_measured_lengths(
     axes = figure.axes[1]
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     for line, samples, name in zip(axes.get_lines()[:2], (coarse, refined), names[:2], strict=True):
-        figures = measure(samples, step_sizes(agder_config.route))
+        figures = measure_path(samples, step_sizes(agder_config.route))
         x, y = line.get_data()
         assert (x[0], x[-1]) == (0.0, pytest.approx(figures.length))
         assert f"integral {figures.kappa_integral:.1f}" in name

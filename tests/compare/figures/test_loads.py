@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 from scipy.interpolate import make_interp_spline
 
-from pipeline.compare.figures import loads_figure, phase_figure, usage_figure
+from pipeline.compare.figures import has_loads, loads_figure, phase_figure, usage_figure
 from pipeline.machine import Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Path
@@ -34,7 +34,12 @@ def timed(path: Path) -> Trajectory:
 def test_loads_have_a_panel_for_each_kind(timed: Trajectory, assert_laid_out: Callable[[Figure], None]) -> None:
     """Jerks and forces of carts and telescopes, forces along links; as many curves as there are of each."""
     figure = loads_figure(timed)
-    labels = [axes.get_ylabel() for axes in figure.axes]
+    labels = [axes.get_ylabel().split("\n")[0] for axes in figure.axes]
+    assert {axes.get_ylabel().partition("\n")[2] for axes in figure.axes[2:]} <= {
+        "limit 400",
+        "limit 1000",
+        "limit 2000",
+    }
     assert labels == [
         "cart jerk (m/s³)",
         "telescope jerk (m/s³)",
@@ -48,11 +53,23 @@ def test_loads_have_a_panel_for_each_kind(timed: Trajectory, assert_laid_out: Ca
     assert_laid_out(figure)
 
 
-def test_without_masses_and_jerk_limits_panels_say_so(path: Path) -> None:
-    """No curve is invented."""
-    bare = plan(replace(path, machine=replace(path.machine, masses=None)), 300)
-    texts = [text.get_text() for axes in loads_figure(bare).axes for text in axes.texts]
-    assert texts == ["not limited"] * 2 + ["no masses given"] * 3
+def test_what_is_not_known_has_no_panel(
+    timed: Trajectory, path: Path, assert_laid_out: Callable[[Figure], None]
+) -> None:
+    """Without masses there are jerks alone, without limited jerk forces alone, and without both there is no figure."""
+    massless = replace(path, machine=replace(path.machine, masses=None))
+    figure = loads_figure(replace(timed, path=massless))
+    assert [axes.get_ylabel() for axes in figure.axes] == ["cart jerk (m/s³)", "telescope jerk (m/s³)"]
+    assert [axes.get_xlabel() for axes in figure.axes] == ["time (s)"] * 2
+    assert_laid_out(figure)
+    figure = loads_figure(plan(path, 300))
+    assert [axes.get_ylabel().split("\n")[0][-9:] for axes in figure.axes] == ["force (N)", "force (N)", "links (N)"]
+    assert [axes.get_xlabel() for axes in figure.axes] == ["", "", "time (s)"]
+    assert_laid_out(figure)
+    neither = plan(massless, 300)
+    assert not has_loads(neither)
+    with pytest.raises(ValueError, match="no loads"):
+        loads_figure(neither)
 
 
 def test_usage_never_leaves_one(timed: Trajectory, assert_laid_out: Callable[[Figure], None]) -> None:

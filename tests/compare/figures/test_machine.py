@@ -10,8 +10,8 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from pipeline.compare.figures import style
-from pipeline.compare.figures.machine import MAX_MACHINES, machine_figure, project
-from pipeline.machine import MODES, Machine
+from pipeline.compare.figures.machine import MAX_MACHINES, machine_figure, postures_figure, project
+from pipeline.machine import MODES, Machine, inverse_kinematics
 from pipeline.machine.geometry import cart_joints, link_vectors
 from pipeline.route.result import Route
 
@@ -78,3 +78,27 @@ def test_long_routes_are_thinned(machine: Machine, route: Route) -> None:
 def test_nothing_overlaps(figure: Figure, assert_laid_out: Callable[[Figure], None]) -> None:
     """Drawing and legend keep off each other and stay on the page."""
     assert_laid_out(figure)
+
+
+@pytest.mark.parametrize("count", [1, 2, 8])
+def test_postures_are_named_by_their_modes(
+    machine: Machine, count: int, assert_laid_out: Callable[[Figure], None]
+) -> None:
+    """At poses without a route each machine is named by its working mode, and arms have that mode's colour."""
+    controlled = np.tile([1.02, 0.3, 0.9, 0.0, 0.0], (count, 1))
+    stances = inverse_kinematics(machine, controlled, np.arange(count))
+    figure = postures_figure(machine, stances.pose, stances.q_m)
+    titles = [text.get_text() for text in figure.axes[0].texts if text.get_text() in MODES]
+    assert titles == list(MODES[:count])
+    fixed = [lines for lines in lines_of(figure) if len(lines.get_segments()) == 4]
+    sides = {"L": style.BLUE, "R": style.ORANGE}
+    for mode, lines in zip(MODES, fixed, strict=False):
+        colours = [to_hex(colour).upper() for colour in lines.get_colors()]
+        assert colours == [sides[mode[arm]] for arm in (0, 1, 2, 2)]
+    assert_laid_out(figure)
+
+
+def test_a_single_posture_may_be_given_flat(machine: Machine, route: Route) -> None:
+    """One pose (6,) with actuators (5,) is one machine, under a title of one's own."""
+    figure = postures_figure(machine, route.pose[0], route.q_m[0], ["at the start"])
+    assert "at the start" in [text.get_text() for text in figure.axes[0].texts]

@@ -1,0 +1,164 @@
+# The public interface of the package, and its only list: what is imported here can be imported from `pipeline`.
+
+# Configuration, and what can be wrong
+from .config import (
+    Config as Config,
+)
+from .config_file import (
+    load_config as load_config,
+    parse_config as parse_config,
+    dump_config as dump_config,
+)
+from .errors import (
+    PipelineError as PipelineError,
+    ConfigError as ConfigError,
+    UsageError as UsageError,
+    NoSolutionError as NoSolutionError,
+    ForwardKinematicsError as ForwardKinematicsError,
+)
+
+# The machine at poses
+from .machine import (
+    MODES as MODES,
+    Machine as Machine,
+    build_machine as build_machine,
+    InverseSolution as InverseSolution,
+    inverse_kinematics as inverse_kinematics,
+    forward_kinematics as forward_kinematics,
+    statics_matrix as statics_matrix,
+    condition_number as condition_number,
+    det_sign as det_sign,
+    link_distances as link_distances,
+    min_distances as min_distances,
+)
+
+# The stages, in their order, and what they make
+from .route import (
+    RegionTable as RegionTable,
+    build_regions as build_regions,
+    Route as Route,
+    plan_route as plan_route,
+    plan_routes as plan_routes,
+)
+from .refine import (
+    Path as Path,
+    Refinement as Refinement,
+    refine_path as refine_path,
+)
+from .certify import (
+    Certificate as Certificate,
+    certify_path as certify_path,
+)
+from .retime import (
+    Trajectory as Trajectory,
+    retime_path as retime_path,
+    way_back as way_back,
+    slowed as slowed,
+)
+
+# Along a path, and over time
+from .refine import (
+    PathSamples as PathSamples,
+    sample_path as sample_path,
+    PathFigures as PathFigures,
+    measure_path as measure_path,
+    kappa_along as kappa_along,
+    pose_derivatives as pose_derivatives,
+    pose_spline as pose_spline,
+)
+from .certify.recheck import (
+    KappaProfile as KappaProfile,
+    kappa_profile as kappa_profile,
+)
+from .retime import (
+    TrajectorySamples as TrajectorySamples,
+    sample_trajectory as sample_trajectory,
+    TrajectoryFigures as TrajectoryFigures,
+    measure_trajectory as measure_trajectory,
+)
+
+# Runs, and files
+from .stage import (
+    Stage as Stage,
+)
+from .run import (
+    Results as Results,
+    RunReport as RunReport,
+    run_pipeline as run_pipeline,
+    open_results as open_results,
+)
+from .artifacts.path_file import (
+    load_path as load_path,
+    save_path as save_path,
+)
+from .formats import (
+    Format as Format,
+)
+from .export import (
+    CsvOptions as CsvOptions,
+    format_samples as format_samples,
+)
+
+# Comparisons
+from .route.metric import (
+    step_sizes as step_sizes,
+)
+from .compare import (
+    MeasuredPath as MeasuredPath,
+    MotionFigures as MotionFigures,
+    measure_motion as measure_motion,
+    blended as blended,
+    ComparisonRow as ComparisonRow,
+    compare_paths as compare_paths,
+    markdown_table as markdown_table,
+    RunsRow as RunsRow,
+    compare_runs as compare_runs,
+    runs_markdown as runs_markdown,
+)
+
+# The usable workspace
+from .compare import (
+    WorkspaceSetting as WorkspaceSetting,
+    Workspace as Workspace,
+    usable_workspace as usable_workspace,
+    WorkspaceRow as WorkspaceRow,
+    workspace_rows as workspace_rows,
+)
+
+# Measured motions
+from .measured import (
+    Reflectors as Reflectors,
+    Measurement as Measurement,
+    parse_measurement as parse_measurement,
+    MeasurementComparison as MeasurementComparison,
+    compare_measurement as compare_measurement,
+    ErrorRow as ErrorRow,
+    error_rows as error_rows,
+    SimulationSetting as SimulationSetting,
+    simulate_measurement as simulate_measurement,
+)
+
+# Pictures, as matplotlib figures
+from .compare import (
+    KappaMap as KappaMap,
+    kappa_map as kappa_map,
+)
+from .compare.figures import (
+    all_figures as all_figures,
+    clearance_figure as clearance_figure,
+    kappa_figure as kappa_figure,
+    kappa_map_figure as kappa_map_figure,
+    loads_figure as loads_figure,
+    machine_figure as machine_figure,
+    measured_figure as measured_figure,
+    phase_figure as phase_figure,
+    pose_figure as pose_figure,
+    postures_figure as postures_figure,
+    proof_figure as proof_figure,
+    regions_figure as regions_figure,
+    route_figure as route_figure,
+    trajectory_figure as trajectory_figure,
+    usage_figure as usage_figure,
+    workspace_figure as workspace_figure,
+    workspace_volume_figure as workspace_volume_figure,
+)
