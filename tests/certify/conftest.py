@@ -1,17 +1,22 @@
 """Short paths with known answers, and a function that proves them."""
 
+import pathlib
+import shutil
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from pipeline.certify import Certificate, prove_path
+from pipeline.certify import Certificate, certify_path, prove_path
 from pipeline.certify.closure import working_precision
+from pipeline.certify.uncertainty import of_everything, of_lengths
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from tests.certify.paths import NODES, START, determinant, ends_of, line_path, pose_path
+from tests.certify.runs import bear, write_run
 
 
 @pytest.fixture(scope="session")
@@ -57,7 +62,33 @@ def own_task(agder_config: Config) -> Config:
 
 
 @pytest.fixture(scope="session")
-def own_path(machine: Machine) -> Path:
+def own_path(machine: Machine, goal: np.ndarray) -> Path:
     """Go straight from its start to its goal."""
-    goal = np.array([1.05, 0.33, 0.88, *np.deg2rad([2.0, -1.0])])
     return pose_path(machine, np.linspace(START, goal, NODES), 0)
+
+
+@pytest.fixture(scope="session")
+def goal() -> np.ndarray:
+    """Say where the task of these tests ends."""
+    return np.array([1.05, 0.33, 0.88, *np.deg2rad([2.0, -1.0])])
+
+
+@pytest.fixture(scope="session")
+def true_run(
+    tmp_path_factory: pytest.TempPathFactory, own_task: Config, machine: Machine, goal: np.ndarray
+) -> pathlib.Path:
+    """Certify a path of six pieces, with both tolerances, and write it as a run does."""
+    path = pose_path(machine, np.linspace(START, goal, 11), 0, 11)
+    certificate = certify_path(own_task, machine, path)
+    certificate = replace(
+        certificate, link_length=bear(path, of_lengths(1e-4)), coordinates=bear(path, of_everything(2e-5))
+    )
+    folder = tmp_path_factory.mktemp("runs") / "true"
+    write_run(folder, own_task, path, certificate)
+    return folder
+
+
+@pytest.fixture
+def run(true_run: pathlib.Path, tmp_path: pathlib.Path) -> pathlib.Path:
+    """Give a copy of the true run, to be forged."""
+    return pathlib.Path(shutil.copytree(true_run, tmp_path / "run"))
