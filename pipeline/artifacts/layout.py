@@ -75,9 +75,14 @@ def failure_picture(stage: Stage) -> str:
     return f"{_FAILED}/{stage}.png"
 
 
+def failure_report(stage: Stage) -> str:
+    """Where the report of a run that failed at a stage goes."""
+    return f"{_FAILED}/{stage}.html"
+
+
 def existing_files(folder: Path, stage: Stage) -> list[str]:
     """List the files of a stage in a folder, those of its failure included; names relative to the folder."""
-    names = [*_FIXED[stage], *failure_names(stage), failure_picture(stage)]
+    names = [*_FIXED[stage], *failure_names(stage), failure_picture(stage), failure_report(stage)]
     if stage is Stage.FIGURES:
         found = [path.name for kind in _PICTURE_KINDS for path in (folder / _FIGURES).glob(f"*.{kind}")]
         names += sorted(f"{_FIGURES}/{name}" for name in found)

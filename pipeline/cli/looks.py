@@ -116,13 +116,14 @@ def export(
 def report(
     run: RunArgument,
     output: Annotated[
-        Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: RUN/report.html.")
+        Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: report.html in RUN.")
     ] = None,
 ) -> None:
     """Write the report of a run once more: one page to open in a browser, without a server and offline.
 
     It shows what there is: a run that failed, or has not been run to its end,
-    has a report, too, which says so. A whole run writes its report by itself.
+    has a report, too, which says so. Runs that end, well or not, write theirs
+    by themselves.
     """
     from pipeline.run.reporting import write_report
 

@@ -18,6 +18,7 @@ from pipeline.artifacts import (
     plain,
     read_state,
 )
+from pipeline.artifacts.layout import failure_report
 from pipeline.config import Config
 from pipeline.config_file import config_sha256, dump_config
 from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageError
@@ -27,6 +28,7 @@ from pipeline.route.ends import task_ends
 from pipeline.run.diagnosis import Diagnosis, can_diagnose, diagnose
 from pipeline.run.fingerprint import UPSTREAM, fingerprint, fingerprints
 from pipeline.run.reporter import Quiet, Reporter
+from pipeline.run.reporting import page_of_failure
 from pipeline.run.stages import MAKE, Product, Results
 from pipeline.stage import STAGES, Stage
 from pipeline.summary import failed_part, failure_section, summarise
@@ -233,7 +235,11 @@ class _Run:
         found = self._diagnose(stage, error, progress)
         if found is not None:
             self._keep_failure(stage, error, expected, seconds, found)
-        error.add_note(f"What is known about it was kept in {self._folder.path / failure_names(stage)[0]}")
+        kept = f"What is known about it was kept in {self._folder.path / failure_names(stage)[0]}"
+        if page := page_of_failure(self._results, self._folder.state):
+            self._commit(self._folder.state.stages, {failure_report(stage): page}, [])
+            kept += f"; what there is of the run is shown in {self._folder.path / failure_report(stage)}"
+        error.add_note(kept)
 
     def _diagnose(self, stage: Stage, error: PipelineError, progress: Progress) -> Diagnosis | None:
         """Find out what stands in the way of a route; who does not want to wait for it interrupts that alone."""
@@ -262,13 +268,8 @@ class _Run:
         reason, advice, diagnosis = str(error), "", {}
         if isinstance(error, NoSolutionError):
             reason, advice, diagnosis = error.reason, error.advice, error.diagnosis
-        facts: dict[str, Any] = {
-            "stage": stage,
-            "reason": reason,
-            "advice": advice,
-            "seconds": seconds,
-            "config_sha256": config_sha256(self._config),
-        }
+        facts: dict[str, Any] = {"stage": stage, "reason": reason, "advice": advice, "seconds": seconds}
+        facts["config_sha256"] = config_sha256(self._config)
         if found is not None:
             facts["why_not"] = found.facts
         section = failure_section(reason, advice, str(diagnosis.get("status", "failed")))

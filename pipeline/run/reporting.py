@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.artifacts import Record, State, open_run_folder, read_run_folder, write_whole
-from pipeline.artifacts.layout import REPORT
+from pipeline.artifacts.layout import REPORT, failure_report
+from pipeline.errors import PipelineError
 from pipeline.machine.geometry import build_machine
 from pipeline.run.reading import refuse_damage
 from pipeline.run.stages import Results
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 def write_report(folder: Path, output: Path | None = None) -> Path:
     """Write the report of a run, complete or not, into its folder or elsewhere; return where it is.
+
+    In its folder, that of a run that failed is where all is that is known of failures.
 
     Raises
     ------
@@ -29,9 +32,14 @@ def write_report(folder: Path, output: Path | None = None) -> Path:
             if stage is not Stage.FIGURES:
                 refuse_damage(folder, record)
         page = report_page(Results(config, build_machine(config.machine), folder), opened.state)
-        target = folder / REPORT if output is None else output
+        target = folder / _name(opened.state) if output is None else output
         write_whole(target, page)
     return target
+
+
+def _name(state: State) -> str:
+    failed = [stage for stage, record in state.stages.items() if record.status == "failed"]
+    return failure_report(failed[0]) if failed else REPORT
 
 
 def report_page(results: Results, state: State) -> bytes:
@@ -53,6 +61,16 @@ def report_page(results: Results, state: State) -> bytes:
         trajectory=results.trajectory if Stage.RETIME in done else None,
     )
     return render_page(build_report(run)).encode()
+
+
+def page_of_failure(results: Results, state: State) -> bytes | None:
+    """Make the page of a run that failed; None where it cannot be made, which is no failure of its own."""
+    if Stage.FIGURES in state.stages:
+        return None
+    try:
+        return report_page(results, state)
+    except PipelineError:
+        return None
 
 
 def _facts(record: Record) -> "StageFacts":

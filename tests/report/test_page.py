@@ -2,9 +2,11 @@
 
 import json
 import re
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +14,7 @@ from pipeline.report import Report, RunResults, StageFacts, build_report, render
 from pipeline.stage import Stage
 
 _OURS = ('{"colours"', "/**\n* plotly.js", '\n"use strict";')
+ROOT = Path(__file__).parents[2]
 _VOID = {"meta", "link", "input", "br", "img", "hr"}
 
 
@@ -73,6 +76,16 @@ def test_nothing_is_loaded(outline: Outline, page: str) -> None:
     assert policy is not None
     assert policy.startswith("default-src 'none'")
     assert "http" not in policy
+
+
+def test_installed_packages_have_the_assets() -> None:
+    """Template, styles and scripts are declared as data of the package, so that a wheel has them."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    patterns = settings["tool"]["setuptools"]["package-data"]["pipeline.report"]
+    package = ROOT / "pipeline" / "report"
+    assets = {path for path in package.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc")}
+    assert assets == {path for pattern in patterns for path in package.glob(pattern)}
+    assert len(assets) > 2
 
 
 def test_size(page: str) -> None:

@@ -7,10 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeline.artifacts import read_state
-from pipeline.artifacts.layout import REPORT
+from pipeline.artifacts.layout import REPORT, failure_report
 from pipeline.cli import app
 from pipeline.config import Config
-from pipeline.errors import NoSolutionError, UsageError
+from pipeline.errors import ForwardKinematicsError, NoSolutionError, UsageError
 from pipeline.machine import Machine
 from pipeline.run import Results, Stage, run_pipeline
 from pipeline.run.reporting import report_page, write_report
@@ -47,22 +47,47 @@ def test_a_failed_proof(tmp_path: Path, fast_config: Config, machine: Machine, s
     page = page_of(fast_config, machine, tmp_path)
     assert "<title>quick: Not certified</title>" in page
     assert "kappa is beyond its cap at s = 0.3" in page
-    assert not (tmp_path / REPORT).exists()
+    shown = tmp_path / failure_report(Stage.CERTIFY)
+    assert shown.exists()
+    shown.unlink()
     result = CliRunner().invoke(app, ["report", str(tmp_path)])
     assert result.exit_code == 0
-    assert (tmp_path / REPORT).exists()
+    assert shown.exists()
+    assert not (tmp_path / REPORT).exists()
 
 
 def test_it_goes_when_a_new_run_begins(tmp_path: Path, fast_config: Config, stages: Any) -> None:
-    """The page of a failed run does not stay beside the results of the next."""
+    """The page of a run that failed, or stopped early, does not stay beside the results of the next."""
+    run_pipeline(fast_config, tmp_path, last=Stage.REFINE)
+    early = write_report(tmp_path)
+    early.write_bytes(b"early")
     stages.failures["retime"] = NoSolutionError("retime", "too heavy", "less load")
     with pytest.raises(NoSolutionError):
         run_pipeline(fast_config, tmp_path)
-    write_report(tmp_path).write_bytes(b"old")
+    assert not early.exists()
+    late = tmp_path / failure_report(Stage.RETIME)
+    assert late.exists()
     stages.failures.clear()
     run_pipeline(fast_config, tmp_path)
-    assert (tmp_path / REPORT).read_bytes() != b"old"
-    assert [path.read_bytes() for path in (tmp_path / "superseded").rglob(REPORT)] == [b"old"]
+    assert early.exists()
+    assert not late.exists()
+    assert [path.read_bytes() for path in (tmp_path / "superseded").rglob(REPORT)] == [b"early"]
+
+
+def test_a_page_that_cannot_be_made_hides_no_failure(
+    tmp_path: Path, fast_config: Config, stages: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the report of a failed run fails, too, the failure of the run is what is told."""
+    stages.failures["route"] = NoSolutionError("route", "none", "more")
+
+    def refuse(*_: object) -> bytes:
+        raise ForwardKinematicsError(0.1, 3, [0.0] * 6)
+
+    monkeypatch.setattr("pipeline.run.reporting.report_page", refuse)
+    with pytest.raises(NoSolutionError, match="none"):
+        run_pipeline(fast_config, tmp_path)
+    assert not (tmp_path / failure_report(Stage.ROUTE)).exists()
+    assert (tmp_path / "failed" / "route.json").exists()
 
 
 def test_writing_it_again_spoils_nothing(tmp_path: Path, fast_config: Config, stages: Any) -> None:

@@ -488,6 +488,7 @@ class TestFailure:
             "route.csv",
             "failed/refine.json",
             "failed/refine.npz",
+            "failed/refine.html",
         }
         told = json.loads((tmp_path / "failed" / "refine.json").read_text())
         assert (told["reason"], told["advice"]) == ("no way", "widen it")
