@@ -207,8 +207,6 @@ class _Run:
         try:
             product = MAKE[stage](self._results, progress, self._verbose)
         except (ConfigError, UsageError):
-            # Nothing in the folder may go on looking as if it belonged to what was asked for.
-            self.settle()
             raise
         except PipelineError as error:
             self._fail(stage, error, expected, time.perf_counter() - began, progress)
