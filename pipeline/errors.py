@@ -49,6 +49,15 @@ class NoSolutionError(PipelineError):
         super().__init__(f"{stage}: {reason}\n  What to change: {advice}")
 
 
+class UnfitConfigError(NoSolutionError):
+    """A stage ended without a result for what the configuration asks: which only shows in the stage.
+
+    Old results go, as after every failure, and the exit code is that of a bad configuration.
+    """
+
+    exit_code = 2
+
+
 class ForwardKinematicsError(PipelineError):
     """Newton's method found no pose for given actuator positions (too far from the guess, or singular)."""
 

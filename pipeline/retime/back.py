@@ -27,9 +27,7 @@ def way_back(config: Config, trajectory: Trajectory, progress: Progress = silent
     ------
     NoSolutionError
         When forces do not suffice to move the machine on its way back, or a planner fails; says that it is the way
-        back, and s along the way there.
-    ConfigError
-        When the motion has more periods than a table may have rows.
+        back, and s along the way there. Or when it has more periods than a table may have rows.
     """
     try:
         return _back(config, trajectory, progress, verbose)

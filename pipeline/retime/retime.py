@@ -37,7 +37,7 @@ def retime_path(config: Config, path: Path, progress: Progress = silent, verbose
 
     Raises
     ------
-    ConfigError
+    UnfitConfigError
         When the motion has more periods than a table may have rows.
     NoSolutionError
         When the path does not move, has a corner or comes to a stop on its way, when forces do not suffice to hold the
@@ -61,7 +61,7 @@ def fastest_law(config: Config, table: TermsTable, progress: Progress, verbose: 
 
     Raises
     ------
-    ConfigError
+    UnfitConfigError
         When the motion has more periods than a table may have rows.
     NoSolutionError
         When a planner fails, or leaves limits exceeded between its points by more than a percent.

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from pipeline.errors import ConfigError, ConfigIssue
+from pipeline.errors import UnfitConfigError
 from pipeline.machine.geometry import FloatArray
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.retime.result import Trajectory, TrajectorySamples, stretched
@@ -20,7 +20,7 @@ def whole_periods(trajectory: Trajectory, period_s: float) -> Trajectory:
 
     Raises
     ------
-    ConfigError
+    UnfitConfigError
         When that makes more rows than a table may have.
     """
     duration = count_periods(trajectory.duration_s, period_s) * period_s
@@ -32,21 +32,17 @@ def count_periods(duration_s: float, period_s: float) -> int:
 
     Raises
     ------
-    ConfigError
+    UnfitConfigError
         When they make more rows than a table may have.
     """
     periods = max(1, math.ceil(duration_s / period_s - _SAME))
     if periods + 1 > MOST_ROWS:
-        raise ConfigError(
-            [
-                ConfigIssue(
-                    "retime.period_s",
-                    f"is {period_s:g}, and the trajectory lasts {duration_s:,.0f} s, which makes {periods + 1:,} rows; "
-                    f"allowed are {MOST_ROWS:,}. Raise retime.period_s (--period) or retime.speed (--speed), or "
-                    f"shorten retime.dwell_s",
-                    period_s,
-                )
-            ]
+        raise UnfitConfigError(
+            "retime",
+            f"retime.period_s is {period_s:g}, and the trajectory lasts {duration_s:,.0f} s, which makes "
+            f"{periods + 1:,} rows; allowed are {MOST_ROWS:,}",
+            "Raise retime.period_s (--period) or retime.speed (--speed), or shorten retime.dwell_s.",
+            {"rows": periods + 1},
         )
     return periods
 
@@ -56,7 +52,7 @@ def sample_trajectory(trajectory: Trajectory, period_s: float) -> TrajectorySamp
 
     Raises
     ------
-    ConfigError
+    UnfitConfigError
         When that makes more rows than a table may have.
     ForwardKinematicsError
         Where the closure equations have no solution near the path's known poses.

@@ -66,6 +66,8 @@ def shortage(machine: Machine, forces: Mapping[str, FloatArray]) -> Shortage | N
 def require_ends_held(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> None:
     """Refuse a task whose start or goal gravity alone makes impossible, whatever the way between them.
 
+    Dry friction helps to hold: drives have to make up for what it leaves.
+
     Parameters
     ----------
     pose : (2, 6)
@@ -79,6 +81,10 @@ def require_ends_held(machine: Machine, pose: FloatArray, carts_m: FloatArray) -
         With the limit and the pose; no path can help there.
     """
     forces = resting_forces(machine, pose, carts_m)
+    if machine.masses is None:
+        return
+    drives = forces["force"]
+    forces["force"] = np.sign(drives) * np.maximum(np.abs(drives) - machine.masses.friction_n, 0.0)
     for row, end in enumerate(("start", "goal")):
         found = shortage(machine, {name: part[row : row + 1] for name, part in forces.items()})
         if found is not None:
@@ -107,10 +113,10 @@ def require_standing(table: TermsTable, backwards: bool = False) -> None:
     ends = np.array([1.0, 0.0] if backwards else [0.0, 1.0])
     require_ends_held(machine, path.pose(ends), path.q(ends)[:, :3])
     terms = table.at(np.linspace(0.0, 1.0, _CHECK_POINTS))
-    held = shortage(machine, {"force": terms.c[:, :5], "link_force": terms.c[:, 5:]} if terms.c.size else {})
-    found = held or shortage(machine, terms.resting())
+    found = shortage(machine, terms.resting())
     if found is None:
         return
+    held = found.name != "force" or terms.friction()[found.row, found.subject] == 0.0
     there = float(terms.s[found.row])
     place = 1.0 - there if backwards else there
     purpose = "just to hold the machine" if held else "against gravity and dry friction alone, however slow it moves,"

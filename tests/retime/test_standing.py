@@ -69,3 +69,16 @@ def test_with_friction_it_is_not_called_holding(path: Path) -> None:
     assert "just to hold" not in e.value.reason
     assert "machine.dynamics.friction" in e.value.advice
     require_standing(terms_table(_with(path, limit, friction_n=5.0), grid(2_001)))
+
+
+def test_friction_helps_to_hold_and_to_go_down(path: Path) -> None:
+    """Limits below what gravity takes are enough where friction carries the rest, at rest and on a way down."""
+    s = np.array([0.0, 1.0])
+    gravity = resting_forces(path.machine, path.pose(s), path.q(s)[:, :3])["force"]
+    weak = _with(path, np.abs(gravity).max(axis=0) - 5.0, friction_n=10.0).machine
+    require_ends_held(weak, path.pose(s), path.q(s)[:, :3])
+    with pytest.raises(NoSolutionError, match="just to hold"):
+        require_ends_held(_with(path, weak.force_n, friction_n=2.0).machine, path.pose(s), path.q(s)[:, :3])
+    rubbing = path_terms(_with(path, friction_n=20.0), np.linspace(0.0, 1.0, 2_001))
+    enough = 1.001 * np.abs(rubbing.resting()["force"]).max(axis=0)
+    require_standing(terms_table(_with(path, enough, friction_n=20.0), grid(2_001)))

@@ -11,7 +11,14 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.config_file import config_sha256, load_config
-from pipeline.errors import ConfigError, ConfigIssue, ForwardKinematicsError, NoSolutionError, UsageError
+from pipeline.errors import (
+    ConfigError,
+    ConfigIssue,
+    ForwardKinematicsError,
+    NoSolutionError,
+    UnfitConfigError,
+    UsageError,
+)
 from pipeline.machine import Machine
 from pipeline.progress import Progress
 from pipeline.run import Quiet, RunReport, Stage, run_pipeline
@@ -529,6 +536,20 @@ class TestFailure:
         kept = files(tmp_path)
         assert {"trajectory.csv", "trajectory.npz", "figures/route.png"} <= kept
         assert not {"trajectory_back.csv", "trajectory_back.json"} & kept
+
+    def test_a_trajectory_too_long_to_write_leaves_nothing_stale(
+        self, tmp_path: Path, fast_config: Config, stages: Any, change: Change
+    ) -> None:
+        """What was asked for cannot be had: the rows of another configuration do not stay in its place."""
+        run_pipeline(fast_config, tmp_path)
+        stages.failures["retime"] = UnfitConfigError("retime", "retime.period_s makes too many rows", "Raise it.")
+        with pytest.raises(UnfitConfigError, match="too many rows"):
+            run_pipeline(change(fast_config, retime__speed=0.000_02), tmp_path)
+        kept = files(tmp_path)
+        assert "trajectory.csv" not in kept
+        assert "superseded/0001/trajectory.csv" in kept
+        assert summary(tmp_path)["trajectory"]["status"] == "failed"
+        assert summary(tmp_path)["path"]["status"] == "converged"
 
     def test_failure_supersedes_old_results(
         self, tmp_path: Path, fast_config: Config, stages: Any, change: Change
