@@ -68,7 +68,7 @@ def _tell_unproven(results: "Sequence[Results]") -> None:
     for one, name in zip(results, _names(results), strict=True):
         state = read_state(one.folder)
         record = None if state is None else state.stages.get(Stage.CERTIFY)
-        if record is None or record.summary.get("verdict") != "certified":
+        if record is None or record.summary.get("verdict") != "certified" or record.damage(one.folder):
             messages_console().print(f"{name}: the refined path is not certified", soft_wrap=True)
 
 

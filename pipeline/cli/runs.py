@@ -166,8 +166,8 @@ def retime(
 ) -> None:
     """Stage three: time the path within all limits, and write trajectory.csv and that of the way back.
 
-    Runs stages one and two before, unless their results in DIR are up to
-    date: other limits or another period cost seconds.
+    Runs stages one and two and the proof before, unless their results in
+    DIR are up to date: other limits or another period cost seconds.
     """
     _run(config, out, None, Stage.RETIME, force, verbose, speed=speed)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError
-from pipeline.machine.geometry import MODE_SIGNS, FloatArray
+from pipeline.machine.geometry import MODE_SIGNS, FloatArray, IntArray
 from pipeline.machine.kinematics import pose_jacobian
 from pipeline.machine.working_modes import working_modes
 from pipeline.refine.caps import TILTS, kappa_cap, tilt_limits_deg
@@ -65,7 +65,8 @@ def breaches(config: Config, route: Route, path: Path, coarse: Path) -> list[Bre
         return [Breach(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
     return [
         Breach(what, float(excess.max()), samples.s[excess > _ROUNDING], advice)
-        for what, excess, advice in _ways(route, path, samples) + _limits(config, route, path, coarse, samples)
+        for what, excess, advice in _ways(config, route, path, coarse, samples)
+        + _limits(config, route, path, coarse, samples)
         if (excess > _ROUNDING).any()
     ]
 
@@ -91,15 +92,16 @@ Excess = tuple[str, FloatArray, str]
 """A promise, by how much it is broken at every sample (n,), negative where it is kept, and what would help."""
 
 
-def _ways(route: Route, path: Path, samples: PathSamples) -> list[Excess]:
+def _ways(config: Config, route: Route, path: Path, coarse: Path, samples: PathSamples) -> list[Excess]:
     """What is wrong with the way itself."""
     return [
         ("det H changes sign", _sign_changes(samples.det_sign), "Raise refine.nodes."),
         ("the pose jumps", _jumps(path, samples), "Raise refine.nodes."),
+        ("an arm leaves out working modes of the route", _lost_modes(route, coarse, samples), "Raise refine.nodes."),
         (
-            "an arm changes its working mode more often than on the route",
-            _mode_changes(route, samples),
-            "Raise refine.nodes.",
+            "working modes change more often than task.budget.mode_changes allows",
+            _mode_changes_beyond(config.task.budget.mode_changes, samples),
+            "Raise task.budget.mode_changes or refine.nodes.",
         ),
     ]
 
@@ -136,10 +138,9 @@ def _limits(config: Config, route: Route, path: Path, coarse: Path, samples: Pat
             cells_excess(config, route, coarse, samples.s, samples.pose),
             "Raise refine.nodes or refine.corridor_cells.",
         ),
-        (
-            "a cart on the side of its joint that is another working mode, metres",
-            (-sides_at(route, coarse, samples.s) * samples.reach_m).max(axis=1),
-            "Raise refine.nodes.",
+        *(
+            (f"arm {arm} on the side that is another working mode, metres", excess, "Raise refine.nodes.")
+            for arm, excess in enumerate(_wrong_side(route, coarse, samples), start=1)
         ),
         (
             "the actuators nearly stop, relative to the mean speed",
@@ -155,13 +156,34 @@ def _sign_changes(sign: FloatArray) -> FloatArray:
     return changes.astype(float)
 
 
-def _mode_changes(route: Route, samples: PathSamples) -> FloatArray:
-    """One where an arm changes its working mode that changes more often than on the route, shape (n,)."""
-    modes = working_modes(samples.reach_m)
-    changes = np.diff(modes, axis=0, prepend=modes[:1]) != 0.0
-    allowed = np.count_nonzero(np.diff(MODE_SIGNS[route.modes], axis=0), axis=0)
-    found: FloatArray = changes[:, changes.sum(axis=0) > allowed].any(axis=1).astype(float)
+def _wrong_side(route: Route, coarse: Path, samples: PathSamples) -> FloatArray:
+    """How far every cart is on the wrong side of its platform joint, far from it where it is free. Shape (3, n)."""
+    sides = sides_at(route, coarse, samples.s)
+    excess: FloatArray = np.where(sides == 0.0, -1.0, -sides * samples.reach_m).T
+    return excess
+
+
+def _lost_modes(route: Route, coarse: Path, samples: PathSamples) -> FloatArray:
+    """One where an arm may change its working mode that does so less often than on the route, shape (n,)."""
+    fewer = _changes(working_modes(samples.reach_m)) < _changes(MODE_SIGNS[route.modes])
+    free = sides_at(route, coarse, samples.s)[:, fewer] == 0.0
+    found: FloatArray = free.any(axis=1).astype(float)
     return found
+
+
+def _mode_changes_beyond(budget: int | None, samples: PathSamples) -> FloatArray:
+    """One where an arm changes its working mode, if that happens more often than the task allows, shape (n,)."""
+    modes = working_modes(samples.reach_m)
+    if budget is None or _changes(modes).sum() <= budget:
+        return np.zeros(len(modes))
+    changes: FloatArray = (np.diff(modes, axis=0, prepend=modes[:1]) != 0.0).any(axis=1).astype(float)
+    return changes
+
+
+def _changes(modes: FloatArray) -> IntArray:
+    """How often each arm changes along modes (n, 3)."""
+    changes: IntArray = np.count_nonzero(np.diff(modes, axis=0), axis=0)
+    return changes
 
 
 def _rail_excess(path: Path, samples: PathSamples) -> FloatArray:

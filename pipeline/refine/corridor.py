@@ -1,10 +1,10 @@
 """The corridor: which poses the refined path may have at each s.
 
-Everywhere the sequence of working modes is that of the route, for which its budget and its difference from other routes
-were proven. At s between two neighbouring steps of the route, besides, the corridor is the box that holds both, widened
-by a number of cells; a free corridor has no box. Within either the tilt limit holds, a locked axis keeps to its
-tolerance, and a box to avoid cuts at the one of its sides that the coarse path is farthest beyond. Start, goal and
-poses to visit are exact.
+Everywhere the path goes through the working modes of the route in their order, for which its budget and its difference
+from other routes were proven; only around the place where an arm changes may it do so to and fro. At s between two
+neighbouring steps of the route, besides, the corridor is the box that holds both, widened by a number of cells; a free
+corridor has no box. Within either the tilt limit holds, a locked axis keeps to its tolerance, and a box to avoid cuts
+at the one of its sides that the coarse path is farthest beyond. Start, goal and poses to visit are exact.
 """
 
 from dataclasses import dataclass

@@ -22,6 +22,7 @@ from pipeline.machine.geometry import FloatArray
 from pipeline.refine.iterate import Iterate, Looks, iterate_at
 from pipeline.refine.limits import Demands, Limit, of_actuators, pose_limits
 from pipeline.refine.pace import chord_curvature, chord_slopes, pace_limits
+from pipeline.solvers import interrupts_noted
 
 _NEAR = 0.1
 """A bound farther than this (metres, radians, shares of the mean speed) from its value is left out of a step."""
@@ -82,7 +83,9 @@ def descend(ground: Ground, wish: Wish, start: Iterate, max_steps: int) -> Desce
     """Take steps until they bring nothing more, or there have been too many of them."""
     iterate, damping = restored(ground, start), _DAMPING_FIRST
     for steps in range(1, max_steps + 1):
-        taken = _step(ground, wish, iterate, damping)
+        # CasADi swallows an interrupt that comes while it converts matrices.
+        with interrupts_noted():
+            taken = _step(ground, wish, iterate, damping)
         if taken is None:
             return Descent(restored(ground, iterate), steps, True)
         iterate, damping = taken.iterate, taken.damping
@@ -99,7 +102,8 @@ def restored(ground: Ground, iterate: Iterate) -> Iterate:
     for _ in range(_RESTORING):
         if excess <= _RESTORED:
             break
-        change, _ = _Subproblem(ground, no_wish, iterate).solve(1.0)
+        with interrupts_noted():
+            change, _ = _Subproblem(ground, no_wish, iterate).solve(1.0)
         tried = None if change is None else iterate_at(ground.looks, iterate.coefficients + change, iterate.pose)
         if tried is None or (left := ground.excess(tried)) >= excess:
             break

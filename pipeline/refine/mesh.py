@@ -14,6 +14,8 @@ _MARKED = 0.5
 """Share of the estimated error whose knot spans are halved: the fewest that have it."""
 _AS_LARGE = 1e-6
 """Relative difference within which errors are equal: neighbours share a jump, and none is marked without the other."""
+_TOO_NEAR = 0.25
+"""Share of the spacing: nodes nearer to each other make programs that solvers cannot scale."""
 _LOOKS_PER_INTERVAL = 8
 
 
@@ -31,8 +33,10 @@ class Mesh:
 
 
 def even_mesh(nodes: int, coefficients: int, also: FloatArray) -> Mesh:
-    """Spread nodes and knots evenly; `also` (m,) are nodes besides."""
-    return Mesh(np.union1d(np.linspace(0.0, 1.0, nodes), also), clamped_knots(coefficients))
+    """Spread nodes and knots evenly; `also` (m,) are nodes besides, in the place of inner ones that are too near."""
+    s = np.linspace(0.0, 1.0, nodes)
+    near = np.any(np.abs(s[1:-1, None] - also) < _TOO_NEAR / (nodes - 1), axis=1)
+    return Mesh(np.union1d(np.concatenate([[0.0], s[1:-1][~near], [1.0]]), also), clamped_knots(coefficients))
 
 
 def finer(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:
@@ -88,7 +92,7 @@ def _most(error: FloatArray) -> BoolArray:
     falling = np.sort(error)[::-1]
     sums = np.cumsum(falling)
     least = falling[int(np.searchsorted(sums, _MARKED * sums[-1]))]
-    marked: BoolArray = error >= least * (1.0 - _AS_LARGE)
+    marked: BoolArray = (error >= least * (1.0 - _AS_LARGE)) & (error > 0.0)
     return marked
 
 

@@ -11,7 +11,7 @@ sparse: a node touches itself and its neighbour, and the splines only enter line
                 corridor, strokes and travel (bounds of the coefficients hold everywhere: convex hull),
                 0.5 <= speed along s relative to the mean <= 1.5, actuators moving at both ends,
                 n . (a - b) >= clearance,  n . n <= 1,
-                in a free corridor: every cart on its side of the platform,
+                every cart on its side of the platform,
                 the first and the last leg of the splines' control polygon along given directions.
 """
 

@@ -93,7 +93,11 @@ def _first_solve(problem: Problem) -> Solve:
         return _other_start(problem, begin, failure)
     if figures_of(problem, solve).kappa_max <= problem.coarse_kappa_max:
         return solve
-    other = lowered(problem, begin)
+    try:
+        other = lowered(problem, begin)
+    except NoSolutionError as failure:
+        problem.progress(f"refine: {failure.reason}; the first solve is kept")
+        return solve
     return min(solve, other, key=lambda solve: figures_of(problem, solve).kappa_max)
 
 

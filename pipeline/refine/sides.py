@@ -12,7 +12,8 @@ def sides_at(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
     """Give the side of every arm at s (n,): 1 for mode R, -1 for L, 0 where the arm may change. Shape (n, 3).
 
     An arm may change between the middle of the way from the change before and the middle of the way to the next one,
-    of whichever arm: so every change finds its own best place, and their order stays that of the route.
+    of whichever arm: so every change finds its own best place, and their order stays that of the route. Where one arm
+    changes to and fro it keeps half of these ways free, and goes through the mode between in the other half.
     """
     moves, arms = np.nonzero(np.diff(MODE_SIGNS[route.modes], axis=0))
     place = corner_parameters(coarse)[_gate_steps(route, moves, arms)]
@@ -20,8 +21,12 @@ def sides_at(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
     edges = np.concatenate([[0.0], (places[1:] + places[:-1]) / 2.0, [1.0]])
     sides = np.tile(MODE_SIGNS[route.modes[0]], (len(s), 1))
     for move, arm, at in zip(moves, arms, place, strict=True):
-        nth = int(np.searchsorted(places, at))
+        nth, of_arm = int(np.searchsorted(places, at)), place[arms == arm]
         begin, end = edges[nth], edges[nth + 1]
+        if nth > 0 and places[nth - 1] in of_arm:
+            begin = (begin + at) / 2.0
+        if nth + 1 < len(places) and places[nth + 1] in of_arm:
+            end = (end + at) / 2.0
         sides[(s > begin) & (s < end), arm] = 0.0
         sides[s >= end, arm] = MODE_SIGNS[route.modes[move + 1], arm]
     return sides

@@ -25,6 +25,8 @@ from pipeline.retime.rows import Rows, largest_speed, limit_rows, speed_caps
 from pipeline.retime.terms import TermsTable
 
 _ROUNDS = 10
+_INFEASIBLE = 2
+"""How SciPy says that a linear program has no solution."""
 _TOLERANCE = 1e-5
 """Relative rise of the bound that is no longer worth another linear program."""
 _LEAST = 1e-9
@@ -69,8 +71,9 @@ def build_bound(table: TermsTable, s: FloatArray) -> BoundProgram:
     D = np.diff(s)[:, None]
     top = np.maximum(largest_speed(nodes), 0.0) ** 2
     cap = _mean_cap(speed_caps(at_nodes) ** 2, speed_caps(at_middles) ** 2)
-    top_mean = np.minimum(cap, np.maximum(np.maximum(top[1:], top[:-1]), largest_speed(middles) ** 2))
-    steepest = np.minimum.reduce([_steepest(rows, top_mean) for rows in (left, middles, right)])[:, None]
+    anywhere = np.maximum(np.maximum(top[1:], top[:-1]), largest_speed(middles) ** 2)
+    top_mean = np.minimum(cap, anywhere)
+    steepest = np.maximum.reduce([_steepest(rows, anywhere) for rows in (left, middles, right)])[:, None]
     # By parts x has the weights t b - (t a)' / 2 and the like: they stray from their means by (b - a') (t - 1 / 2), and
     # what x does about m, rising by no more than 2 steepest, makes at most steepest D / 6 of that.
     slope = (right.a - left.a) / D
@@ -102,6 +105,8 @@ def build_bound(table: TermsTable, s: FloatArray) -> BoundProgram:
 def solve_bound(program: BoundProgram) -> float:
     """Raise the bound by tangents of the duration until it rises no more; any number of them is a bound.
 
+    The first one is that of the speed caps alone, and stands where the solver gives up.
+
     Raises
     ------
     NoSolutionError
@@ -112,13 +117,15 @@ def solve_bound(program: BoundProgram) -> float:
     if not (top > 0.0).all():
         raise _no_motion()
     share, matrix, mean = program.width / np.sqrt(top), program.matrix.tocsr(), np.ones(cells)
-    best = 0.0
+    best = float(share.sum())
     for _ in range(_ROUNDS):
         slope = 0.5 * share * mean**-1.5
         cost = np.concatenate([np.zeros(columns - cells), -slope])
         found = linprog(cost, A_ub=matrix, b_ub=program.limit, bounds=(0.0, 1.0), method="highs")
-        if found.x is None:
+        if found.status == _INFEASIBLE:
             raise _no_motion()
+        if found.x is None:
+            break
         before, best = best, max(best, float((1.5 * share * mean**-0.5).sum() + found.fun))
         if best < before * (1.0 + _TOLERANCE):
             break

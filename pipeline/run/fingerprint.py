@@ -26,8 +26,11 @@ _CODE = {
     Stage.ROUTE: ("artifacts", "machine", "route"),
     Stage.REFINE: ("artifacts", "machine", "route", "solvers", "refine"),
     Stage.CERTIFY: ("artifacts", "machine", "route", "refine", "certify"),
-    Stage.RETIME: ("artifacts", "machine", "refine", "solvers", "retime", "export"),
-    Stage.FIGURES: ("artifacts", "machine", "route", "refine", "certify", "retime", "compare", "report"),
+    Stage.RETIME: ("artifacts", "machine", "refine", "solvers", "retime", "export", "formats.py"),
+    Stage.FIGURES: (
+        *("artifacts", "machine", "route", "solvers", "refine", "certify", "retime", "export", "measured", "compare"),
+        *("report", "formats.py", "key_figures.py", "summary.py"),
+    ),
 }
 PROOFS = ("nothing", "path", "tolerances")
 """What `certify.what` may be; each proves what those before it do."""
@@ -88,8 +91,8 @@ def fingerprint(config: Config, stage: Stage, upstream: Mapping[Stage, str]) -> 
     upstream : mapping
         Hash of the result of every stage in `UPSTREAM`.
     """
-    # The boxes of a certificate follow from path, configuration and code; what else its file tells, no stage reads.
-    counting = [name for name in UPSTREAM[stage] if name is not Stage.CERTIFY]
+    # The boxes of a certificate follow from path, configuration and code; the report alone reads what else it tells.
+    counting = [name for name in UPSTREAM[stage] if name is not Stage.CERTIFY or stage is Stage.FIGURES]
     return config_sha256(
         {
             "stage": stage,
@@ -115,11 +118,12 @@ def with_proof(config: Config, what: str) -> Config:
 
 
 @functools.cache
-def _code_sha256(package: str) -> str:
-    digest = hashlib.sha256()
+def _code_sha256(part: str) -> str:
+    """Hash a package within this one, or a module."""
+    digest, home = hashlib.sha256(), _PACKAGE / part
     # Templates, styles and scripts are code, too.
-    sources = (file for file in (_PACKAGE / package).rglob("*") if file.is_file() and "__pycache__" not in file.parts)
-    for source in sorted(sources):
+    files = [home] if home.is_file() else [file for file in home.rglob("*") if file.is_file()]
+    for source in sorted(file for file in files if "__pycache__" not in file.parts):
         digest.update(source.relative_to(_PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()

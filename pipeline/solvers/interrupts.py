@@ -11,7 +11,7 @@ from types import FrameType
 def interrupts_noted() -> Iterator[threading.Event]:
     """Note Ctrl-C in an event instead of raising, and raise when the block is over, whatever became of it.
 
-    Signals only ever reach the main thread; elsewhere there is nothing to note.
+    Signals only ever reach the main thread; elsewhere there is nothing to note, and nothing where Ctrl-C is ignored.
 
     Raises
     ------
@@ -19,7 +19,8 @@ def interrupts_noted() -> Iterator[threading.Event]:
         When the user interrupted.
     """
     interrupted = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or handler in (signal.SIG_IGN, None):
         yield interrupted
         return
 

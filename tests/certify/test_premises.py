@@ -34,7 +34,7 @@ READ: tuple[tuple[str, Any], ...] = (
 UNREAD: tuple[tuple[str, Any], ...] = (
     ("name", "other"),
     ("machine.limits.carts.velocity_mps", 0.4),
-    ("machine.dynamics", None),
+    ("machine.dynamics.load_kg", 1.0),
     ("task.budget.travel_m", 9.0),
     ("route.x_step_m", 0.2),
     ("refine.nodes", 90),

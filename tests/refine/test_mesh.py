@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from pipeline.refine import Path, Refinement, kappa_along
-from pipeline.refine.mesh import Mesh, even_mesh, finer, with_nodes
+from pipeline.refine.mesh import Mesh, _most, even_mesh, finer, with_nodes
 from pipeline.refine.splines import DEGREE, clamped_knots, fit
 from pipeline.route.metric import arc_length
 
@@ -20,6 +20,14 @@ def test_it_is_even_and_has_what_is_asked_for_besides() -> None:
     assert len(mesh.s) == 21
     assert 0.5 in mesh.s
     assert mesh.coefficients == 9
+
+
+def test_a_node_takes_the_place_of_one_that_is_nearly_there() -> None:
+    """No two nodes are nearer than a quarter of the spacing, the ends stay."""
+    mesh = even_mesh(21, 9, np.array([0.1 + 1e-13, 0.511, 0.725]))
+    assert np.diff(mesh.s).min() > 0.2 * 0.05
+    assert {0.0, 0.1 + 1e-13, 0.511, 0.725, 1.0} <= set(mesh.s.tolist())
+    assert len(mesh.s) == 22
 
 
 def test_nodes_are_added_where_a_promise_is_broken() -> None:
@@ -66,6 +74,12 @@ def test_splines_converge_with_order_six() -> None:
         knots = clamped_knots(spans + DEGREE)
         errors.append(np.abs(BSpline(knots, fit(knots, s, curve), DEGREE)(s) - curve).max())
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 6.0, atol=0.5)
+
+
+def test_what_has_no_error_is_not_marked() -> None:
+    """Neighbours with the same error are marked together, and none where there is no error at all."""
+    assert not _most(np.zeros(4)).any()
+    np.testing.assert_array_equal(_most(np.array([3.0, 3.0, 1.0, 0.0])), [True, True, False, False])
 
 
 @pytest.mark.parametrize("rounds", [1, 3])

@@ -1,6 +1,7 @@
 """The sequence of working modes along a path, in any corridor."""
 
-from dataclasses import itertools, replace
+import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,8 +62,31 @@ def test_other_working_modes_are_a_breach(light_config: Config, route: Route, re
     assert any("another working mode" in what for what in found)
 
 
-def test_changing_to_and_fro_is_a_breach(light_config: Config, route: Route, refinement: Refinement) -> None:
-    """Where a route changes no mode at all, every change of its path is one too many."""
-    still = replace(route, modes=np.zeros_like(route.modes), gates=np.zeros_like(route.gates))
-    found = [breach.what for breach in breaches(light_config, still, refinement.path, refinement.coarse)]
-    assert any("more often than on the route" in what for what in found)
+def test_a_budget_of_changes_is_that_of_the_path_too(
+    light_config: Config, route: Route, refinement: Refinement
+) -> None:
+    """Three changes are within a budget of three, and one too many for a budget of two."""
+    for budget, told in ((3, False), (2, True)):
+        limited = light_config.task.budget.model_copy(update={"mode_changes": budget})
+        config = light_config.model_copy(update={"task": light_config.task.model_copy(update={"budget": limited})})
+        found = [breach.what for breach in breaches(config, route, refinement.path, refinement.coarse)]
+        assert any("task.budget.mode_changes" in what for what in found) == told
+
+
+def test_an_arm_that_changes_to_and_fro_has_to_do_so(
+    light_config: Config, route: Route, refinement: Refinement
+) -> None:
+    """Between two changes of one arm its side is asked for, and a path without them is told to leave modes out."""
+    modes, gates = np.zeros_like(route.modes), np.zeros_like(route.gates)
+    modes[4:8] = MODES.index("RLL")
+    gates[[3, 8]] = 1
+    to_and_fro = replace(route, modes=modes, gates=gates)
+    s = np.linspace(0.0, 1.0, 4_001)
+    sides = sides_at(to_and_fro, refinement.coarse, s)
+    first, last = corner_parameters(refinement.coarse)[[3, 8]]
+    middle = np.abs(s - (first + last) / 2.0) < 0.24 * (last - first)
+    np.testing.assert_array_equal(sides[middle], np.tile([1.0, -1.0, -1.0], (middle.sum(), 1)))
+    values = sides[:, 0][np.append(True, np.diff(sides[:, 0]) != 0.0)]
+    np.testing.assert_array_equal(values, [-1.0, 0.0, 1.0, 0.0, -1.0])
+    found = [breach.what for breach in breaches(light_config, to_and_fro, refinement.path, refinement.coarse)]
+    assert any("leaves out" in what or "another working mode" in what for what in found)
