@@ -240,7 +240,7 @@ class TestCertify:
         assert load_config(tmp_path / "out" / "config.yaml").certify.what == "path"
 
     def test_tolerances_cost_nothing_else(self, call: Call, config_file: Path, stages: Any, tmp_path: Path) -> None:
-        """The trajectory stays, to the byte; pictures and report, which tell of the certificate, are to be made anew."""
+        """The trajectory stays, to the byte; pictures and report, which tell of the proof, are to be made anew."""
         out = tmp_path / "out"
         call("run", config_file, "--out", out)
         before = {file: file.read_bytes() for file in out.rglob("*.*") if file.is_file()}
