@@ -163,7 +163,14 @@ def simulate_measurement(
         typer.echo(text, nl=False)
         return
     write_whole(output, text.encode())
-    facts: dict[str, Any] = {"simulated": True, "run": str(run), "reflectors": reflectors, "setting": setting}
+    facts: dict[str, Any] = {
+        "simulated": True,
+        "run": str(run),
+        "speed": 1.0 if speed is None else speed,
+        "period_s": period_s,
+        "reflectors": reflectors,
+        "setting": setting,
+    }
     write_whole(output.with_suffix(_FACTS), json_bytes(facts))
     messages_console().print(
         f"{output}: {len(samples):,} rows of a simulated measurement; {output.with_suffix('.json')}: how it was made",

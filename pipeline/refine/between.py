@@ -43,7 +43,7 @@ class Breach:
     advice: str
 
     def __str__(self) -> str:
-        return f"{self.what} (worst {self.worst:.4g}, first at s = {self.s[0]:.4f})"
+        return f"{self.what} (by {self.worst:.4g} at worst, first at s = {self.s[0]:.4f})"
 
 
 def breaches(config: Config, route: Route, path: Path, coarse: Path) -> list[Breach]:

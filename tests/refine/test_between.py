@@ -79,7 +79,7 @@ def test_several_breaches_are_told_together_with_advice(check) -> None:
         "kappa above its cap",
         "links too close, metres",
     ]
-    assert "worst 0.01, first at s = 0.5000" in str(found[1])
+    assert "by 0.01 at worst, first at s = 0.5000" in str(found[1])
     assert "clearance_margin_m" in found[1].advice
 
 

@@ -76,6 +76,8 @@ def test_a_file_says_how_it_was_made() -> None:
     call("simulate-measurement", "out", "--seed", 4, "--output", "seen.csv")
     facts = json.loads(Path("seen.json").read_text())
     assert facts["simulated"] is True
+    assert facts["speed"] == 1.0
+    assert facts["period_s"] > 0.0
     assert facts["setting"] == {"geometry_std_m": 2e-4, "seed": 4}
     assert facts["reflectors"]["noise_m"] == 5e-5
 
