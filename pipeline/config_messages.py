@@ -18,7 +18,7 @@ _PATTERNS = {
     JOINT_PATTERN: "letters, digits, '_', '/', '-' and '.', the first a letter or '_'",
     NAME_PATTERN: "letters, digits, '_', '-' and '.', the first a letter, a digit or '_'",
 }
-_KINDS = {"number": "a number", "integer": "a whole number", "boolean": "on or off", "null": "null"}
+_KINDS = {"number": "a number", "integer": "a whole number", "boolean": "on or off, without quotes", "null": "null"}
 _UNITS = {
     "m": ("metres", "millimetres"),
     "s": ("seconds", "milliseconds"),

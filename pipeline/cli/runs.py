@@ -134,7 +134,7 @@ def certify(
     ] = False,
     check: Annotated[
         Path | None,
-        typer.Option("--check", metavar="FILE", help="Verify the boxes of a certificate again, and search nothing."),
+        typer.Option("--check", metavar="FILE", help="Verify a certificate, or a run's, again, and search nothing."),
     ] = None,
 ) -> None:
     """Prove that the whole path is one motion free of singularities, and within its limits.

@@ -10,7 +10,7 @@ from pipeline.errors import NoSolutionError
 
 
 def verify_file(file: Path, console: Console) -> None:
-    """Verify a certificate beside the path and the configuration it speaks of.
+    """Verify a certificate, or that of a run folder, beside the path and the configuration it speaks of.
 
     Raises
     ------
@@ -20,6 +20,7 @@ def verify_file(file: Path, console: Console) -> None:
         When a claim is not verified; every one is in the table.
     """
     from pipeline.artifacts.certificate import read_certificate
+    from pipeline.artifacts.layout import CERTIFICATE_JSON
     from pipeline.artifacts.results import load_refinement
     from pipeline.certify import premises_sha256
     from pipeline.certify.limits import build_limits
@@ -28,6 +29,7 @@ def verify_file(file: Path, console: Console) -> None:
     from pipeline.run.reading import open_results
     from pipeline.stage import Stage
 
+    file = file / CERTIFICATE_JSON if file.is_dir() else file
     stated = read_certificate(file)
     results = open_results(file.parent)
     config, machine = results.config, results.machine

@@ -17,7 +17,7 @@ from pipeline.refine.measure import PathSamples, measure_path
 from pipeline.refine.result import Refinement
 from pipeline.report.data import Motion, Proof, Report, Table
 from pipeline.report.motion import build_motion, build_scene
-from pipeline.report.tables import bounds_table, build_proof, comparison_table, distances_table, workspace_table
+from pipeline.report.tables import bounds_table, build_proof, comparison_table, distances_table, workspace_part
 from pipeline.report.verdicts import Facts, headline, stage_rows, used_limits, verdicts
 from pipeline.retime.result import Trajectory
 from pipeline.route.metric import step_sizes
@@ -63,6 +63,7 @@ def build_report(run: RunResults) -> Report:
     """
     config, machine = run.config, run.machine
     coarse = _drive_coarse(run)
+    workspace, picture = workspace_part(machine)
     retime = run.facts.get(Stage.RETIME)
     return Report(
         name=config.name,
@@ -75,7 +76,8 @@ def build_report(run: RunResults) -> Report:
         provenance=_provenance(run),
         scene=build_scene(machine),
         comparison=_comparison(run, coarse),
-        workspace=workspace_table(machine),
+        workspace=workspace,
+        workspace_picture=picture,
         bounds=None if run.bounds is None else bounds_table(config, machine, run.bounds),
         distances=None if run.bounds is None else distances_table(machine, run.bounds),
         proof=_proof(run),

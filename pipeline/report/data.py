@@ -170,6 +170,8 @@ class Report:
         The summary.
     comparison, workspace, bounds, distances : Table or None
         Coarse against refined; usable workspace; what the certificate proves, that of each pair of axes by itself.
+    workspace_picture : str
+        The workspace in 3-D, a PNG in base64.
     scene, motions
         What is animated; `motion_note` says how the coarse motion came about, or why one is missing.
     proof : Proof or None
@@ -191,6 +193,7 @@ class Report:
     usage: tuple[UsedLimit, ...] = ()
     comparison: Table | None = None
     workspace: Table | None = None
+    workspace_picture: str = ""
     bounds: Table | None = None
     distances: Table | None = None
     proof: Proof | None = None

@@ -1,11 +1,15 @@
 """The tables of a report: coarse against refined, what is proven, the usable workspace, versions and hashes."""
 
+import base64
+import io
+
 import numpy as np
 
 from pipeline.certify.ends import TOLERANCE as END_TOLERANCE
 from pipeline.certify.recheck import KappaProfile
 from pipeline.certify.result import Bounds
 from pipeline.compare.figures.proof import boxes_of
+from pipeline.compare.figures.volume import workspace_volume_figure
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, table_cells
 from pipeline.compare.workspace import WorkspaceSetting
 from pipeline.compare.workspace_table import TABLE_HEADER as WORKSPACE_HEADER
@@ -13,6 +17,7 @@ from pipeline.compare.workspace_table import at_two_steps, setting_text, workspa
 from pipeline.compare.workspace_table import table_cells as workspace_cells
 from pipeline.config import Config
 from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.refine.caps import kappa_cap, tilt_limits_deg
 from pipeline.refine.measure import PathSamples
 from pipeline.report.data import Proof, Table
 from pipeline.route.metric import arc_length, step_sizes
@@ -32,29 +37,32 @@ def _unit(text: str) -> str:
     return text.replace("^2", "²").replace("^3", "³")
 
 
-def workspace_table(machine: Machine) -> Table:
-    """Compute what every working mode can use without tilt, and all of them together."""
+def workspace_part(machine: Machine) -> tuple[Table, str]:
+    """Compute what every working mode can use without tilt, and all of them together; and draw it, a PNG in base64."""
     setting = WorkspaceSetting(step_m=_WORKSPACE_STEP_M)
-    rows = workspace_rows(*at_two_steps(machine, setting))
-    return Table(
+    fine, coarse = at_two_steps(machine, setting)
+    rows = workspace_rows(fine, coarse)
+    table = Table(
         header=tuple(_unit(heading) for heading in WORKSPACE_HEADER),
         rows=tuple((row[0], *(cell.replace("-", "−") for cell in row[1:])) for row in workspace_cells(rows)),
         words=(0,),
         note=setting_text(machine, setting),
     )
+    picture = io.BytesIO()
+    workspace_volume_figure(machine, fine).savefig(picture, format="png")
+    return table, base64.b64encode(picture.getvalue()).decode()
 
 
 def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
     """Put what is proven for every point of the path beside what is allowed."""
-    kappa_cap = config.refine.kappa_max or config.route.kappa_max
     rows = [
-        ("κ", f"at most {bounds.kappa:.3f}", f"at most {kappa_cap:g}"),
+        ("κ", f"at most {bounds.kappa:.3f}", f"at most {kappa_cap(config):g}"),
         ("sign of det H", f"{bounds.det_sign:+d} everywhere".replace("-", "−"), "never changes"),
     ]
     for name, bound, limits in zip(ACTUATORS, bounds.actuators_m, machine.actuator_limits_m, strict=True):
         rows.append((name, f"{bound[0]:.4f} to {bound[1]:.4f} m", f"{limits[0]:g} to {limits[1]:g} m"))
-    for name, tilt in zip(("|rx|", "|rz|"), np.rad2deg(bounds.tilt_rad), strict=True):
-        rows.append((name, f"at most {tilt:.2f}°", f"at most {config.task.tilt_max_deg:g}°"))
+    tilts = zip(("|rx|", "|rz|"), np.rad2deg(bounds.tilt_rad), tilt_limits_deg(config), strict=True)
+    rows += [(name, f"at most {tilt:.2f}°", f"at most {limit:g}°") for name, tilt, limit in tilts]
     if len(bounds.pairs):
         rows.append(("least distance of axes", *_distance(machine, bounds, int(np.argmin(bounds.distances_m)))))
     for name, miss in (("start", bounds.start_miss), ("goal", bounds.goal_miss)):

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
-from typer.testing import Result
+from typer.testing import CliRunner, Result
 
 from pipeline.artifacts.layout import CONFIG
 from pipeline.certify import Certificate, certify_path, path_sha256
+from pipeline.cli import app
 from pipeline.config import Config
 from pipeline.config_file import config_sha256, dump_config, load_config
 from pipeline.machine import Machine
@@ -40,6 +41,13 @@ def test_a_true_certificate_is_verified(run: pathlib.Path) -> None:
         "stated 0.02 mm",
     ):
         assert told in result.stdout
+
+
+def test_a_run_folder_stands_for_its_certificate(run: pathlib.Path) -> None:
+    """The folder is what one has at hand."""
+    result = CliRunner().invoke(app, ["certify", "--check", str(run)])
+    assert result.exit_code == 0, result.output
+    assert "certificate.json: verified again" in " ".join(result.stdout.split())
 
 
 def _tell_more(data: Data) -> None:

@@ -1,5 +1,6 @@
 """The page: one file that loads nothing, is not too large, escapes what it is given, and shows what failed."""
 
+import base64
 import json
 import re
 import tomllib
@@ -192,3 +193,4 @@ def test_a_run_that_was_not_begun_has_a_page(complete: RunResults) -> None:
     assert report.headline.answer == "Not complete"
     assert "<script" not in render_page(report)
     assert report.workspace is not None
+    assert base64.b64decode(report.workspace_picture).startswith(b"\x89PNG")
