@@ -29,6 +29,17 @@ def test_a_line_is_bounded_by_what_it_takes(line, machine: Machine, travel_m: fl
     assert exact * 0.995 < bound <= exact * (1.0 + 1e-7)
 
 
+@pytest.mark.parametrize("points", [20, 50, 55, 100, 1_000])
+def test_a_line_run_through_unevenly_is_bounded_on_coarse_grids_too(line, machine: Machine, points: int) -> None:
+    """However much the speed along s changes within a cell, what every motion keeps is not more than it does keep."""
+    k, part, phase, travel_m = 5.844, 0.911, 3.139, 0.9
+    path = line(travel_m, lambda s: s - part / (k * 2.0 * np.pi) * np.cos(2.0 * np.pi * k * s + phase), points=175)
+    path = replace(path, machine=replace(machine, masses=None))
+    exact = travel_m / machine.velocity_mps[0] + machine.velocity_mps[0] / machine.acceleration_mps2[0]
+    bound = duration_bound(terms_table(path, grid(2_001)), grid(points))
+    assert 0.5 * exact < bound <= exact * (1.0 + 1e-7)
+
+
 def test_every_grid_gives_a_bound_and_finer_ones_come_nearer(path: Path) -> None:
     """From coarse to fine it rises, never above the fastest law that is found; the gap falls with the first order."""
     fastest = plan(path, 8_000).duration_s
