@@ -11,6 +11,7 @@ import typer
 from pipeline.artifacts import json_bytes, write_whole
 from pipeline.config import Config
 from pipeline.config_file import load_config
+from pipeline.errors import NoSolutionError
 from pipeline.refine import measure_path as measure_samples
 from pipeline.refine import refine_path, sample_path
 from pipeline.refine.mesh import Mesh, even_mesh, middles
@@ -96,7 +97,11 @@ def measure_mesh(config: Config, nodes: int, coefficients: int) -> Iterator[dict
     yield _figures(problem, final)
     # Every second span between knots taken apart: the finer mesh holds the coarser one.
     half = even_mesh(max(nodes // 2, 20), max(coefficients // 2, 8), np.zeros(0))
-    before = lowered(problem, solve_by_ipopt(problem, coarse_fit(problem, half)))
+    try:
+        before = lowered(problem, solve_by_ipopt(problem, coarse_fit(problem, half)))
+    except NoSolutionError:
+        yield {"ended": "no path on the mesh half as fine"}
+        return
     knots = np.sort(np.concatenate([half.knots, middles(np.unique(half.knots))]))
     finer = Mesh(np.union1d(half.s, middles(half.s)), knots)
     begun = time.perf_counter()
