@@ -39,3 +39,15 @@ def test_other_threads_are_left_alone() -> None:
     thread.start()
     thread.join()
     assert ran == [False]
+
+
+def test_where_interrupts_are_ignored_they_stay_so() -> None:
+    """In the background of a script nothing is noted, and nothing raised."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interrupts_noted() as interrupted:
+            signal.raise_signal(signal.SIGINT)
+        assert not interrupted.is_set()
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
