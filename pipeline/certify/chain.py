@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Generic, TypeVar
 
-import numpy as np
 from flint import arb, arb_poly
 
 from pipeline.certify.closure import Geometry
@@ -147,7 +146,7 @@ def prove_joint(
 ) -> tuple[Inclusion | None, str]:
     """Prove a box at a single s."""
     try:
-        box = point_box(s, path.pose(np.array([s]))[0])
+        box = point_box(s, path.pose(s))
     except ForwardKinematicsError:
         return None, NO_POSE
     inclusion = include(machine, along(machine, piece, box), box, uncertainty)

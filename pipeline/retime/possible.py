@@ -59,7 +59,7 @@ def require_motion(path: Path) -> None:
         raise NoSolutionError(
             "retime",
             f"{ACTUATORS[locked]} would have to move, and its velocity limit is 0 m/s, from s = {place:.4f} on, at "
-            f"{pose_words(path.pose(np.array([place]))[0])}",
+            f"{pose_words(path.pose(place))}",
             "Raise machine.limits, or give the task a goal that is reached without this actuator.",
             {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
         )

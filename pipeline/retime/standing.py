@@ -123,7 +123,7 @@ def require_standing(table: TermsTable, backwards: bool = False) -> None:
     advice = "keep farther away from singularities with a smaller refine.kappa_max."
     raise NoSolutionError(
         "retime",
-        f"{found.words(purpose, f'at s = {place:.4f}')}, at {pose_words(path.pose(np.array([there]))[0])}",
+        f"{found.words(purpose, f'at s = {place:.4f}')}, at {pose_words(path.pose(there))}",
         f"{_LIGHTEN}, or {advice}" if held else f"{_LIGHTEN}, lower machine.dynamics.friction, or {advice}",
         _facts(found, place),
     )
