@@ -41,7 +41,8 @@ def reach_figure(config: Config, regions: RegionTable, from_start: BoolArray, to
     cells = _cells(config, regions)
     maps = [_classify(cells, regions.mode == mode, from_start, to_goal) for mode in modes]
     window = _window(config, regions)
-    figure = style.new_figure(_height_in(window, rows, columns))
+    width, height = np.diff(window, axis=1).ravel()
+    figure = style.new_figure(style.panels_height_in(height / width, rows, columns, 0.65, 0.2, 0.6))
     panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     for axes, mode, a_map in zip(panels, modes, maps, strict=False):
         _draw_panel(axes, config, int(mode), a_map)
@@ -90,12 +91,6 @@ def _window(config: Config, regions: RegionTable) -> FloatArray:
     yz = regions.controlled[:, 1:3]
     margin = np.array([config.route.grid.y_m.step, config.route.grid.z_m.step])
     return np.stack([yz.min(axis=0) - margin, yz.max(axis=0) + margin], axis=1)
-
-
-def _height_in(window: FloatArray, rows: int, columns: int) -> float:
-    width, height = np.diff(window, axis=1).ravel()
-    panel_in = (style.WIDTH_IN - 0.65) / columns * height / width
-    return float(rows * (panel_in + 0.2) + 0.6)
 
 
 def _draw_panel(axes: Axes, config: Config, mode: int, a_map: FloatArray) -> None:

@@ -31,7 +31,8 @@ def regions_figure(config: Config, regions: RegionTable) -> Figure:
     columns = min(_COLUMNS, len(modes))
     rows = -(-len(modes) // columns)
     window = _window(shown.controlled[:, 1:3])
-    figure = style.new_figure(_height_in(window, rows, columns))
+    width, height = np.diff(window, axis=1).ravel()
+    figure = style.new_figure(style.panels_height_in(height / width, rows, columns, 0.5, 0.18, 0.95))
     panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     norm = LogNorm(float(shown.kappa.min()), config.route.kappa_max)
     for axes, mode in zip(panels, modes, strict=False):
@@ -64,12 +65,6 @@ def _slice(regions: RegionTable) -> RegionTable:
 def _window(yz: FloatArray) -> FloatArray:
     """Least and largest y, and z: rows y and z, metres."""
     return np.stack([yz.min(axis=0) - _MARGIN_M, yz.max(axis=0) + _MARGIN_M], axis=1)
-
-
-def _height_in(window: FloatArray, rows: int, columns: int) -> float:
-    width, height = np.diff(window, axis=1).ravel()
-    panel_in = (style.WIDTH_IN - 0.5) / columns * height / width
-    return float(rows * (panel_in + 0.18) + 0.95)
 
 
 def _draw_panel(axes: Axes, config: Config, regions: RegionTable, norm: LogNorm) -> None:

@@ -96,7 +96,9 @@ def route_figure(
 def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
     columns = min(3 if len(steps) <= _FEW else 4, len(steps))
     rows = -(-len(steps) // columns)
-    figure = style.new_figure(_height_in(canvas, rows, columns))
+    window = canvas.window
+    aspect = (window.z_largest - window.z_least) / (window.y_largest - window.y_least)
+    figure = style.new_figure(style.panels_height_in(aspect, rows, columns, 0.4, 0.28, 1.25))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     panels = list(grid.flat)
     for axes, step, a_map in zip(panels, steps, maps, strict=False):
@@ -125,13 +127,6 @@ def _maps(machine: Machine, route: Route, steps: IntArray, window: YzWindow) -> 
     z_m = np.linspace(window.z_least, window.z_largest, _POINTS_Z)
     tilts = [(float(route.pose[i, 3]), float(route.pose[i, 5])) for i in steps]
     return [kappa_map(machine, y_m, z_m, tilt, int(route.modes[i])) for i, tilt in zip(steps, tilts, strict=True)]
-
-
-def _height_in(canvas: _Canvas, rows: int, columns: int) -> float:
-    window = canvas.window
-    aspect = (window.z_largest - window.z_least) / (window.y_largest - window.y_least)
-    panel_in = (style.WIDTH_IN - 0.4) / columns * aspect
-    return rows * (panel_in + 0.28) + 1.25
 
 
 def _draw_panel(axes: Axes, canvas: _Canvas, step: int, a_map: KappaMap) -> None:

@@ -88,6 +88,14 @@ def new_figure(height_in: float) -> Figure:
     return Figure(figsize=(WIDTH_IN, height_in), dpi=DPI, layout=layout)
 
 
+def panels_height_in(aspect: float, rows: int, columns: int, beside: float, above: float, around: float) -> float:
+    """Height of a figure of equal panels; `aspect` is height over width of one.
+
+    In inches: what all panels leave of the width, the title above each row, and all that is not panels.
+    """
+    return rows * ((WIDTH_IN - beside) / columns * aspect + above) + around
+
+
 def label_yz_panels(panels: list[Axes], columns: int) -> None:
     """Label the YZ planes on the rim of a grid of panels, and leave the inner ones without ticks."""
     for number, axes in enumerate(panels):
