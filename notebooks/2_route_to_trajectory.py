@@ -69,7 +69,7 @@ machine = build_machine(config.machine)
 
 # %%
 regions = build_regions(config, machine)
-print(f"{len(regions):,} regions, {regions.gates:,} of them gates")
+print(f"{len(regions):,} regions, {regions.gate_count:,} of them gates")
 regions_figure(config, regions)
 
 # %% [markdown]

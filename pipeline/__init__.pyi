@@ -4,7 +4,7 @@
 from .config import (
     Config as Config,
 )
-from .config_file import (
+from .config.file import (
     load_config as load_config,
     parse_config as parse_config,
     dump_config as dump_config,
@@ -91,7 +91,7 @@ from .artifacts.path_file import (
     load_path as load_path,
     save_path as save_path,
 )
-from .formats import (
+from .export.formats import (
     Format as Format,
 )
 from .export import (
@@ -117,7 +117,7 @@ from .compare import (
 )
 
 # The usable workspace
-from .compare import (
+from .workspace import (
     WorkspaceSetting as WorkspaceSetting,
     Workspace as Workspace,
     usable_workspace as usable_workspace,
@@ -139,11 +139,11 @@ from .measured import (
 )
 
 # Pictures, as matplotlib figures
-from .compare import (
+from .figures.maps.kappa_map import (
     KappaMap as KappaMap,
     kappa_map as kappa_map,
 )
-from .compare.figures import (
+from .figures import (
     all_figures as all_figures,
     clearance_figure as clearance_figure,
     kappa_figure as kappa_figure,

@@ -1,14 +1,35 @@
-"""How a stage tells what it is doing, without knowing who listens."""
+"""How a stage reports what it is doing, without knowing who listens."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
 
 class Progress(Protocol):
-    """Called by a stage as it goes along; the command line turns it into a progress line."""
+    """Receives progress messages; the command line turns them into a progress line."""
 
     def __call__(self, message: str, fraction: float | None = None) -> None:
-        """Report what is going on and, where it is known, the fraction done (0 to 1)."""
+        """Report the current activity and, if known, the fraction done (0 to 1)."""
 
 
 def silent(message: str, fraction: float | None = None) -> None:
-    """Listen to nothing: the default."""
+    """Ignore all progress messages."""
+
+
+@dataclass(frozen=True)
+class Monitor:
+    """How a stage is watched.
+
+    Attributes
+    ----------
+    progress : Progress
+        Receives progress messages.
+    verbose : bool
+        Solvers write their logs to the terminal.
+    """
+
+    progress: Progress = silent
+    verbose: bool = False
+
+
+QUIET = Monitor()
+"""No progress messages and no solver logs: the default."""

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from pipeline.config import Config
-from pipeline.config_file import load_config
+from pipeline.config.file import load_config
 from pipeline.machine import Machine, build_machine
 
 CONFIGS = Path(__file__).parents[1] / "configs"

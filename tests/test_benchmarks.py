@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from pipeline.config_file import load_config
+from pipeline.config.file import load_config
 from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route
 from tests.benchmarks import cli, report, side_by_side

@@ -19,11 +19,11 @@ from pipeline.artifacts.certificate_shape import (
 )
 from pipeline.artifacts.files import plain
 from pipeline.certify.guess import point_box
-from pipeline.certify.inclusion import Box
 from pipeline.certify.recheck import StatedTolerance, Statement
 from pipeline.certify.result import NOT_CERTIFIED, Bounds, Certificate, ProvenChain, Tolerance
-from pipeline.certify.uncertainty import Uncertainty
 from pipeline.errors import UsageError
+from pipeline.inclusion.krawczyk import Box
+from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.machine.geometry import ACTUATORS
 
 _ADVICE = "\n  What to change: certify the path again: gantry-tau certify CONFIG --force"

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from pipeline.config_messages import key_path
+from pipeline.config.messages import key_path
 
 FORMAT = 2
 """Of the file; raised when its meaning changes."""

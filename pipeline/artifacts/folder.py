@@ -11,7 +11,7 @@ from pipeline.artifacts.files import json_bytes, parked, remove_partial, write_w
 from pipeline.artifacts.layout import CONFIG, LOCK, STATE, SUMMARY, SUPERSEDED, foreign_files
 from pipeline.artifacts.state import State, read_state
 from pipeline.config import Config
-from pipeline.config_file import config_sha256, load_config
+from pipeline.config.file import config_sha256, load_config
 from pipeline.errors import UsageError
 
 

@@ -17,7 +17,7 @@ from pipeline.export.columns import PER_ACTUATOR
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Quality, Trajectory
-from pipeline.route.regions import RegionTable
+from pipeline.route.regions.build import RegionTable
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
 
@@ -65,26 +65,29 @@ def pack_regions(table: RegionTable) -> dict[str, npt.NDArray[Any]]:
     return {
         **dict(zip(CONTROLLED, table.controlled.T, strict=True)),
         "ry_rad": table.ry_rad,
-        "mode": table.mode,
-        "gate": table.gate,
+        "mode": table.modes,
+        "gate": table.gates,
         **dict(zip(Q_COLUMNS, table.q_m.T, strict=True)),
         "kappa": table.kappa,
         "det_sign": table.det_sign,
         "link_distance_m": table.link_distance_m,
         "x_min_m": table.x_window_m[:, 0],
         "x_max_m": table.x_window_m[:, 1],
-        "visit": table.visit,
+        "visit": table.visits,
     }
 
 
 def unpack_regions(arrays: Arrays) -> RegionTable:
     """Rebuild the region table from its columns."""
-    plain = ("ry_rad", "mode", "gate", "kappa", "det_sign", "link_distance_m", "visit")
+    same_name = ("ry_rad", "kappa", "det_sign", "link_distance_m")
     return RegionTable(
         controlled=_stack(arrays, CONTROLLED),
         q_m=_stack(arrays, Q_COLUMNS),
         x_window_m=_stack(arrays, ("x_min_m", "x_max_m")),
-        **{name: arrays[name] for name in plain},
+        modes=arrays["mode"],
+        gates=arrays["gate"],
+        visits=arrays["visit"],
+        **{name: arrays[name] for name in same_name},
     )
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from pipeline.artifacts.files import write_whole
 from pipeline.artifacts.pack import npz_bytes, pack_regions, read_npz, readable, unpack_regions
 from pipeline.errors import UsageError
-from pipeline.route.table import RegionTable
+from pipeline.route.regions.table import RegionTable
 
 FOLDER = ".regions"
 """Where the tables are, in the folder that holds the run folders."""

@@ -47,7 +47,7 @@ from pipeline.machine.working_modes import mode_names, working_modes
 from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory, TrajectorySamples
-from pipeline.route.regions import RegionTable
+from pipeline.route.regions.build import RegionTable
 from pipeline.route.result import Route
 from pipeline.stage import Stage
 

@@ -3,7 +3,7 @@
 from pipeline.certify.certify import certify_path, prove_path
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.result import Bounds, Certificate, ProvenChain, Tolerance, path_sha256
-from pipeline.certify.uncertainty import Uncertainty
+from pipeline.inclusion.uncertainty import Uncertainty
 
 __all__ = [
     "Bounds",

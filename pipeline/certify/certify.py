@@ -3,22 +3,22 @@
 import numpy as np
 
 from pipeline.certify.chain import JUMP, NO_INCLUSION, NO_POSE, Break, Chain, close_chain
-from pipeline.certify.clearance import build_pairs
-from pipeline.certify.closure import Geometry, geometry, working_precision
-from pipeline.certify.ends import check_end
+from pipeline.certify.endpoints import check_end
 from pipeline.certify.limits import Facts, build_limits, examiner, pair_name
-from pipeline.certify.pieces import Piece, pieces
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.result import Bounds, Certificate, path_sha256, proven_chain
 from pipeline.certify.tolerance import search_tolerances
-from pipeline.certify.uncertainty import CERTAIN
 from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError, NoSolutionError
+from pipeline.inclusion.closure import Geometry, geometry, working_precision
+from pipeline.inclusion.distances import build_pairs
+from pipeline.inclusion.pieces import Piece, pieces
+from pipeline.inclusion.uncertainty import CERTAIN
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
 from pipeline.refine.motion import kappa_along
 from pipeline.refine.result import Path
-from pipeline.route.ends import End, task_ends
+from pipeline.route.regions.endpoints import Endpoint, task_endpoints
 
 _SAMPLES = 2_001
 _ADVICE = {
@@ -47,7 +47,7 @@ def certify_path(config: Config, machine: Machine, path: Path, progress: Progres
     NoSolutionError
         Where the path cannot be certified: the place and the reason; its diagnosis holds what was proven before.
     """
-    ends = task_ends(config, machine)
+    ends = task_endpoints(config, machine)
     with working_precision(config.certify.precision_bits):
         certificate = prove_path(config, machine, path, ends, progress)
         if certificate.broken is not None:
@@ -58,7 +58,7 @@ def certify_path(config: Config, machine: Machine, path: Path, progress: Progres
 
 
 def prove_path(
-    config: Config, machine: Machine, path: Path, ends: tuple[End, End], progress: Progress = silent
+    config: Config, machine: Machine, path: Path, ends: tuple[Endpoint, Endpoint], progress: Progress = silent
 ) -> Certificate:
     """Prove a path as far as it goes; why it goes no further is in the result."""
     balls, exact_pieces = geometry(machine), pieces(path.spline)
@@ -79,7 +79,7 @@ def prove_path(
 
 
 def _check_ends(
-    machine: Machine, balls: Geometry, exact_pieces: list[Piece], chain: Chain[Facts], ends: tuple[End, End]
+    machine: Machine, balls: Geometry, exact_pieces: list[Piece], chain: Chain[Facts], ends: tuple[Endpoint, Endpoint]
 ) -> tuple[tuple[float, float], Break | None]:
     start_miss, start = check_end(machine, balls, exact_pieces[0], chain.joints[0], ends[0], "start")
     goal_miss, goal = check_end(machine, balls, exact_pieces[-1], chain.joints[-1], ends[1], "goal")

@@ -11,9 +11,10 @@ from typing import Generic, TypeVar
 
 from flint import arb, arb_poly
 
-from pipeline.certify.closure import Geometry
 from pipeline.certify.guess import guess_box, point_box
-from pipeline.certify.inclusion import (
+from pipeline.errors import ForwardKinematicsError
+from pipeline.inclusion.closure import Geometry
+from pipeline.inclusion.krawczyk import (
     SLACK,
     Box,
     Inclusion,
@@ -25,9 +26,8 @@ from pipeline.certify.inclusion import (
     magnitudes,
     times,
 )
-from pipeline.certify.pieces import Piece, exact, middle
-from pipeline.certify.uncertainty import CERTAIN, Uncertainty
-from pipeline.errors import ForwardKinematicsError
+from pipeline.inclusion.pieces import Piece, exact, middle
+from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path
 

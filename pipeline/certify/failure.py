@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.certify.uncertainty import Uncertainty
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.arrays import FloatArray
+from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import newton
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.refine.result import Path

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from pipeline.certify.inclusion import LEAST_RADIUS, Box
-from pipeline.certify.pieces import middle
+from pipeline.arrays import FloatArray
 from pipeline.errors import ForwardKinematicsError
-from pipeline.machine.geometry import FloatArray
+from pipeline.inclusion.krawczyk import LEAST_RADIUS, Box
+from pipeline.inclusion.pieces import middle
 from pipeline.refine.result import Path
 
 _TERMS = 4

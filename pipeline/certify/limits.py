@@ -6,16 +6,17 @@ from functools import partial
 import numpy as np
 from flint import arb
 
+from pipeline.arrays import FloatArray
 from pipeline.certify.chain import Examine
-from pipeline.certify.clearance import Pairs, build_pairs, distance_bounds
-from pipeline.certify.closure import Geometry
-from pipeline.certify.inclusion import Inclusion, Piecewise
-from pipeline.certify.kappa import above, below, kappa_bound
-from pipeline.certify.pieces import Piece, middle
-from pipeline.certify.ranges import polynomial_range
 from pipeline.config import Config
-from pipeline.machine.geometry import ACTUATORS, LINKS, FloatArray, Machine
-from pipeline.refine.caps import TILTS, kappa_cap, tilt_limits_deg
+from pipeline.inclusion.closure import Geometry
+from pipeline.inclusion.condition import above, below, kappa_bound
+from pipeline.inclusion.distances import Pairs, build_pairs, distance_bounds
+from pipeline.inclusion.krawczyk import Inclusion, Piecewise
+from pipeline.inclusion.pieces import Piece, middle
+from pipeline.inclusion.ranges import polynomial_range
+from pipeline.machine.geometry import ACTUATORS, LINKS, Machine
+from pipeline.refine.path_limits import TILTS, kappa_cap, tilt_limits_deg
 
 _SHARP_ENOUGH = 1e-5
 """Boxes are not halved below this width only to bound kappa more sharply."""

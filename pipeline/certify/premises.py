@@ -1,8 +1,8 @@
 """What a proof rests on besides the path: the machine, the limits and both ends, as one hash."""
 
 from pipeline.config import Config
-from pipeline.config_file import config_sha256
-from pipeline.refine.caps import kappa_cap, tilt_limits_deg
+from pipeline.config.file import config_sha256
+from pipeline.refine.path_limits import kappa_cap, tilt_limits_deg
 
 
 def premises_sha256(config: Config) -> str:

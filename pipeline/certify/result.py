@@ -6,10 +6,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.certify.chain import Break, Chain
-from pipeline.certify.inclusion import Box
-from pipeline.certify.uncertainty import Uncertainty
-from pipeline.machine.geometry import FloatArray
+from pipeline.inclusion.krawczyk import Box
+from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.refine.result import Path
 
 F = TypeVar("F")

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from pipeline.certify.chain import close_chain, examine_nothing
-from pipeline.certify.closure import geometry
 from pipeline.certify.failure import failing_eps
-from pipeline.certify.pieces import pieces
 from pipeline.certify.result import Certificate, ProvenChain, Tolerance, proven_chain
-from pipeline.certify.uncertainty import Uncertainty, of_everything, of_lengths
 from pipeline.config import Config
+from pipeline.inclusion.closure import geometry
+from pipeline.inclusion.pieces import pieces
+from pipeline.inclusion.uncertainty import Uncertainty, of_everything, of_lengths
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path

@@ -64,7 +64,7 @@ def _of_rank(config: Config, folder: Path, rank: int) -> tuple[Config, Path]:
 def _require_room(runs: list[tuple[Config, Path]]) -> None:
     """Make sure that folders nobody has named hold no run but an alternative of the same rank."""
     from pipeline.artifacts.layout import CONFIG
-    from pipeline.config_file import load_config
+    from pipeline.config.file import load_config
 
     for config, folder in runs:
         there = folder / CONFIG

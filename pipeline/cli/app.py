@@ -85,7 +85,7 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from pipeline.summary import PACKAGE, package_version
+        from pipeline.summary.sections import PACKAGE, package_version
 
         typer.echo(f"{PACKAGE} {package_version()}")
         raise typer.Exit

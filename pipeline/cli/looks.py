@@ -12,7 +12,7 @@ from pipeline.cli.comparing import compare
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.runs import load
 from pipeline.errors import UsageError
-from pipeline.formats import MOST_DECIMALS, AngleUnit, Format, LengthUnit, Separator
+from pipeline.export.formats import MOST_DECIMALS, AngleUnit, Format, LengthUnit, Separator
 from pipeline.stage import Stage
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="The folder a run has written to.")]
@@ -40,13 +40,13 @@ def check(
 
     from pipeline.cli.machine_report import machine_report
     from pipeline.machine.geometry import build_machine
-    from pipeline.refine.caps import require_cap
+    from pipeline.refine.path_limits import require_cap
     from pipeline.retime import require_ends_held
-    from pipeline.route.ends import task_ends
+    from pipeline.route.regions.endpoints import task_endpoints
 
     loaded = load(config)
     machine = build_machine(loaded.machine)
-    ends = task_ends(loaded, machine)
+    ends = task_endpoints(loaded, machine)
     require_cap(loaded, [end.kappa for end in ends])
     console = results_console()
     for part in machine_report(loaded, machine, ends):

@@ -7,21 +7,13 @@ import numpy as np
 from rich.console import RenderableType
 from rich.table import Table
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.machine import condition_number, inverse_kinematics, min_distances, statics_matrix
-from pipeline.machine.geometry import (
-    ACTUATORS,
-    ARM_OF_LINK,
-    LINKS,
-    MODES,
-    TELESCOPES,
-    TRIANGLE,
-    FloatArray,
-    Machine,
-)
+from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.retime import resting_forces
-from pipeline.route.ends import End
-from pipeline.route.grid import grid_axes
+from pipeline.route.regions.endpoints import Endpoint
+from pipeline.route.regions.grid import grid_axes
 
 _REACH_STEP_M = 0.04
 
@@ -66,7 +58,7 @@ def _span(values: FloatArray) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def machine_report(config: Config, machine: Machine, ends: tuple[End, End]) -> list[RenderableType]:
+def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> list[RenderableType]:
     """Describe a machine and its task."""
     return [
         _degrees_of_freedom(config),
@@ -169,7 +161,7 @@ def _grid(config: Config) -> Table:
     return table
 
 
-def _ends(config: Config, machine: Machine, ends: tuple[End, End]) -> Table:
+def _ends(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Table:
     table = _table("Task", "quantity", "unit", "start", "goal", "limit", text=2)
     table.add_row("working mode", "", *(MODES[end.mode] for end in ends), "")
     tilt = f"+/- {config.task.tilt_max_deg:g}"
@@ -193,7 +185,7 @@ def _ends(config: Config, machine: Machine, ends: tuple[End, End]) -> Table:
     return table
 
 
-def _resting(machine: Machine, ends: tuple[End, End]) -> Iterator[tuple[str, list[float], str]]:
+def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tuple[str, list[float], str]]:
     """Tell what each drive, and the links, hold at start and goal; nothing without masses."""
     forces = resting_forces(machine, np.stack([end.pose for end in ends]), np.stack([end.q_m[:3] for end in ends]))
     if not forces:

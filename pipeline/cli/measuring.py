@@ -76,7 +76,7 @@ def measured(
     comparison = compare_measurement(given, commanded, _reflectors(first, second, noise_m))
     _tell(comparison, as_json, f"{measurement} against {run}, {len(given.t_s):,} rows")
     if picture is not None:
-        from pipeline.compare.figures.measured import measured_figure
+        from pipeline.figures.time.measured import measured_figure
 
         save_picture(measured_figure(comparison), picture)
         messages_console().print(f"{picture}: commanded and measured over time, with errors", soft_wrap=True)

@@ -20,20 +20,20 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         When the task takes more than one program, or the file has no known ending.
     """
     _check(config, target)
-    from pipeline.route.budgets import budgets
-    from pipeline.route.compact_milp import build_compact_model
-    from pipeline.route.exclusions import excluded_pairs
-    from pipeline.route.highs import write_model
-    from pipeline.route.itinerary import lay_out
+    from pipeline.route.bounds.budgets import budgets
     from pipeline.route.metric import step_sizes
-    from pipeline.route.moves import find_moves
-    from pipeline.route.paper_milp import build_paper_model, paper_size
-    from pipeline.route.regions import build_regions
+    from pipeline.route.moves.candidates import find_moves
+    from pipeline.route.programs.compact import build_compact_model
+    from pipeline.route.programs.exclusions import excluded_pairs
+    from pipeline.route.programs.paper import build_paper_model, paper_size
+    from pipeline.route.regions.build import build_regions
+    from pipeline.route.search.states import expand_states
+    from pipeline.solvers.highs import write_model
 
     machine = build_machine(config.machine)
     with console.status("regions and moves"):
         regions = build_regions(config, machine)
-        layout = lay_out(regions, find_moves(config, machine, regions), np.zeros((0, len(regions)), dtype=bool))
+        layout = expand_states(regions, find_moves(config, machine, regions), np.zeros((0, len(regions)), dtype=bool))
         exclusions = excluded_pairs(config, layout.regions, layout.moves)
     N = config.route.step_budget
     count = len(layout.regions)

@@ -219,13 +219,13 @@ def load(path: Path) -> "Config":
     ConfigError
         When it cannot be used; names the file.
     """
-    from pipeline.config_file import load_config
+    from pipeline.config.file import load_config
     from pipeline.machine.geometry import build_machine
-    from pipeline.route.ends import task_ends
+    from pipeline.route.regions.endpoints import task_endpoints
 
     config = load_config(path)
     try:
-        task_ends(config, build_machine(config.machine))
+        task_endpoints(config, build_machine(config.machine))
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
     return config

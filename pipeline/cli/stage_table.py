@@ -2,9 +2,9 @@
 
 from rich.table import Table
 
-from pipeline.key_figures import key_figures
 from pipeline.run import RunReport
-from pipeline.summary import failed_part
+from pipeline.summary.sections import failed_part
+from pipeline.summary.wording import key_figures
 
 _UNCHANGED = "unchanged"
 

@@ -25,7 +25,7 @@ def verify_file(file: Path, console: Console) -> None:
     from pipeline.certify import premises_sha256
     from pipeline.certify.limits import build_limits
     from pipeline.certify.recheck import verify
-    from pipeline.route.ends import task_ends
+    from pipeline.route.regions.endpoints import task_endpoints
     from pipeline.run.reading import open_results
     from pipeline.stage import Stage
 
@@ -35,7 +35,7 @@ def verify_file(file: Path, console: Console) -> None:
     config, machine = results.config, results.machine
     path = load_refinement(file.parent, machine).path
     began = time.perf_counter()
-    limits, ends = build_limits(config, machine, 0.0), task_ends(config, machine)
+    limits, ends = build_limits(config, machine, 0.0), task_endpoints(config, machine)
     claims = verify(machine, path, limits, ends, premises_sha256(config), stated)
     seconds = time.perf_counter() - began
     table = Table(title=f"{file}: verified again in {seconds:.2f} s", title_justify="left")

@@ -44,8 +44,9 @@ def workspace(
     check_picture(picture)
     check_picture(volume, "--picture-3d")
     from pipeline.artifacts import json_bytes
-    from pipeline.compare.workspace import WorkspaceSetting
-    from pipeline.compare.workspace_table import (
+    from pipeline.config.file import load_config
+    from pipeline.machine.geometry import build_machine
+    from pipeline.workspace.table import (
         TABLE_HEADER,
         at_two_steps,
         setting_text,
@@ -53,8 +54,7 @@ def workspace(
         workspace_data,
         workspace_rows,
     )
-    from pipeline.config_file import load_config
-    from pipeline.machine.geometry import build_machine
+    from pipeline.workspace.usable import WorkspaceSetting
 
     loaded = load_config(config)
     machine = build_machine(loaded.machine)
@@ -74,12 +74,12 @@ def workspace(
         console.print(table)
         console.print(setting_text(machine, setting), soft_wrap=True)
     if picture is not None:
-        from pipeline.compare.figures.workspace import workspace_figure
+        from pipeline.figures.maps.workspace import workspace_figure
 
         save_picture(workspace_figure(fine), picture)
         messages_console().print(f"{picture}: usable length along x, per working mode and of all", soft_wrap=True)
     if volume is not None:
-        from pipeline.compare.figures.volume import workspace_volume_figure
+        from pipeline.figures.maps.volume import workspace_volume_figure
 
         save_picture(workspace_volume_figure(machine, fine), volume)
         messages_console().print(f"{volume}: what all arms left and all right can use, in 3-D", soft_wrap=True)

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.refine.result import Path
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from pipeline.compare.quantities import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
+from pipeline.compare.criteria import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
 
 Better = Literal["coarse", "refined", "equal", "neither"]
 

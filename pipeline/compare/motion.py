@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError
-from pipeline.machine.geometry import FloatArray
 from pipeline.refine.result import Path
 from pipeline.retime.result import Trajectory
 

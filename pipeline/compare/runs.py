@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pipeline.compare.criteria import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
 from pipeline.compare.metrics import markdown, per_cent_of
-from pipeline.compare.quantities import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,11 @@
 """The configuration: one YAML file that describes machine, task and the options of every stage.
 
 Units are part of the key names. Unknown keys are refused; every message names the key's path, the value
-found there and what is allowed. `config_file.load_config` reads a file; `Config.model_json_schema()` is its schema.
+found there and what is allowed. `load_config` reads a file; `Config.model_json_schema()` is its schema.
 """
 
-from pydantic import Field
-
 from pipeline.config.certify import CertifyConfig
+from pipeline.config.config import Config
 from pipeline.config.export import ExportConfig
 from pipeline.config.machine import (
     ActuatorLimitsConfig,
@@ -72,16 +71,3 @@ __all__ = [
     "TriangleLinkConfig",
     "VisitConfig",
 ]
-
-
-class Config(Section):
-    """The whole configuration of one run."""
-
-    name: str = Field("", pattern=NAME_PATTERN, description="name of the run; default: the file's name")
-    machine: MachineConfig
-    task: TaskConfig
-    route: RouteConfig
-    refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
-    certify: CertifyConfig = Field(default_factory=lambda: CertifyConfig())
-    retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
-    export: ExportConfig = Field(default_factory=lambda: ExportConfig())

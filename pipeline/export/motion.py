@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.formats import MOST_DECIMALS
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
+from pipeline.export.formats import MOST_DECIMALS
 from pipeline.retime.result import TrajectorySamples
 
 _ROUNDING_SHARE = 1e-4

@@ -3,13 +3,14 @@
 import math
 from typing import Any
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.config_file import config_sha256
+from pipeline.config.file import config_sha256
 from pipeline.export.columns import PER_ACTUATOR, trajectory_meanings
-from pipeline.machine.geometry import ACTUATORS, FloatArray, Machine
-from pipeline.retime.limits import KINDS, limits
+from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.retime.quantities import KINDS, limits
 from pipeline.retime.result import TrajectorySamples
-from pipeline.retime.verify import Usage
+from pipeline.retime.usage import Usage
 
 _CONVENTIONS = (
     "A row per period: row k is at k * period_s, counted from zero.",

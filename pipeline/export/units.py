@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from pipeline.export.csv import Column
-from pipeline.formats import AngleUnit, LengthUnit
+from pipeline.export.formats import AngleUnit, LengthUnit
 
 _LENGTHS = re.compile(r"_(m|mps|mps2)$")
 _ANGLES = re.compile(r"_rad$")

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.export.beckhoff import format_beckhoff
 from pipeline.export.csv import DECIMALS, format_csv, trajectory_columns
+from pipeline.export.formats import AngleUnit, Format, LengthUnit, Separator
 from pipeline.export.linuxcnc import format_halstreamer
 from pipeline.export.motion import motion_of, needed_decimals
 from pipeline.export.mujoco import format_keyframes
 from pipeline.export.ros2 import format_json, format_yaml
 from pipeline.export.units import converted
-from pipeline.formats import AngleUnit, Format, LengthUnit, Separator
-from pipeline.machine.geometry import FloatArray
 from pipeline.retime.result import TrajectorySamples
 
 _MILLIMETRE = 0.001

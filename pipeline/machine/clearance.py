@@ -8,7 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-from pipeline.machine.geometry import ARM_OF_LINK, FloatArray, Machine, cart_joints, cross, dot, link_vectors
+from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import ARM_OF_LINK, Machine, cart_joints, cross, dot, link_vectors
 
 _PARALLEL = 1e-12
 """sin^2 of the angle below which two links count as parallel: no common perpendicular, end points decide."""

@@ -8,16 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.machine.geometry import (
-    ARM_OF_LINK,
-    TELESCOPES,
-    FloatArray,
-    Machine,
-    cross,
-    link_vectors,
-    rotation,
-    rotation_x,
-)
+from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine, cross, link_vectors, rotation, rotation_x
 from pipeline.machine.masses import Masses, lumped_platform
 from pipeline.machine.statics import statics_matrix
 

@@ -9,17 +9,12 @@ coordinate of them all then runs through memory in order, several times as fast.
 """
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from pipeline.arrays import FloatArray
 from pipeline.config import FixedLinkConfig, MachineConfig, TelescopeConfig, TriangleLinkConfig
 from pipeline.machine.masses import Masses, build_masses
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.signedinteger[Any]]
-BoolArray = npt.NDArray[np.bool_]
 
 LINKS = ("1", "2a", "2b", "3a", "3b", "3c")
 ARM_OF_LINK = np.array([0, 1, 1, 2, 2, 2])

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import (
     ACTUATORS,
@@ -12,9 +13,6 @@ from pipeline.machine.geometry import (
     MODE_SIGNS,
     PRIMARY,
     TELESCOPES,
-    BoolArray,
-    FloatArray,
-    IntArray,
     Machine,
     cart_joints,
     cross,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
 
 _SIZE = 6
 _I, _J = np.triu_indices(_SIZE, 1)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray, Machine, cross, dot, link_vectors, platform_arms
+from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import Machine, cross, dot, link_vectors, platform_arms
 
 
 def statics_matrix(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:

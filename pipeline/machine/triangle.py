@@ -16,18 +16,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import elementwise
 
-from pipeline.machine.geometry import (
-    PRIMARY,
-    TRIANGLE,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Machine,
-    cross,
-    dot,
-    rotation,
-    turned,
-)
+from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.machine.geometry import PRIMARY, TRIANGLE, Machine, cross, dot, rotation, turned
 
 _SAMPLES = 72
 _FIRST_SAMPLE = -np.pi + 0.3 * 2.0 * np.pi / _SAMPLES

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.machine.geometry import PRIMARY, FloatArray, Machine, link_vectors
+from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import PRIMARY, Machine, link_vectors
 
 _AT_GATE_M = 1e-6
 """An arm this close to its serial singularity is in neither mode: rounding would decide."""

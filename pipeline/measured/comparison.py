@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
 from pipeline.measured.estimate import CONTROLLED, estimate_poses
 from pipeline.measured.reflectors import Reflectors
 from pipeline.measured.table import Measurement

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
-from pipeline.machine.geometry import FloatArray, cross, dot, rotation, rotation_x
+from pipeline.machine.geometry import cross, dot, rotation, rotation_x
 from pipeline.measured.reflectors import Reflectors
 
 CONTROLLED = (0, 1, 2, 3, 5)

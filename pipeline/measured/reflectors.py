@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray, rotation
+from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import rotation
 
 
 @dataclass(frozen=True, eq=False)

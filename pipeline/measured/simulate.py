@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.measured.reflectors import Reflectors, reflector_positions
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.export.columns import POSE
-from pipeline.machine.geometry import FloatArray
 from pipeline.measured.estimate import CONTROLLED
 
 TIME = "t_s"

@@ -3,8 +3,9 @@
 import numpy as np
 from scipy.interpolate import BSpline
 
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.errors import NoSolutionError
-from pipeline.machine.geometry import FloatArray, IntArray, Machine
+from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import follow
 from pipeline.refine.result import Path
 from pipeline.route.metric import arc_length

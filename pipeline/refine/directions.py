@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.errors import ConfigError, ConfigIssue
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.geometry import Machine
 from pipeline.machine.symbolic import closure_terms_function
 from pipeline.route.result import Route
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.machine.clearance import min_distances
-from pipeline.machine.geometry import FloatArray
 from pipeline.machine.kinematics import closure_residual
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix
 from pipeline.machine.working_modes import mode_sequence, reach_along_rails, working_modes

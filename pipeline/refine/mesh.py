@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.machine.geometry import BoolArray, FloatArray
+from pipeline.arrays import BoolArray, FloatArray
 from pipeline.refine.measure import sample_path
 from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE, clamped_knots
@@ -39,7 +39,7 @@ def even_mesh(nodes: int, coefficients: int, also: FloatArray) -> Mesh:
     return Mesh(np.union1d(np.concatenate([[0.0], s[1:-1][~near], [1.0]]), also), clamped_knots(coefficients))
 
 
-def finer(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:
+def adapted_mesh(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:
     """Halve the knot spans that have most of the estimated error, and the intervals of nodes in them.
 
     The error of the splines is estimated span by span from the jumps of the fifth derivative (they stand for the sixth,
@@ -47,24 +47,24 @@ def finer(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:
     neighbouring nodes misses of the integral of kappa; `steps` (5,) are the largest moves of the metric.
     """
     edges = np.unique(mesh.knots)
-    spans = np.searchsorted(edges, middles(mesh.s)) - 1
+    spans = np.searchsorted(edges, midpoints(mesh.s)) - 1
     of_nodes: FloatArray = np.bincount(spans, _missed(mesh, path, steps), minlength=len(edges) - 1).astype(float)
     marked = _most(_roughness(path, edges)) | _most(of_nodes)
-    knots = np.sort(np.concatenate([mesh.knots, middles(edges)[marked]]))
-    return Mesh(np.union1d(mesh.s, middles(mesh.s)[marked[spans]]), knots)
+    knots = np.sort(np.concatenate([mesh.knots, midpoints(edges)[marked]]))
+    return Mesh(np.union1d(mesh.s, midpoints(mesh.s)[marked[spans]]), knots)
 
 
 def with_nodes(mesh: Mesh, broken: FloatArray) -> Mesh:
     """Halve every interval of nodes that has one of the parameters `broken` (m,) in it."""
     intervals = np.unique(np.searchsorted(mesh.s, broken))
     intervals = intervals[(intervals > 0) & (intervals < len(mesh.s))]
-    return Mesh(np.union1d(mesh.s, middles(mesh.s)[intervals - 1]), mesh.knots)
+    return Mesh(np.union1d(mesh.s, midpoints(mesh.s)[intervals - 1]), mesh.knots)
 
 
 def _roughness(path: Path, edges: FloatArray) -> FloatArray:
     """Estimate how far the splines are from the best curve on every span between knots (m + 1,). Shape (m,)."""
     h = np.diff(edges)
-    fifth = path.q(middles(edges), DEGREE)
+    fifth = path.q(midpoints(edges), DEGREE)
     jumps = np.linalg.norm(np.diff(fifth, axis=0), axis=1)
     beside = np.maximum(np.append(0.0, jumps), np.append(jumps, 0.0))
     rough: FloatArray = beside * h**DEGREE
@@ -96,7 +96,7 @@ def _most(error: FloatArray) -> BoolArray:
     return marked
 
 
-def middles(s: FloatArray) -> FloatArray:
+def midpoints(s: FloatArray) -> FloatArray:
     """Middles of the intervals between neighbours of s (n,). Shape (n - 1,)."""
     half_way: FloatArray = (s[1:] + s[:-1]) / 2.0
     return half_way

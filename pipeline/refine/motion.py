@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.interpolate import BSpline
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
-from pipeline.machine.geometry import FloatArray
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.symbolic import closure_terms_function
 from pipeline.refine.result import Path

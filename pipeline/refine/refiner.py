@@ -8,15 +8,25 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
-from pipeline.refine.between import Breach, breaches
-from pipeline.refine.caps import require_cap
+from pipeline.refine.check import Violation, find_violations
 from pipeline.refine.coarse import coarse_path
 from pipeline.refine.corridor import visit_parameters
 from pipeline.refine.directions import end_directions
-from pipeline.refine.mesh import even_mesh, finer, with_nodes
-from pipeline.refine.peak import lowered
+from pipeline.refine.mesh import adapted_mesh, even_mesh, with_nodes
+from pipeline.refine.path_limits import require_cap
+from pipeline.refine.peak.lower import lower_peak
 from pipeline.refine.result import Refinement
-from pipeline.refine.solve import FROBENIUS, SCHATTEN, Aim, Problem, Solve, carried, coarse_fit, figures_of, solve_from
+from pipeline.refine.solve import (
+    FROBENIUS,
+    SCHATTEN,
+    MeshSolution,
+    Problem,
+    SolveOptions,
+    coarse_fit,
+    figures_of,
+    solve_from,
+    transferred_to,
+)
 from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 from pipeline.status import Status
@@ -51,12 +61,12 @@ def refine_path(
         raise _with_directions(failure, config) from failure
 
 
-def _checked(problem: Problem, solve: Solve, meshes: int, change: float | None) -> Refinement:
+def _checked(problem: Problem, solve: MeshSolution, meshes: int, change: float | None) -> Refinement:
     """Check between the nodes, and add nodes where a promise is broken, until none is."""
     options = problem.config.refine
     for round_ in range(1, options.max_rounds + 1):
         problem.progress("refine: checking between the nodes")
-        found = breaches(problem.config, problem.route, solve.path, problem.coarse)
+        found = find_violations(problem.config, problem.route, solve.path, problem.coarse)
         if not found:
             return Refinement(
                 path=solve.path,
@@ -71,11 +81,11 @@ def _checked(problem: Problem, solve: Solve, meshes: int, change: float | None) 
             )
         if round_ < options.max_rounds:
             mesh = with_nodes(solve.mesh, np.concatenate([breach.s for breach in found]))
-            solve = lowered(problem, replace(solve, mesh=mesh))
+            solve = lower_peak(problem, replace(solve, mesh=mesh))
     raise _broken(options.max_rounds, solve, found)
 
 
-def _first_solve(problem: Problem) -> Solve:
+def _first_solve(problem: Problem) -> MeshSolution:
     """Solve on the first mesh, from one of two starts.
 
     For an integral of kappa IPOPT goes a long way fast, and the descent only the rest. Where it fails, or gets to a
@@ -85,32 +95,32 @@ def _first_solve(problem: Problem) -> Solve:
     mesh = even_mesh(options.nodes, options.coefficients, visit_parameters(problem.coarse, problem.route))
     begin = coarse_fit(problem, mesh)
     if options.objective == "maximum":
-        return lowered(problem, begin)
+        return lower_peak(problem, begin)
     try:
-        solve = lowered(problem, solve_by_ipopt(problem, begin))
+        solve = lower_peak(problem, solve_by_ipopt(problem, begin))
     except NoSolutionError as failure:
         problem.progress(f"refine: {failure.reason}; another start")
         return _other_start(problem, begin, failure)
     if figures_of(problem, solve).kappa_max <= problem.coarse_kappa_max:
         return solve
     try:
-        other = lowered(problem, begin)
+        other = lower_peak(problem, begin)
     except NoSolutionError as failure:
         problem.progress(f"refine: {failure.reason}; the first solve is kept")
         return solve
     return min(solve, other, key=lambda solve: figures_of(problem, solve).kappa_max)
 
 
-def solve_by_ipopt(problem: Problem, begin: Solve) -> Solve:
+def solve_by_ipopt(problem: Problem, begin: MeshSolution) -> MeshSolution:
     """Solve with the Frobenius kappa at even speed, roughly, and from there with the Schatten kappa."""
     most = problem.config.refine.max_iterations
-    rough = solve_from(problem, begin, Aim(FROBENIUS, _EVENNESS_FIRST, min(most, _ROUGH_MOST), "rough"))
-    return solve_from(problem, rough, Aim(SCHATTEN, _EVENNESS, most, "precise"))
+    rough = solve_from(problem, begin, SolveOptions(FROBENIUS, _EVENNESS_FIRST, min(most, _ROUGH_MOST), "rough"))
+    return solve_from(problem, rough, SolveOptions(SCHATTEN, _EVENNESS, most, "precise"))
 
 
-def _other_start(problem: Problem, begin: Solve, failure: NoSolutionError) -> Solve:
+def _other_start(problem: Problem, begin: MeshSolution, failure: NoSolutionError) -> MeshSolution:
     try:
-        return lowered(problem, begin)
+        return lower_peak(problem, begin)
     except NoSolutionError as second:
         raise NoSolutionError(
             "refine",
@@ -120,7 +130,7 @@ def _other_start(problem: Problem, begin: Solve, failure: NoSolutionError) -> So
         ) from second
 
 
-def _on_finer_meshes(problem: Problem, solve: Solve) -> tuple[Solve, int, float | None]:
+def _on_finer_meshes(problem: Problem, solve: MeshSolution) -> tuple[MeshSolution, int, float | None]:
     """Solve on finer meshes until what is minimised changes by less than the tolerance.
 
     Also how many meshes there were, and the last relative change: None when there was one mesh, or none finer was
@@ -129,9 +139,9 @@ def _on_finer_meshes(problem: Problem, solve: Solve) -> tuple[Solve, int, float 
     options, change = problem.config.refine, None
     value = _minimised(problem, solve)
     for meshes in range(1, options.max_meshes):
-        mesh = finer(solve.mesh, solve.path, problem.steps)
+        mesh = adapted_mesh(solve.mesh, solve.path, problem.steps)
         try:
-            again = lowered(problem, carried(solve, mesh))
+            again = lower_peak(problem, transferred_to(solve, mesh))
         except NoSolutionError as error:
             problem.progress(f"refine: {error.reason}; the mesh before is kept")
             return solve, meshes, None
@@ -143,7 +153,7 @@ def _on_finer_meshes(problem: Problem, solve: Solve) -> tuple[Solve, int, float 
     return solve, options.max_meshes, change
 
 
-def _minimised(problem: Problem, solve: Solve) -> float:
+def _minimised(problem: Problem, solve: MeshSolution) -> float:
     """The figure that the objective is about: the integral of kappa, its largest value, or the sum of mean and that."""
     figures, objective = figures_of(problem, solve), problem.config.refine.objective
     if objective == "integral":
@@ -163,7 +173,7 @@ def _with_directions(failure: NoSolutionError, config: Config) -> NoSolutionErro
     )
 
 
-def _broken(rounds: int, solve: Solve, found: list[Breach]) -> NoSolutionError:
+def _broken(rounds: int, solve: MeshSolution, found: list[Violation]) -> NoSolutionError:
     return NoSolutionError(
         "refine",
         f"after {rounds} rounds the path still breaks between its nodes: {'; '.join(map(str, found))}",

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
 
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.status import Status
 

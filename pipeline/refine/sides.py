@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from pipeline.machine.geometry import MODE_SIGNS, FloatArray, IntArray
+from pipeline.arrays import FloatArray, IntArray
+from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.refine.coarse import corner_parameters
 from pipeline.refine.result import Path
 from pipeline.route.result import Route

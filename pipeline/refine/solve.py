@@ -6,18 +6,19 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import BSpline
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import newton
 from pipeline.progress import Progress
 from pipeline.refine.corridor import corridor
-from pipeline.refine.ipopt import Manner, Solution, solve_program
+from pipeline.refine.integral.ipopt import Accuracy, Solution, solve_program
+from pipeline.refine.integral.program import InitialGuess, ProgramData, build_program
+from pipeline.refine.integral.separation import find_separations
 from pipeline.refine.measure import PathFigures, measure_path, sample_path
 from pipeline.refine.mesh import Mesh
-from pipeline.refine.nlp import Setting, Start, build_program
 from pipeline.refine.result import Path
-from pipeline.refine.separation import find_separations
 from pipeline.refine.splines import DEGREE, fit
 from pipeline.route.metric import arc_length
 from pipeline.route.result import Route
@@ -61,17 +62,17 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Aim:
-    """What a solve is to achieve, as in `nlp.Setting`, and how IPOPT goes about it."""
+class SolveOptions:
+    """What a solve is to achieve, as in `nlp.ProgramData`, and how IPOPT goes about it."""
 
     exponent: float
     evenness: float
     max_iterations: int
-    manner: Manner
+    manner: Accuracy
 
 
 @dataclass(frozen=True, eq=False)
-class Solve:
+class MeshSolution:
     """The path that a solve gave, on which mesh, the integral as its smooth kappa saw it, and iterations so far."""
 
     mesh: Mesh
@@ -90,11 +91,11 @@ class Solve:
         }
 
 
-def setting_of(problem: Problem, begin: Solve, aim: Aim) -> Setting:
+def setting_of(problem: Problem, begin: MeshSolution, aim: SolveOptions) -> ProgramData:
     """Say what a solve from a path on a mesh is about."""
     mesh, margin = begin.mesh, problem.config.refine.clearance_margin_m
     q, reach = begin.path.q(mesh.s), float(problem.steps[:3].max())
-    return Setting(
+    return ProgramData(
         s=mesh.s,
         knots=mesh.knots,
         corridor=corridor(problem.config, problem.route, problem.coarse, mesh.s),
@@ -106,7 +107,7 @@ def setting_of(problem: Problem, begin: Solve, aim: Aim) -> Setting:
     )
 
 
-def solve_from(problem: Problem, begin: Solve, aim: Aim) -> Solve:
+def solve_from(problem: Problem, begin: MeshSolution, aim: SolveOptions) -> MeshSolution:
     """Build and solve the program of a mesh, starting from a path on it that is known at the nodes.
 
     Raises
@@ -117,7 +118,7 @@ def solve_from(problem: Problem, begin: Solve, aim: Aim) -> Solve:
     mesh, options = begin.mesh, problem.config.refine
     what = f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
     problem.progress(f"{what}: building the program")
-    start = Start(begin.path.node_pose, begin.path.spline.c)
+    start = InitialGuess(begin.path.node_pose, begin.path.spline.c)
     # CasADi's wrappers forget errors that come while they convert arguments, and Ctrl-C is one.
     with interrupts_noted():
         program = build_program(problem.machine, setting_of(problem, begin, aim), start)
@@ -126,18 +127,18 @@ def solve_from(problem: Problem, begin: Solve, aim: Aim) -> Solve:
     )
     spline = BSpline(mesh.knots, program.spline_coefficients(solution.x), DEGREE)
     path = Path(problem.machine, spline, mesh.s, program.poses(solution.x))
-    solve = Solve(mesh, path, float(program.integral(solution.x)), begin.iterations + solution.iterations)
+    solve = MeshSolution(mesh, path, float(program.integral(solution.x)), begin.iterations + solution.iterations)
     if not solution.status.solved:
         raise _failed(solve, solution)
     return solve
 
 
-def figures_of(problem: Problem, solve: Solve) -> PathFigures:
+def figures_of(problem: Problem, solve: MeshSolution) -> PathFigures:
     """Measure the path of a solve."""
     return measure_path(sample_path(solve.path, np.linspace(0.0, 1.0, _LOOKS)), problem.steps)
 
 
-def coarse_fit(problem: Problem, mesh: Mesh) -> Solve:
+def coarse_fit(problem: Problem, mesh: Mesh) -> MeshSolution:
     """Fit splines to the coarse path; poses by forward kinematics from the coarse ones.
 
     An end with a direction is left or reached in it from the first, as fast as it would be in any other.
@@ -154,7 +155,7 @@ def coarse_fit(problem: Problem, mesh: Mesh) -> Solve:
     return _near(coarse, mesh, c, 0)
 
 
-def carried(solve: Solve, mesh: Mesh) -> Solve:
+def transferred_to(solve: MeshSolution, mesh: Mesh) -> MeshSolution:
     """Carry the path of a solve over to a finer mesh: the same curve, with more knots and nodes."""
     spline = solve.path.spline
     for knot in np.setdiff1d(mesh.knots, solve.mesh.knots):
@@ -162,16 +163,16 @@ def carried(solve: Solve, mesh: Mesh) -> Solve:
     return _near(solve.path, mesh, spline.c, solve.iterations)
 
 
-def _near(near_path: Path, mesh: Mesh, coefficients: FloatArray, iterations: int) -> Solve:
+def _near(near_path: Path, mesh: Mesh, coefficients: FloatArray, iterations: int) -> MeshSolution:
     near = np.stack([np.interp(mesh.s, near_path.node_s, column) for column in near_path.node_pose.T], axis=1)
     spline = BSpline(mesh.knots, coefficients, DEGREE)
     pose, miss = newton(near_path.machine, spline(mesh.s), near)
     lost = ~(miss < 1e-6) | (np.abs(pose - near).max(axis=1) > _LOST)
     pose[lost] = near[lost]
-    return Solve(mesh, Path(near_path.machine, spline, mesh.s, pose), np.nan, iterations)
+    return MeshSolution(mesh, Path(near_path.machine, spline, mesh.s, pose), np.nan, iterations)
 
 
-def _failed(solve: Solve, solution: Solution) -> NoSolutionError:
+def _failed(solve: MeshSolution, solution: Solution) -> NoSolutionError:
     worst = sorted(solution.violations.items(), key=lambda item: -item[1])[:3]
     broken = ", ".join(f"{name} by {value:.2e}" for name, value in worst if value > 1e-9)
     state = f"most violated: {broken}" if broken else "all constraints hold, but kappa can still be lowered"

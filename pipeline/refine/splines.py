@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_lsq_spline
 from scipy.sparse import csr_array
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
 
 DEGREE = 5
 """Quintic: q has four continuous derivatives, so that acceleration and jerk are smooth along the path."""

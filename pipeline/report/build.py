@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pipeline.certify.recheck import KappaProfile
 from pipeline.certify.result import Bounds
 from pipeline.compare.blend import TOLERANCE_M, blended
+from pipeline.compare.criteria import MeasuredPath
 from pipeline.compare.metrics import compare_paths
 from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
-from pipeline.compare.quantities import MeasuredPath
 from pipeline.config import Config
-from pipeline.config_file import config_sha256, dump_config
+from pipeline.config.file import config_sha256, dump_config
 from pipeline.errors import NoSolutionError, PipelineError
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples, measure_path

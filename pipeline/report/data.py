@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
-from pipeline.machine.geometry import FloatArray, IntArray
+from pipeline.arrays import FloatArray, IntArray
 
 Mood = Literal["good", "bad", "open"]
 """What a statement means for the reader: all is well, something failed, or nothing was decided."""

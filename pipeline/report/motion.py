@@ -6,9 +6,10 @@ import numpy as np
 from contourpy import LineType, contour_generator
 from scipy.spatial import ConvexHull
 
-from pipeline.compare.figures.maps import KappaMap, YzWindow, kappa_map, seen_window
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
-from pipeline.machine.geometry import MODES, FloatArray, IntArray, Machine, cart_joints, platform_arms
+from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
+from pipeline.machine.geometry import MODES, Machine, cart_joints, platform_arms
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 from pipeline.report.data import KappaMaps, Motion, MotionName, Scene

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.colors import to_hex
 
-from pipeline.compare.figures import style
-from pipeline.machine.geometry import ACTUATORS, LINKS, MODES, TELESCOPES, FloatArray
+from pipeline.arrays import FloatArray
+from pipeline.figures import style
+from pipeline.machine.geometry import ACTUATORS, LINKS, MODES, TELESCOPES
 from pipeline.report.data import KappaMaps, Motion, Proof, Report, Scene
 
 OUT_OF_REACH = 0

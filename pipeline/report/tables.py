@@ -5,22 +5,22 @@ import io
 
 import numpy as np
 
-from pipeline.certify.ends import TOLERANCE as END_TOLERANCE
+from pipeline.certify.endpoints import TOLERANCE as END_TOLERANCE
 from pipeline.certify.recheck import KappaProfile
 from pipeline.certify.result import Bounds
-from pipeline.compare.figures.proof import boxes_of
-from pipeline.compare.figures.volume import workspace_volume_figure
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, table_cells
-from pipeline.compare.workspace import WorkspaceSetting
-from pipeline.compare.workspace_table import TABLE_HEADER as WORKSPACE_HEADER
-from pipeline.compare.workspace_table import at_two_steps, setting_text, workspace_rows
-from pipeline.compare.workspace_table import table_cells as workspace_cells
 from pipeline.config import Config
+from pipeline.figures.maps.volume import workspace_volume_figure
+from pipeline.figures.proof import boxes_of
 from pipeline.machine.geometry import ACTUATORS, Machine
-from pipeline.refine.caps import kappa_cap, tilt_limits_deg
 from pipeline.refine.measure import PathSamples
+from pipeline.refine.path_limits import kappa_cap, tilt_limits_deg
 from pipeline.report.data import Proof, Table
 from pipeline.route.metric import arc_length, step_sizes
+from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
+from pipeline.workspace.table import at_two_steps, setting_text, workspace_rows
+from pipeline.workspace.table import table_cells as workspace_cells
+from pipeline.workspace.usable import WorkspaceSetting
 
 _WORKSPACE_STEP_M = 0.01
 _PROOF_SAMPLES = 1_000

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.key_figures import key_figures
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
-from pipeline.retime.limits import kind_named
+from pipeline.retime.quantities import kind_named
 from pipeline.stage import Stage
+from pipeline.summary.wording import key_figures
 
 CERTIFIED, SKIPPED = "certified", "skipped"
 _ROUNDING = 1e-6

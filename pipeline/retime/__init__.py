@@ -1,12 +1,12 @@
 """Stage three: the path in time, as fast as the limits of actuators, links and TCP allow."""
 
-from pipeline.retime.back import way_back
+from pipeline.retime.holding_forces import require_ends_held, resting_forces
 from pipeline.retime.result import Quality, Trajectory, TrajectorySamples, slowed, stretched
 from pipeline.retime.retime import retime_path
 from pipeline.retime.reverse import time_reversed
 from pipeline.retime.sampling import sample_trajectory, whole_periods
-from pipeline.retime.standing import require_ends_held, resting_forces
-from pipeline.retime.verify import TrajectoryFigures, Usage, measure_trajectory, measure_usage, require_limits
+from pipeline.retime.usage import TrajectoryFigures, Usage, measure_trajectory, measure_usage, require_limits
+from pipeline.retime.way_back import way_back
 
 __all__ = [
     "Quality",

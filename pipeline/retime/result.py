@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import PPoly
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
 from pipeline.refine.result import Path
 
 _ROUNDING = 1e-14

@@ -9,13 +9,13 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path
-from pipeline.retime.limits import JERK, limited
-from pipeline.retime.possible import require_motion, require_smooth
+from pipeline.retime.drivable import require_motion, require_smooth
+from pipeline.retime.holding_forces import require_standing
+from pipeline.retime.path_dynamics import TABLE_POINTS, TermsTable, grid, table_of
+from pipeline.retime.quantities import JERK, limited
 from pipeline.retime.result import Quality, Trajectory, slowed, stretched
 from pipeline.retime.sampling import count_periods, whole_periods
-from pipeline.retime.standing import require_standing
-from pipeline.retime.terms import TABLE_POINTS, TermsTable, grid, table_of
-from pipeline.retime.verify import ALLOWED_USAGE, Usage, measure_usage, require_limits
+from pipeline.retime.usage import ALLOWED_USAGE, Usage, measure_usage, require_limits
 
 _MOST_GRID_POINTS = 20_000
 _MOST_USAGE = 1.01
@@ -74,7 +74,7 @@ def fastest_law(config: Config, table: TermsTable, progress: Progress, verbose: 
     if not limit_jerk:
         return fastest
     assert fastest.quality is not None
-    from pipeline.retime.jerk import limit_jerk as with_limited_jerk
+    from pipeline.retime.jerk.solve import limit_jerk as with_limited_jerk
 
     found = with_limited_jerk(table, fastest, options.jerk_pieces, progress, verbose)
     usage = measure_usage(found.trajectory, options.period_s, table)
@@ -98,8 +98,8 @@ def _fastest(config: Config, table: TermsTable, progress: Progress) -> Trajector
     Time lost shows in the gap to the lower bound, unless a finer grid does not gain any: then the bound is too low.
     """
     # Solvers, and a plotting library that one of them brings along, take a while to load.
-    from pipeline.retime.bound import duration_bound
-    from pipeline.retime.plan import plan
+    from pipeline.retime.duration_bound import duration_bound
+    from pipeline.retime.toppra import plan
 
     points, bound, before = config.retime.grid_points, 0.0, np.inf
     while True:

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import UnfitConfigError
-from pipeline.machine.geometry import FloatArray
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.retime.result import Trajectory, TrajectorySamples, stretched
 

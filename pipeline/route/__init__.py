@@ -1,12 +1,12 @@
 """Stage one: which regions, which working modes; a mixed-integer program over a proven core."""
 
-from pipeline.route.ends import End, task_ends
 from pipeline.route.planner import plan_route, plan_routes
-from pipeline.route.regions import RegionTable, build_regions, grid_regions
+from pipeline.route.regions.build import RegionTable, build_regions, grid_regions
+from pipeline.route.regions.endpoints import Endpoint, task_endpoints
 from pipeline.route.result import Route, Search
 
 __all__ = [
-    "End",
+    "Endpoint",
     "RegionTable",
     "Route",
     "Search",
@@ -14,5 +14,5 @@ __all__ = [
     "grid_regions",
     "plan_route",
     "plan_routes",
-    "task_ends",
+    "task_endpoints",
 ]

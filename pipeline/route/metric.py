@@ -6,8 +6,8 @@ path compares with the sum (5) of a route.
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.config import RouteConfig
-from pipeline.machine.geometry import FloatArray
 
 CONTROLLED = np.array([0, 1, 2, 3, 5])
 """Where x, y, z, rx, rz stand in a pose (x, y, z, rx, ry, rz)."""

@@ -6,19 +6,19 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
-from pipeline.route.budgets import budgets
-from pipeline.route.follow import Flaw, check_pairs
-from pipeline.route.highs import solver_name
-from pipeline.route.itinerary import Layout, lay_out, near_route
+from pipeline.route.bounds.budget_prices import priced_bounds
+from pipeline.route.bounds.budgets import budgets
+from pipeline.route.bounds.shortest_paths import Bounds, fewest_moves, least_use, shortest_route
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import Moves, find_moves
-from pipeline.route.objective import Best, find_best
-from pipeline.route.placing import Placed, flawed_moves, place
-from pipeline.route.pricing import priced_bounds
-from pipeline.route.relaxation import Bounds, fewest_moves, least_use, shortest_route
+from pipeline.route.moves.candidates import Moves, find_moves
+from pipeline.route.moves.check import Flaw, check_pairs
+from pipeline.route.moves.screen import Screen
+from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route, Search
-from pipeline.route.screen import Screen
-from pipeline.route.table import RegionTable
+from pipeline.route.search.objective import Best, find_best
+from pipeline.route.search.placement import PlacedRoute, flawed_moves, place_route
+from pipeline.route.search.states import StateGraph, expand_states, near_route
+from pipeline.solvers.highs import solver_name
 from pipeline.status import Status
 
 
@@ -95,7 +95,7 @@ def _plan(
     """Find the best route that strays from the better ones: solve, follow, forbid what fails, solve again."""
     steps, distance = step_sizes(config.route), config.route.alternative_distance
     near = np.array([near_route(regions, steps, route.region, distance) for route in better], dtype=bool)
-    layout = lay_out(regions, moves, near.reshape(-1, len(regions)))
+    layout = expand_states(regions, moves, near.reshape(-1, len(regions)))
     progress("route: shortest paths")
     bounds = priced_bounds(layout.regions, layout.moves, budgets(config), progress)
     _require_way(config, layout, bounds)
@@ -106,7 +106,7 @@ def _plan(
         if best is None:
             raise _no_route(config, layout, screen)
         sequence = best.sequence(layout)
-        placed = place(config, regions, sequence)
+        placed = place_route(config, regions, sequence)
         found = flawed_moves(config, machine, placed)
         if not found:
             return _route(placed, best, screen, len(moves), round_)
@@ -122,7 +122,7 @@ def _plan(
     )
 
 
-def _require_way(config: Config, layout: Layout, bounds: Bounds) -> None:
+def _require_way(config: Config, layout: StateGraph, bounds: Bounds) -> None:
     """Refuse what the graph alone shows to be impossible: that is a proof."""
     regions, moves = layout.regions, layout.moves
     if not np.isfinite(bounds.optimum):
@@ -153,7 +153,7 @@ def _require_way(config: Config, layout: Layout, bounds: Bounds) -> None:
             )
 
 
-def _no_route(config: Config, layout: Layout, screen: Screen) -> NoSolutionError:
+def _no_route(config: Config, layout: StateGraph, screen: Screen) -> NoSolutionError:
     asked = ", and the budgets of the task" if budgets(config) else ""
     flaws = screen.flaws.total()
     because = f", after {flaws} moves were forbidden that fail when followed ({screen.report})" if flaws else ""
@@ -182,7 +182,7 @@ def _infeasible(reason: str, advice: str, **facts: object) -> NoSolutionError:
     return NoSolutionError("route", reason, advice, {"status": Status.INFEASIBLE.value, **facts})
 
 
-def _route(placed: Placed, best: Best, screen: Screen, moves: int, rounds: int) -> Route:
+def _route(placed: PlacedRoute, best: Best, screen: Screen, moves: int, rounds: int) -> Route:
     """Put the result together: the steps, and how their optimality was proven."""
     bound = best.optimum.sequence.outcome.bound
     search = Search(
@@ -200,8 +200,8 @@ def _route(placed: Placed, best: Best, screen: Screen, moves: int, rounds: int) 
     )
     return Route(
         region=placed.region,
-        modes=placed.steps.mode,
-        gates=placed.steps.gate,
+        modes=placed.steps.modes,
+        gates=placed.steps.gates,
         visits=placed.visits,
         pose=placed.pose,
         q_m=placed.q_m,

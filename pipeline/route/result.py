@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.machine.geometry import MODES, FloatArray, IntArray
+from pipeline.arrays import FloatArray, IntArray
+from pipeline.machine.geometry import MODES
 from pipeline.status import Status
 
 

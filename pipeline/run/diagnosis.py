@@ -13,7 +13,7 @@ from pipeline.status import Status
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.route.findings import WhyNot
+    from pipeline.route.diagnosis.result import InfeasibilityReport
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +34,11 @@ def can_diagnose(stage: Stage, error: PipelineError) -> bool:
 
 def diagnose(results: Results, progress: Progress) -> Diagnosis:
     """Find out how far each limit has to give, one at a time, and draw what can be reached."""
-    from pipeline.compare.figures.reach import reach_figure
-    from pipeline.route.why_not import why_not
+    from pipeline.figures.maps.reach import reach_figure
+    from pipeline.route.diagnosis.search import explain_infeasibility
 
     began = time.perf_counter()
-    found = why_not(results.config, results.machine, results.regions, progress)
+    found = explain_infeasibility(results.config, results.machine, results.regions, progress)
     picture = reach_figure(results.config, results.regions, found.from_start, found.to_goal)
     reach = found.reach(results.regions)
     facts = {
@@ -50,7 +50,7 @@ def diagnose(results: Results, progress: Progress) -> Diagnosis:
     return Diagnosis(_note(found, reach), facts, picture)
 
 
-def _note(found: "WhyNot", reach: str) -> str:
+def _note(found: "InfeasibilityReport", reach: str) -> str:
     """Tell everything in lines, what opens a route first."""
     opening = [finding.sentence for finding in found.opening]
     others = [finding.sentence for finding in found.findings if finding not in found.opening]

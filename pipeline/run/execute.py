@@ -20,18 +20,18 @@ from pipeline.artifacts import (
 )
 from pipeline.artifacts.layout import failure_report
 from pipeline.config import Config
-from pipeline.config_file import config_sha256, dump_config
+from pipeline.config.file import config_sha256, dump_config
 from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageError
 from pipeline.machine.geometry import build_machine
 from pipeline.progress import Progress
-from pipeline.route.ends import task_ends
+from pipeline.route.regions.endpoints import task_endpoints
 from pipeline.run.diagnosis import Diagnosis, can_diagnose, diagnose
 from pipeline.run.fingerprint import UPSTREAM, fingerprint, fingerprints
 from pipeline.run.reporter import Quiet, Reporter
 from pipeline.run.reporting import page_of_failure
 from pipeline.run.stages import MAKE, Product, Results
 from pipeline.stage import STAGES, Stage
-from pipeline.summary import failed_part, failure_section, summarise
+from pipeline.summary.sections import failed_part, failure_section, summarise
 
 _SECTION = {
     Stage.REGIONS: "regions",
@@ -117,7 +117,7 @@ def run_pipeline(
     """
     out, last = Path(out), last or STAGES[-1]
     machine = build_machine(config.machine)
-    task_ends(config, machine)
+    task_endpoints(config, machine)
     _check_range(out, first, last)
     with open_run_folder(out) as folder:
         forced = (first, *first.later) if first is not None else STAGES if force else ()

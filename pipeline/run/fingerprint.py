@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from pipeline.config import Config
-from pipeline.config_file import config_sha256
+from pipeline.config.file import config_sha256
 from pipeline.stage import Stage
-from pipeline.summary import package_version
+from pipeline.summary.sections import package_version
 
 UPSTREAM: dict[Stage, tuple[Stage, ...]] = {
     Stage.REGIONS: (),
@@ -21,15 +21,17 @@ UPSTREAM: dict[Stage, tuple[Stage, ...]] = {
 }
 """The stages whose results a stage is given."""
 
+_BASE = ("arrays.py", "parallel.py", "artifacts", "machine")
 _CODE = {
-    Stage.REGIONS: ("artifacts", "machine", "route"),
-    Stage.ROUTE: ("artifacts", "machine", "route"),
-    Stage.REFINE: ("artifacts", "machine", "route", "solvers", "refine"),
-    Stage.CERTIFY: ("artifacts", "machine", "route", "refine", "certify"),
-    Stage.RETIME: ("artifacts", "machine", "refine", "solvers", "retime", "export", "formats.py"),
+    Stage.REGIONS: (*_BASE, "route"),
+    Stage.ROUTE: (*_BASE, "solvers", "route"),
+    Stage.REFINE: (*_BASE, "solvers", "route", "refine"),
+    Stage.CERTIFY: (*_BASE, "route", "refine", "inclusion", "certify"),
+    Stage.RETIME: (*_BASE, "solvers", "route", "refine", "retime", "export"),
     Stage.FIGURES: (
-        *("artifacts", "machine", "route", "solvers", "refine", "certify", "retime", "export", "measured", "compare"),
-        *("report", "formats.py", "key_figures.py", "summary.py"),
+        *_BASE,
+        *("solvers", "route", "refine", "inclusion", "certify", "retime", "export", "measured", "compare"),
+        *("workspace", "figures", "report", "summary"),
     ),
 }
 PROOFS = ("nothing", "path", "tolerances")

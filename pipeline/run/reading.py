@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pipeline.artifacts import Record, read_run_folder
 from pipeline.config import Config
-from pipeline.config_file import parse_config
+from pipeline.config.file import parse_config
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import build_machine
 from pipeline.run.stages import Results

@@ -45,7 +45,7 @@ def _name(state: State) -> str:
 def report_page(results: Results, state: State) -> bytes:
     """Make the page of what there is of a run: results of the stages that the state says are done."""
     from pipeline.report import RunResults, build_report, render_page
-    from pipeline.summary import versions
+    from pipeline.summary.sections import versions
 
     done = {stage for stage, record in state.stages.items() if record.status == "done"}
     proven = Stage.CERTIFY in done and results.config.certify.what != "nothing"

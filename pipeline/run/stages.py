@@ -19,14 +19,14 @@ from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress
 from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
-from pipeline.summary import Section
+from pipeline.summary.sections import Section
 
 if TYPE_CHECKING:
     from pipeline.certify.recheck import KappaProfile, Statement
     from pipeline.refine.measure import PathSamples
     from pipeline.refine.result import Refinement
     from pipeline.retime.result import Trajectory
-    from pipeline.route.regions import RegionTable
+    from pipeline.route.regions.build import RegionTable
     from pipeline.route.result import Route
 
 
@@ -114,7 +114,7 @@ def make_regions(results: Results, progress: Progress, verbose: bool) -> Product
     """Find every admissible region of the grid, and add what the task asks for."""
     from pipeline.artifacts.results import regions_files
     from pipeline.route import build_regions
-    from pipeline.summary import regions_section
+    from pipeline.summary.sections import regions_section
 
     results.regions = build_regions(results.config, results.machine, progress, _grid(results, progress))
     return Product(regions_files(results.regions), regions_section(results.config, results.regions))
@@ -139,7 +139,7 @@ def make_route(results: Results, progress: Progress, verbose: bool) -> Product:
     """Search for the best route through the regions."""
     from pipeline.artifacts.results import route_files
     from pipeline.route import plan_route
-    from pipeline.summary import route_section
+    from pipeline.summary.sections import route_section
 
     results.route = plan_route(results.config, results.machine, results.regions, progress, verbose)
     return Product(route_files(results.route), route_section(results.route))
@@ -151,7 +151,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     from pipeline.refine import refine_path
     from pipeline.refine.measure import measure_path
     from pipeline.route.metric import step_sizes
-    from pipeline.summary import path_section
+    from pipeline.summary.sections import path_section
 
     results.refinement = refine_path(results.config, results.machine, results.route, progress, verbose)
     progress(f"measuring both paths at {results.config.refine.check_points:,} points")
@@ -165,7 +165,7 @@ def make_certificate(results: Results, progress: Progress, verbose: bool) -> Pro
     """Prove that the path is one motion free of singularities and within its limits."""
     from pipeline.artifacts.results import certificate_files
     from pipeline.certify import certify_path
-    from pipeline.summary import certificate_facts, certificate_section, skipped_certificate
+    from pipeline.summary.sections import certificate_facts, certificate_section, skipped_certificate
 
     config = results.asked
     if config.certify.what == "nothing":
@@ -184,7 +184,7 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
     from pipeline.artifacts.results import trajectory_files
     from pipeline.export import sidecar
     from pipeline.retime import measure_trajectory, retime_path, sample_trajectory
-    from pipeline.summary import trajectory_section
+    from pipeline.summary.sections import trajectory_section
 
     config, machine = results.config, results.machine
     trajectory = results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
@@ -201,7 +201,7 @@ def _way_back(results: Results, progress: Progress, verbose: bool) -> Product:
     from pipeline.artifacts.results import back_files
     from pipeline.export import sidecar
     from pipeline.retime import measure_trajectory, sample_trajectory, way_back
-    from pipeline.summary import back_section, failure_section
+    from pipeline.summary.sections import back_section, failure_section
 
     config, machine = results.config, results.machine
     progress("timing the way back")
@@ -222,7 +222,7 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     from pipeline.artifacts.layout import REPORT
     from pipeline.artifacts.results import figure_files
     from pipeline.artifacts.state import State
-    from pipeline.compare import all_figures
+    from pipeline.figures import all_figures
     from pipeline.retime import sample_trajectory
     from pipeline.run.reporting import report_page
 

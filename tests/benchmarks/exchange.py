@@ -13,14 +13,14 @@ import highspy
 import numpy as np
 
 from pipeline.config import Config
-from pipeline.config_file import dump_config, load_config
+from pipeline.config.file import dump_config, load_config
 from pipeline.machine import build_machine
 from pipeline.route import RegionTable, build_regions
-from pipeline.route.compact_milp import build_compact_model
-from pipeline.route.exclusions import excluded_pairs
+from pipeline.route.bounds.shortest_paths import fewest_moves
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import Moves, find_moves
-from pipeline.route.relaxation import fewest_moves
+from pipeline.route.moves.candidates import Moves, find_moves
+from pipeline.route.programs.compact import build_compact_model
+from pipeline.route.programs.exclusions import excluded_pairs
 from tests.benchmarks.peers.reading import PROGRAM, REGIONS
 
 CONFIG = "config.yaml"
@@ -51,7 +51,7 @@ def prepare(folder: Path, with_program: bool) -> Iterator[dict[str, Any]]:
         write_program(build_compact_model(regions, excluded, steps, budget), folder / PROGRAM)
     yield {
         "regions": len(regions),
-        "gates": regions.gates,
+        "gates": regions.gate_count,
         "moves": len(moves),
         "excluded": len(excluded),
         "step_budget": budget,

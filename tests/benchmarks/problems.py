@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.config import Config
-from pipeline.config_file import load_config, parse_config
+from pipeline.config.file import load_config, parse_config
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ANY_LENGTH_M = (0.01, 9.0)

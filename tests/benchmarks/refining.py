@@ -10,14 +10,14 @@ import typer
 
 from pipeline.artifacts import json_bytes, write_whole
 from pipeline.config import Config
-from pipeline.config_file import load_config
+from pipeline.config.file import load_config
 from pipeline.errors import NoSolutionError
 from pipeline.refine import measure_path as measure_samples
 from pipeline.refine import refine_path, sample_path
-from pipeline.refine.mesh import Mesh, even_mesh, middles
-from pipeline.refine.peak import lowered
+from pipeline.refine.mesh import Mesh, even_mesh, midpoints
+from pipeline.refine.peak.lower import lower_peak
 from pipeline.refine.refiner import solve_by_ipopt
-from pipeline.refine.solve import Problem, Solve, carried, coarse_fit
+from pipeline.refine.solve import MeshSolution, Problem, coarse_fit, transferred_to
 from tests.benchmarks.host import describe_host
 from tests.benchmarks.isolated import FINISHED, measure
 from tests.benchmarks.problems import CONFIGS
@@ -92,20 +92,20 @@ def measure_mesh(config: Config, nodes: int, coefficients: int) -> Iterator[dict
     cold = solve_by_ipopt(problem, coarse_fit(problem, mesh))
     yield {"ipopt_s": time.perf_counter() - begun, "ipopt_iterations": cold.iterations}
     begun = time.perf_counter()
-    final = lowered(problem, cold)
+    final = lower_peak(problem, cold)
     yield {"descent_s": time.perf_counter() - begun, "descent_steps": final.iterations - cold.iterations}
     yield _figures(problem, final)
     # Every second span between knots taken apart: the finer mesh holds the coarser one.
     half = even_mesh(max(nodes // 2, 20), max(coefficients // 2, 8), np.zeros(0))
     try:
-        before = lowered(problem, solve_by_ipopt(problem, coarse_fit(problem, half)))
+        before = lower_peak(problem, solve_by_ipopt(problem, coarse_fit(problem, half)))
     except NoSolutionError:
         yield {"ended": "no path on the mesh half as fine"}
         return
-    knots = np.sort(np.concatenate([half.knots, middles(np.unique(half.knots))]))
-    finer = Mesh(np.union1d(half.s, middles(half.s)), knots)
+    knots = np.sort(np.concatenate([half.knots, midpoints(np.unique(half.knots))]))
+    adapted_mesh = Mesh(np.union1d(half.s, midpoints(half.s)), knots)
     begun = time.perf_counter()
-    warm = lowered(problem, carried(before, finer))
+    warm = lower_peak(problem, transferred_to(before, adapted_mesh))
     yield {"warm_s": time.perf_counter() - begun, "warm_steps": warm.iterations - before.iterations}
 
 
@@ -135,7 +135,7 @@ def measure_descent(config: Config, nodes: int, coefficients: int) -> Iterator[d
     problem = problem_of(config)
     begin = coarse_fit(problem, even_mesh(nodes, coefficients, np.zeros(0)))
     begun = time.perf_counter()
-    solve = lowered(problem, begin)
+    solve = lower_peak(problem, begin)
     yield {
         "solve_s": time.perf_counter() - begun,
         "iterations": solve.iterations,
@@ -145,7 +145,7 @@ def measure_descent(config: Config, nodes: int, coefficients: int) -> Iterator[d
     }
 
 
-def _figures(problem: Problem, solve: Solve) -> dict[str, float]:
+def _figures(problem: Problem, solve: MeshSolution) -> dict[str, float]:
     figures = measure_samples(sample_path(solve.path, np.linspace(0.0, 1.0, 20_001)), problem.steps)
     return {"kappa_integral": figures.kappa_integral, "kappa_max": figures.kappa_max}
 

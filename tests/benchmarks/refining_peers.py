@@ -18,15 +18,15 @@ from pipeline.machine.symbolic import statics_function
 from pipeline.progress import silent
 from pipeline.refine import coarse_path
 from pipeline.refine.corridor import visit_parameters
-from pipeline.refine.descent import Ground, integral_slope
 from pipeline.refine.directions import end_directions
-from pipeline.refine.iterate import Iterate, iterate_at
-from pipeline.refine.limits import Limit, of_actuators
+from pipeline.refine.integral.program import InitialGuess, Program, build_program
 from pipeline.refine.mesh import even_mesh
-from pipeline.refine.nlp import Program, Start, build_program
-from pipeline.refine.pace import chord_slopes
-from pipeline.refine.peak import ground_of
-from pipeline.refine.solve import FROBENIUS, Aim, Problem, Solve, coarse_fit, setting_of
+from pipeline.refine.peak.constraints import Limit, of_actuators
+from pipeline.refine.peak.iterate import Iterate, iterate_at
+from pipeline.refine.peak.lower import peak_problem
+from pipeline.refine.peak.speed import chord_slopes
+from pipeline.refine.peak.sqp import PeakProblem, integral_slope
+from pipeline.refine.solve import FROBENIUS, MeshSolution, Problem, SolveOptions, coarse_fit, setting_of
 from pipeline.refine.splines import basis
 from pipeline.route import build_regions, plan_route
 from pipeline.route.metric import CONTROLLED, step_sizes
@@ -49,7 +49,7 @@ def problem_of(config: Config) -> Problem:
     return Problem(config, machine, route, coarse, steps, directions, silent, verbose=False)
 
 
-def first_fit(problem: Problem, nodes: int, coefficients: int) -> Solve:
+def first_fit(problem: Problem, nodes: int, coefficients: int) -> MeshSolution:
     """Fit splines to the coarse path on an even mesh."""
     return coarse_fit(problem, even_mesh(nodes, coefficients, visit_parameters(problem.coarse, problem.route)))
 
@@ -58,9 +58,9 @@ def solve_program(config: Config, nodes: int, coefficients: int, solver: str, li
     """Solve the written-out program with a solver of CasADi, actuators among the unknowns or put in their place."""
     problem = problem_of(config)
     begin = first_fit(problem, nodes, coefficients)
-    setting = setting_of(problem, begin, Aim(FROBENIUS, EVENNESS, 1, "rough"))
+    setting = setting_of(problem, begin, SolveOptions(FROBENIUS, EVENNESS, 1, "rough"))
     begun = time.perf_counter()
-    program = build_program(problem.machine, setting, Start(begin.path.node_pose, begin.path.spline.c))
+    program = build_program(problem.machine, setting, InitialGuess(begin.path.node_pose, begin.path.spline.c))
     written = _written_out(program, problem, begin)
     written, bounds, x0 = (written, _bounds(program), program.start) if lifted else _in_place(program, begin, written)
     try:
@@ -84,7 +84,7 @@ def _bounds(program: Program) -> tuple[np.ndarray, ...]:
     return (*program.variable_bounds, *program.constraint_bounds)
 
 
-def _written_out(program: Program, problem: Problem, begin: Solve) -> dict[str, ca.MX]:
+def _written_out(program: Program, problem: Problem, begin: MeshSolution) -> dict[str, ca.MX]:
     """Replace the kappa that brings its own derivatives by one that CasADi differentiates."""
     x, k = program.problem["x"], program.nodes
     pose, q = ca.reshape(x[: 6 * k], 6, k), ca.reshape(x[6 * k : 11 * k], 5, k)
@@ -109,7 +109,7 @@ def _frobenius(problem: Problem) -> ca.Function:
 
 
 def _in_place(
-    program: Program, begin: Solve, written: dict[str, ca.MX]
+    program: Program, begin: MeshSolution, written: dict[str, ca.MX]
 ) -> tuple[dict[str, ca.MX], tuple[np.ndarray, ...], np.ndarray]:
     """Put basis @ coefficients where actuators of nodes are, and drop them with the equations that tied them."""
     k, x0 = program.nodes, program.start
@@ -129,7 +129,7 @@ def _in_place(
 def solve_with_scipy(config: Config, nodes: int, coefficients: int, method: str) -> Iterator[dict[str, Any]]:
     """Least integral of kappa over the coefficients alone, with the limits and slopes of the descent."""
     problem = problem_of(config)
-    found = ground_of(problem, first_fit(problem, nodes, coefficients))
+    found = peak_problem(problem, first_fit(problem, nodes, coefficients))
     assert found is not None
     ground, start = found
     known: dict[bytes, Iterate] = {}
@@ -163,13 +163,13 @@ def solve_with_scipy(config: Config, nodes: int, coefficients: int, method: str)
     }
 
 
-def _integral_slope(ground: Ground, iterate: Iterate) -> np.ndarray:
+def _integral_slope(ground: PeakProblem, iterate: Iterate) -> np.ndarray:
     looks = ground.looks
     by_kappa = of_actuators(looks, np.arange(len(looks.s)), iterate.kappa_slope)
     return integral_slope(looks, iterate, by_kappa)[:-2]
 
 
-def _constraint(ground: Ground, at: Callable[[np.ndarray], Iterate], start: Iterate) -> NonlinearConstraint:
+def _constraint(ground: PeakProblem, at: Callable[[np.ndarray], Iterate], start: Iterate) -> NonlinearConstraint:
     """All limits as one constraint; what they say of the length is put in terms of the coefficients."""
     rows = [limit for limit in ground.limits(start) if not _is_length(limit)]
     low, high = (np.concatenate([getattr(limit, side) for limit in rows]) for side in ("low", "high"))

@@ -13,9 +13,9 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.machine import build_machine
 from pipeline.route import build_regions
-from pipeline.route.bottleneck import least_cap
-from pipeline.route.moves import find_moves, rule_moves
-from pipeline.route.relaxation import shortest_paths
+from pipeline.route.bounds.bottleneck import least_cap
+from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.moves.candidates import find_moves, rule_moves
 from tests.benchmarks.isolated import peak_mb
 
 REFERENCE_STEP_M = 0.1

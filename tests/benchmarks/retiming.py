@@ -11,15 +11,15 @@ import numpy as np
 import typer
 
 from pipeline.artifacts import json_bytes, write_whole
-from pipeline.config_file import load_config
+from pipeline.config.file import load_config
 from pipeline.progress import silent
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage, retime_path
-from pipeline.retime.bound import duration_bound
-from pipeline.retime.jerk import limit_jerk
-from pipeline.retime.plan import plan_rows
-from pipeline.retime.rows import limit_rows
-from pipeline.retime.terms import grid, path_terms, terms_table
+from pipeline.retime.constraints import limit_rows
+from pipeline.retime.duration_bound import duration_bound
+from pipeline.retime.jerk.solve import limit_jerk
+from pipeline.retime.path_dynamics import grid, path_terms, terms_table
+from pipeline.retime.toppra import plan_rows
 from pipeline.run import run_pipeline
 from pipeline.run.reading import open_results
 from pipeline.stage import Stage

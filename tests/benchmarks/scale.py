@@ -11,9 +11,9 @@ from pipeline.machine import Machine, build_machine
 from pipeline.machine.statics import statics_matrix
 from pipeline.progress import silent
 from pipeline.route import RegionTable, build_regions, plan_route
-from pipeline.route.moves import find_moves
-from pipeline.route.prove import find_optimum
-from pipeline.route.relaxation import shortest_paths
+from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.moves.candidates import find_moves
+from pipeline.route.search.optimum import find_optimum
 from tests.benchmarks.isolated import peak_mb, stopwatch
 
 PARTS = ("regions_s", "moves_s", "relaxation_s", "solve_s")
@@ -25,7 +25,7 @@ def measure_parts(config: Config) -> Iterator[dict[str, Any]]:
     told: dict[str, Any] = {"step_budget": config.route.step_budget}
     with stopwatch(told, "regions_s"):
         regions = build_regions(config, machine)
-    told |= {"regions": len(regions), "gates": regions.gates}
+    told |= {"regions": len(regions), "gates": regions.gate_count}
     told["nominal_variables"] = (13 + len(regions)) * config.route.step_budget
     yield told | {"peak_mb": peak_mb()}
     with stopwatch(told, "moves_s"):

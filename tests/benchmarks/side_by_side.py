@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray, IntArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.route import RegionTable
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import Moves
-from pipeline.route.rules import route_cost, rule_violations
+from pipeline.route.moves.candidates import Moves
+from pipeline.route.search.rule_check import route_cost, rule_violations
 from tests.benchmarks.exchange import load_exclusions, load_problem, load_regions, save_config
 from tests.benchmarks.isolated import FINISHED, measure
 from tests.benchmarks.problems import Problem

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from pipeline.config import Config
-from pipeline.config_file import load_config, parse_config
+from pipeline.config.file import load_config, parse_config
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.machine.geometry import MODES
 from pipeline.refine import measure_path, refine_path, sample_path
-from pipeline.refine.between import breaches
+from pipeline.refine.check import find_violations
 from pipeline.route import build_regions, plan_route
 from pipeline.route.metric import step_sizes
 from tests.benchmarks.problems import CONFIGS, Problem
@@ -88,7 +88,7 @@ def measure_refinement(config: Config) -> Iterator[dict[str, Any]]:
         return
     yield {"refine_s": time.perf_counter() - begun, "iterations": result.iterations, "rounds": result.rounds}
     dense = config.model_copy(update={"refine": config.refine.model_copy(update={"check_points": CHECK_POINTS})})
-    broken = breaches(dense, route, result.path, result.coarse)
+    broken = find_violations(dense, route, result.path, result.coarse)
     coarse, fine = (
         measure_path(sample_path(path, np.linspace(0.0, 1.0, 10_001)), steps) for path in (result.coarse, result.path)
     )

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pipeline.certify.inclusion import Box
-from pipeline.certify.pieces import middle
+from pipeline.inclusion.krawczyk import Box
+from pipeline.inclusion.pieces import middle
 from pipeline.machine.kinematics import newton
 from pipeline.refine import Path
 

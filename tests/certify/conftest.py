@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import brentq
 
 from pipeline.certify import Certificate, certify_path, prove_path
-from pipeline.certify.closure import working_precision
-from pipeline.certify.uncertainty import of_everything, of_lengths
 from pipeline.config import Config
+from pipeline.inclusion.closure import working_precision
+from pipeline.inclusion.uncertainty import of_everything, of_lengths
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from tests.certify.paths import NODES, START, determinant, ends_of, line_path, pose_path

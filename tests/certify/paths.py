@@ -8,17 +8,17 @@ from scipy.interpolate import BSpline, make_interp_spline
 from pipeline.artifacts.certificate import chains
 from pipeline.certify import Certificate
 from pipeline.certify.chain import close_chain, examine_nothing
-from pipeline.certify.closure import geometry, working_precision
 from pipeline.certify.limits import Limits
-from pipeline.certify.pieces import pieces
 from pipeline.certify.recheck import StatedTolerance, Statement, verify
 from pipeline.certify.result import Bounds, ProvenChain, path_sha256
-from pipeline.certify.uncertainty import CERTAIN
+from pipeline.inclusion.closure import geometry, working_precision
+from pipeline.inclusion.pieces import pieces
+from pipeline.inclusion.uncertainty import CERTAIN
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import MODES
 from pipeline.machine.kinematics import follow, newton
 from pipeline.refine import Path
-from pipeline.route.ends import End
+from pipeline.route.regions.endpoints import Endpoint
 
 START = np.array([1.02, 0.3, 0.9, 0.0, 0.0])
 TOWARDS_SINGULARITY = np.array([0.0, -0.337, 0.122, -0.271, 0.243])
@@ -48,12 +48,12 @@ def actuator_path(machine: Machine, q_m: np.ndarray, middle: np.ndarray) -> Path
     return Path(machine, make_interp_spline(s, q_m, k=5), s, np.concatenate([backward[:0:-1], forward]))
 
 
-def ends_of(machine: Machine, path: Path, modes: tuple[int, int]) -> tuple[End, End]:
+def ends_of(machine: Machine, path: Path, modes: tuple[int, int]) -> tuple[Endpoint, Endpoint]:
     """Call the ends of a path start and goal."""
     ends = []
     for k, mode in zip((0, -1), modes, strict=True):
         pose = path.pose(np.array([0.0, 1.0]))[k]
-        ends.append(End(mode, pose, path.q(float(k == -1)), 1.0, 1.0, 1.0, 1.0))
+        ends.append(Endpoint(mode, pose, path.q(float(k == -1)), 1.0, 1.0, 1.0, 1.0))
     return ends[0], ends[1]
 
 
@@ -110,7 +110,7 @@ def verified(machine: Machine, path: Path, chain: ProvenChain) -> dict[str, bool
     bounds = Bounds(1e9, 0.5, 1, (), np.zeros(0), np.tile([-9.0, 9.0], (5, 1)), np.full(2, 3.0), 1.0, 1.0)
     limits = Limits(1e9, 1e9, 1e-5, np.tile([-9.0, 9.0], (5, 1)), np.full(2, 3.0), 0.0, np.nan)
     stated = Statement(path_sha256(path), "", len(chain.boxes), bounds, None, None, (chain,))
-    end = End(0, chain.joints[0].pose[0], path.q(0.0), 1.0, 1.0, 1.0, 1.0)
+    end = Endpoint(0, chain.joints[0].pose[0], path.q(0.0), 1.0, 1.0, 1.0, 1.0)
     claims = verify(machine, path, limits, (end, end), "", stated)
     return {claim.what.removeprefix("configured machine: "): claim.verified for claim in claims}
 

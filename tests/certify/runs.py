@@ -14,13 +14,13 @@ from pipeline.artifacts.layout import CERTIFICATE_JSON, PATH_NPZ
 from pipeline.artifacts.pack import npz_bytes, pack_refinement
 from pipeline.certify import Certificate, Tolerance
 from pipeline.certify.chain import close_chain, examine_nothing
-from pipeline.certify.closure import geometry, working_precision
-from pipeline.certify.pieces import pieces
 from pipeline.certify.result import proven_chain
-from pipeline.certify.uncertainty import Uncertainty
 from pipeline.cli import app
 from pipeline.config import Config
-from pipeline.config_file import config_sha256, dump_config
+from pipeline.config.file import config_sha256, dump_config
+from pipeline.inclusion.closure import geometry, working_precision
+from pipeline.inclusion.pieces import pieces
+from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.refine import Path
 from pipeline.refine.result import Refinement
 from pipeline.status import Status

@@ -14,7 +14,7 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.machine import Machine
 from pipeline.refine import Path
-from pipeline.route.ends import task_ends
+from pipeline.route.regions.endpoints import task_endpoints
 
 
 def test_a_path_from_start_to_goal_is_certified(own_task: Config, machine: Machine, own_path: Path) -> None:
@@ -65,7 +65,7 @@ def test_a_certificate_is_read_as_it_was_written(
         assert (box.first, box.last) == (read.first, read.last)
         np.testing.assert_array_equal(box.pose, read.pose)
         np.testing.assert_array_equal(box.radius, read.radius)
-    limits, ends = build_limits(own_task, machine, 0.0), task_ends(own_task, machine)
+    limits, ends = build_limits(own_task, machine, 0.0), task_endpoints(own_task, machine)
     claims = verify(machine, own_path, limits, ends, premises_sha256(own_task), stored)
     assert all(claim.verified for claim in claims)
 

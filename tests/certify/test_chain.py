@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from pipeline.certify import Certificate
 from pipeline.certify.chain import JUMP, NO_INCLUSION, NO_POSE, close_chain, examine_nothing
-from pipeline.certify.closure import geometry, working_precision
-from pipeline.certify.pieces import pieces
+from pipeline.inclusion.closure import geometry, working_precision
+from pipeline.inclusion.pieces import pieces
 from pipeline.machine import Machine, inverse_kinematics, link_distances
 from pipeline.machine.geometry import MODES
 from pipeline.machine.kinematics import newton

@@ -14,7 +14,7 @@ from pipeline.artifacts.layout import CONFIG
 from pipeline.certify import Certificate, certify_path, path_sha256
 from pipeline.cli import app
 from pipeline.config import Config
-from pipeline.config_file import config_sha256, dump_config, load_config
+from pipeline.config.file import config_sha256, dump_config, load_config
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from tests.certify.paths import START, pose_path

@@ -13,15 +13,16 @@ import pytest
 from flint import arb, fmpq, fmpq_poly
 from scipy.interpolate import BSpline
 
-from pipeline.certify import clearance, inclusion, kappa, limits
+from pipeline.certify import limits
 from pipeline.certify.chain import close_chain, examine_nothing
-from pipeline.certify.closure import geometry, pose_series, shifted, working_precision
 from pipeline.certify.guess import guess_box
-from pipeline.certify.inclusion import Box, Inclusion, Piecewise, along, include
-from pipeline.certify.pieces import Piece, pieces
 from pipeline.certify.recheck import enclosure
 from pipeline.certify.result import proven_chain
-from pipeline.certify.uncertainty import CERTAIN, Uncertainty
+from pipeline.inclusion import condition, distances, krawczyk
+from pipeline.inclusion.closure import geometry, pose_series, shifted, working_precision
+from pipeline.inclusion.krawczyk import Box, Inclusion, Piecewise, along, include
+from pipeline.inclusion.pieces import Piece, pieces
+from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine import condition_number, link_distances, statics_matrix
 from pipeline.machine.kinematics import closure_jacobian
 from pipeline.refine import Path
@@ -66,7 +67,7 @@ def witness_uncertainty(path: Path) -> None:
 def witness_kappa(path: Path) -> None:
     """The bound of kappa is above every sample of a box."""
     box, series = _whole(path)
-    bound = kappa.kappa_bound(geometry(path.machine), series, [arb(1e-9)] * 6)
+    bound = condition.kappa_bound(geometry(path.machine), series, [arb(1e-9)] * 6)
     s = samples_in(box)
     assert bound.kappa >= condition_number(statics_matrix(path.machine, path.pose(s), path.q(s)[:, :3])).max()
 
@@ -75,7 +76,7 @@ def witness_deviation(path: Path) -> None:
     """Kappa at a pose a centimetre off is within the bound for poses that may be that far off."""
     box, series = _whole(path)
     off = 0.01
-    bound = kappa.kappa_bound(geometry(path.machine), series, [arb(off)] * 6)
+    bound = condition.kappa_bound(geometry(path.machine), series, [arb(off)] * 6)
     s, worst = samples_in(box), 0.0
     for signs in np.array(np.meshgrid(*[[-1.0, 1.0]] * 6)).reshape(6, -1).T:
         pose = path.pose(s) + off * signs
@@ -86,8 +87,8 @@ def witness_deviation(path: Path) -> None:
 def witness_distance(path: Path) -> None:
     """Bounds of distances are below every sample of a box."""
     box, series = _whole(path)
-    pairs = clearance.build_pairs(path.machine)
-    bounds = clearance.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
+    pairs = distances.build_pairs(path.machine)
+    bounds = distances.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
     s = samples_in(box)
     assert (bounds <= link_distances(path.machine, path.pose(s), path.q(s)[:, :3]).min(axis=0) + ROUNDING).all()
 
@@ -191,49 +192,53 @@ class Broken:
 
 
 BROKEN: dict[str, Broken] = {
-    "the residual is sampled": Broken(witness_residual, {"inclusion._residual": _no_last_term}),
+    "the residual is sampled": Broken(witness_residual, {"inclusion.krawczyk._residual": _no_last_term}),
     "series are taken about the middle, not about the interval": Broken(
         witness_series,
         {
-            "inclusion.pose_series": lambda pose, at: pose_series(pose, arb(0)),
-            "inclusion.shifted": lambda coefficients, at: shifted(coefficients, arb(0)),
+            "inclusion.krawczyk.pose_series": lambda pose, at: pose_series(pose, arb(0)),
+            "inclusion.krawczyk.shifted": lambda coefficients, at: shifted(coefficients, arb(0)),
         },
     ),
     "what an approximate inverse misses is left out": Broken(
-        witness_kappa, {"kappa.residual_of_inverse": lambda C, J, h: [[arb(0)] * 6] * 6}
+        witness_kappa, {"inclusion.condition.residual_of_inverse": lambda C, J, h: [[arb(0)] * 6] * 6}
     ),
     "the Jacobian is taken for constant": Broken(
-        witness_curvature, {"inclusion.second_derivatives": lambda hull: [[arb(0)] * 36] * 6}
+        witness_curvature, {"inclusion.krawczyk.second_derivatives": lambda hull: [[arb(0)] * 36] * 6}
     ),
     "what the parameters change is left out": Broken(
-        witness_uncertainty, {"inclusion.residual_change": lambda *given: [arb(0)] * 6}
+        witness_uncertainty, {"inclusion.krawczyk.residual_change": lambda *given: [arb(0)] * 6}
     ),
-    "poses are taken to be on the cubic": Broken(witness_deviation, {"kappa.statics_change": lambda *given: arb(0)}),
+    "poses are taken to be on the cubic": Broken(
+        witness_deviation, {"inclusion.condition.statics_change": lambda *given: arb(0)}
+    ),
     "distances are taken in the middle": Broken(
         witness_distance,
         {
-            "clearance._end_points": lambda pairs, series: [
+            "distances._end_points": lambda pairs, series: [
                 table if order == 0 else 0 * table for order, table in enumerate(_END_POINTS(pairs, series))
             ]
         },
     ),
     "ranges are taken in the middle": Broken(
-        witness_ranges, {"limits.polynomial_range": lambda coefficients, half: (coefficients[0], coefficients[0])}
+        witness_ranges,
+        {"certify.limits.polynomial_range": lambda coefficients, half: (coefficients[0], coefficients[0])},
     ),
     "a bound is rounded to nearest": Broken(
-        witness_rounding_of_bounds, {"limits.above": lambda value: float(value.upper())}
+        witness_rounding_of_bounds, {"certify.limits.above": lambda value: float(value.upper())}
     ),
-    "neighbours are not compared": Broken(witness_links, {"chain.holds": lambda *given: True}),
-    "a jump is not looked for": Broken(witness_jump, {"chain._no_function": lambda *given: None}),
-    "a rounding is dropped": Broken(witness_rounding_of_sums, {"recheck.enclosure._U": 0.0}),
+    "neighbours are not compared": Broken(witness_links, {"certify.chain.holds": lambda *given: True}),
+    "a jump is not looked for": Broken(witness_jump, {"certify.chain._no_function": lambda *given: None}),
+    "a rounding is dropped": Broken(witness_rounding_of_sums, {"certify.recheck.enclosure._U": 0.0}),
     "stored neighbours are not compared": Broken(
-        witness_stored_links, {"recheck.verdict.holds": lambda boxes, *given, at_end: np.ones(len(boxes.first), bool)}
+        witness_stored_links,
+        {"certify.recheck.verdict.holds": lambda boxes, *given, at_end: np.ones(len(boxes.first), bool)},
     ),
     "knots are passed over": Broken(
-        witness_knots, {"recheck.inclusion.on_one_piece": lambda spline, first, last: np.ones(len(first), bool)}
+        witness_knots, {"certify.recheck.inclusion.on_one_piece": lambda spline, first, last: np.ones(len(first), bool)}
     ),
 }
-_END_POINTS = clearance._end_points
+_END_POINTS = distances._end_points
 
 
 @pytest.mark.parametrize("step", BROKEN)
@@ -254,7 +259,7 @@ def test_a_broken_step_is_noticed(line: Path, monkeypatch: pytest.MonkeyPatch, s
     with working_precision(64):
         broken.witness(line)
         for name, replacement in broken.steps.items():
-            monkeypatch.setattr(f"pipeline.certify.{name}", counted(name, replacement))
+            monkeypatch.setattr(f"pipeline.{name}", counted(name, replacement))
         with pytest.raises(AssertionError):
             broken.witness(line)
     assert called == {name for name, replacement in broken.steps.items() if callable(replacement)}
@@ -275,4 +280,4 @@ def test_series_about_an_interval_hold_all_of_it(line: Path) -> None:
             values = np.array([t**k for k in range(4)]) @ pose
             assert all(ball.overlaps(arb(float(value))) for ball, value in zip(over, values, strict=True))
         assert not over[0].is_exact()
-        assert inclusion.LEAST_RADIUS > 0.0
+        assert krawczyk.LEAST_RADIUS > 0.0

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.certify import premises_sha256
 from pipeline.config import Config
-from pipeline.config_file import dump_config, load_config, parse_config
+from pipeline.config.file import dump_config, load_config, parse_config
 
 
 def changed(config: Config, keys: str, value: Any) -> Config:

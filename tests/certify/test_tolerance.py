@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from pipeline.certify import Certificate, Uncertainty
-from pipeline.certify.closure import working_precision
 from pipeline.certify.failure import failing_eps
 from pipeline.certify.tolerance import largest_tolerance, search_tolerances
 from pipeline.config import Config
+from pipeline.inclusion.closure import working_precision
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, pose_path

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.compare.criteria import MeasuredPath
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, compare_paths, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures
-from pipeline.compare.quantities import MeasuredPath
 from pipeline.refine.measure import PathFigures, PathSamples, measure_path
 
 COARSE_PATH = PathFigures(

@@ -4,9 +4,9 @@ import dataclasses
 
 import pytest
 
+from pipeline.compare.criteria import MeasuredPath
 from pipeline.compare.metrics import compare_paths
 from pipeline.compare.motion import MotionFigures
-from pipeline.compare.quantities import MeasuredPath
 from pipeline.compare.runs import RunsRow, compare_runs, runs_cells, runs_header, runs_markdown
 from tests.compare.test_metrics import COARSE, FAST, REFINED, SLOW
 

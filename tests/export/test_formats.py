@@ -23,7 +23,7 @@ from pipeline.export import (
     read_joint_trajectory,
     read_keyframes,
 )
-from pipeline.formats import AngleUnit, Format, LengthUnit, Separator
+from pipeline.export.formats import AngleUnit, Format, LengthUnit, Separator
 from pipeline.machine.geometry import ACTUATORS
 
 LIMITS = np.array([2.0, 2.0, 2.0, 0.5, 0.5])

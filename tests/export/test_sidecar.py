@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.config_file import config_sha256
+from pipeline.config.file import config_sha256
 from pipeline.export import sidecar, trajectory_columns
 from pipeline.machine import Machine
 from pipeline.retime import TrajectorySamples, Usage

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import assume
 
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine import InverseSolution, Machine, condition_number, inverse_kinematics, statics_matrix
-from pipeline.machine.geometry import MODES, TRIANGLE, FloatArray, IntArray
+from pipeline.machine.geometry import MODES, TRIANGLE
 
 DATA = Path(__file__).parents[1] / "data" / "kinematics.json"
 

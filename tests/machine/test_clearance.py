@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import lsq_linear
 
+from pipeline.arrays import FloatArray
 from pipeline.machine import InverseSolution, Machine, link_distances, link_rail_distances, min_distances
 from pipeline.machine.clearance import common_perpendicular, link_pairs, rail_pairs, segment_distance
-from pipeline.machine.geometry import ARM_OF_LINK, LINKS, FloatArray, cart_joints, link_vectors
+from pipeline.machine.geometry import ARM_OF_LINK, LINKS, cart_joints, link_vectors
 
 seeds = st.integers(0, 2**32 - 1)
 points = arrays(float, 3, elements=st.floats(-1.0, 1.0, width=32))

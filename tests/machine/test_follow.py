@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from pipeline.arrays import FloatArray
 from pipeline.machine import MODES, InverseSolution, Machine, condition_number, inverse_kinematics, statics_matrix
-from pipeline.machine.geometry import PRIMARY, FloatArray, link_vectors
+from pipeline.machine.geometry import PRIMARY, link_vectors
 from pipeline.machine.kinematics import closure_residual, follow, newton
 
 START = np.array([[1.02, 0.3, 0.9, 0.0, 0.0]])

@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine import InverseSolution, Machine, forward_kinematics, inverse_kinematics, statics_matrix
-from pipeline.machine.geometry import MODE_SIGNS, MODES, PRIMARY, FloatArray, link_vectors, rotation
+from pipeline.machine.geometry import MODE_SIGNS, MODES, PRIMARY, link_vectors, rotation
 from pipeline.machine.kinematics import (
     closure_jacobian,
     closure_residual,

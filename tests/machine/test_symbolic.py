@@ -7,8 +7,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.arrays import FloatArray
 from pipeline.machine import Machine, statics_matrix
-from pipeline.machine.geometry import FloatArray, cart_joints, link_lengths, link_vectors, platform_arms
+from pipeline.machine.geometry import cart_joints, link_lengths, link_vectors, platform_arms
 from pipeline.machine.kinematics import closure_jacobian
 from pipeline.machine.symbolic import closure_function, joints_function, statics_function, statics_terms_function
 

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.arrays import BoolArray, FloatArray
 from pipeline.machine import MODES, InverseSolution, Machine, inverse_kinematics, statics_matrix
-from pipeline.machine.geometry import BoolArray, FloatArray, cart_joints, platform_arms, rotation
+from pipeline.machine.geometry import cart_joints, platform_arms, rotation
 from pipeline.machine.kinematics import closure_residual
 from pipeline.machine.triangle import _root_search, dependent_angle, on_axis, third_discriminant
 

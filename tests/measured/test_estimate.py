@@ -8,8 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
-from pipeline.machine.geometry import FloatArray
 from pipeline.measured import Reflectors, estimate_poses, reflector_positions
 from pipeline.measured.estimate import CONTROLLED
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from pipeline.arrays import FloatArray
 from pipeline.machine import Machine, inverse_kinematics
-from pipeline.machine.geometry import FloatArray
 from pipeline.measured import Reflectors, SimulationSetting, reflector_positions, simulate_measurement
 from pipeline.measured.simulate import perturbed
 

@@ -8,9 +8,9 @@ from pipeline.machine import Machine
 from pipeline.machine.clearance import link_pairs
 from pipeline.refine import Path, Refinement, coarse_path, refine_path
 from pipeline.refine.corridor import corridor
-from pipeline.refine.descent import Ground
-from pipeline.refine.iterate import Iterate, Looks, iterate_at
-from pipeline.refine.limits import Demands
+from pipeline.refine.peak.constraints import PathConstraints
+from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
+from pipeline.refine.peak.sqp import PeakProblem
 from pipeline.refine.splines import clamped_knots, fit
 from pipeline.route import Route, build_regions, plan_route
 from pipeline.route.metric import step_sizes
@@ -56,22 +56,22 @@ def free() -> np.ndarray:
 
 
 @pytest.fixture(scope="session")
-def ground(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray, free) -> Ground:
+def ground(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray, free) -> PeakProblem:
     """Look at splines of sixteen coefficients in 61 places along the route."""
-    looks = Looks.at(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
+    looks = EvaluationPoints.at(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
     wanted = np.full((61, len(link_pairs(machine))), machine.link_link_m)
-    demands = Demands(corridor(quick_config, route, coarse, looks.s), wanted, np.zeros((61, 0)))
-    return Ground(looks, demands, free, machine.actuator_limits_m)
+    demands = PathConstraints(corridor(quick_config, route, coarse, looks.s), wanted, np.zeros((61, 0)))
+    return PeakProblem(looks, demands, free, machine.actuator_limits_m)
 
 
 @pytest.fixture(scope="session")
-def looks(ground: Ground) -> Looks:
+def looks(ground: PeakProblem) -> EvaluationPoints:
     """Give the places."""
     return ground.looks
 
 
 @pytest.fixture(scope="session")
-def iterate(looks: Looks, coarse: Path) -> Iterate:
+def iterate(looks: EvaluationPoints, coarse: Path) -> Iterate:
     """Fit the splines to the coarse path."""
     found = iterate_at(looks, fit(looks.knots, coarse.node_s, coarse.q(coarse.node_s)), coarse.pose(looks.s))
     assert found is not None

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.config_file import parse_config
+from pipeline.config.file import parse_config
 from pipeline.machine import Machine
 from pipeline.refine import Path, coarse_path, refine_path
 from pipeline.refine.coarse import move_of
 from pipeline.refine.corridor import corridor, visit_parameters
 from pipeline.refine.measure import sample_path
 from pipeline.route import Route, build_regions, plan_route
-from pipeline.route.boxes import Box
 from pipeline.route.metric import CONTROLLED
+from pipeline.route.regions.boxes import Box
 
 S = np.linspace(0.0, 1.0, 101)
 

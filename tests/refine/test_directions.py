@@ -52,7 +52,7 @@ def test_a_direction_that_no_path_keeps_is_named(
     def fail(*_: object) -> None:
         raise NoSolutionError("refine", "nothing was found", "Raise refine.nodes.")
 
-    monkeypatch.setattr("pipeline.refine.refiner.lowered", fail)
+    monkeypatch.setattr("pipeline.refine.refiner.lower_peak", fail)
     monkeypatch.setattr("pipeline.refine.refiner.solve_from", fail)
     with pytest.raises(NoSolutionError, match=r"Raise refine.nodes. Or change refine.start_direction, or leave it out"):
         refine_path(_with(light_config, start_direction=(0.0, 1.0, 0.0)), machine, route)

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from pipeline.refine import Path, Refinement, kappa_along
-from pipeline.refine.mesh import Mesh, _most, even_mesh, finer, with_nodes
+from pipeline.refine.mesh import Mesh, _most, adapted_mesh, even_mesh, with_nodes
 from pipeline.refine.splines import DEGREE, clamped_knots, fit
 from pipeline.route.metric import arc_length
 
@@ -44,7 +44,7 @@ def test_knots_go_where_the_spline_is_rough(refinement: Refinement, steps: np.nd
     smooth = fit(mesh.knots, np.linspace(0, 1, 400), refinement.path.q(np.linspace(0, 1, 400)))
     smooth[15] += 0.03
     path = Path(refinement.path.machine, BSpline(mesh.knots, smooth, DEGREE), mesh.s, refinement.path.pose(mesh.s))
-    more = finer(mesh, path, steps)
+    more = adapted_mesh(mesh, path, steps)
     new = np.setdiff1d(more.knots, mesh.knots)
     inside = (new > mesh.knots[15]) & (new < mesh.knots[15 + DEGREE + 1])
     assert inside.sum() >= 2
@@ -89,6 +89,6 @@ def test_finer_meshes_hold_the_coarser_ones(refinement: Refinement, steps: np.nd
     mesh = before = Mesh(np.linspace(0.0, 1.0, 50), spline.t)
     path = replace(refinement.path)
     for _ in range(rounds):
-        before, mesh = mesh, finer(mesh, path, steps)
+        before, mesh = mesh, adapted_mesh(mesh, path, steps)
         assert np.isin(before.s, mesh.s).all()
         assert np.isin(before.knots, mesh.knots).all()

@@ -11,7 +11,7 @@ from pipeline.config import Config
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.machine import Machine, build_machine
 from pipeline.refine import Path, PathFigures, Refinement, coarse_path, measure_path, refine_path, sample_path
-from pipeline.refine.between import Breach, breaches
+from pipeline.refine.check import Violation, find_violations
 from pipeline.route import Route, build_regions, plan_route
 from pipeline.route.metric import step_sizes
 from pipeline.status import Status
@@ -84,11 +84,11 @@ def test_a_broken_promise_adds_nodes_and_is_told_when_it_stays(
     """Each round has more nodes; the last one ends with what is broken and what to change."""
     seen: list[int] = []
 
-    def broken(config: Config, route: Route, path: Path, coarse: Path) -> list[Breach]:
+    def broken(config: Config, route: Route, path: Path, coarse: Path) -> list[Violation]:
         seen.append(len(path.node_s))
-        return [Breach("links too close, metres", 0.01, np.array([0.305]), "Raise refine.nodes.")]
+        return [Violation("links too close, metres", 0.01, np.array([0.305]), "Raise refine.nodes.")]
 
-    monkeypatch.setattr("pipeline.refine.refiner.breaches", broken)
+    monkeypatch.setattr("pipeline.refine.refiner.find_violations", broken)
     few = light_config.refine.model_copy(update={"max_rounds": 2})
     with pytest.raises(NoSolutionError, match="links too close") as caught:
         refine_path(light_config.model_copy(update={"refine": few}), machine, route)
@@ -140,7 +140,7 @@ def test_each_breach_of_the_configuration_is_found(
 ) -> None:
     """Stricter limits than the path was made for are seen."""
     sections = {name: getattr(light_config, name).model_copy(update=values) for name, values in change.items()}
-    found = breaches(light_config.model_copy(update=sections), route, refinement.path, refinement.coarse)
+    found = find_violations(light_config.model_copy(update=sections), route, refinement.path, refinement.coarse)
     assert [what in breach.what for breach in found] == [True]
 
 
@@ -157,7 +157,7 @@ def test_each_breach_of_the_machine_is_found(
 ) -> None:
     """Stricter clearances and strokes than the path was made for are seen."""
     path = replace(refinement.path, machine=replace(refinement.path.machine, **change))
-    found = breaches(light_config, route, path, refinement.coarse)
+    found = find_violations(light_config, route, path, refinement.coarse)
     assert [what in breach.what for breach in found] == [True]
 
 
@@ -165,7 +165,7 @@ def test_a_path_that_cannot_close_is_a_breach(light_config: Config, route: Route
     """Lost closure is told with the place."""
     spline = refinement.path.spline
     far = replace(refinement.path, spline=type(spline)(spline.t, spline.c + [0.0, 0.0, 5.0, 0.0, 0.0], spline.k))
-    found = breaches(light_config, route, far, refinement.coarse)
+    found = find_violations(light_config, route, far, refinement.coarse)
     assert "no solution" in str(found[0])
 
 
@@ -286,7 +286,7 @@ def test_where_ipopt_fails_the_path_comes_from_another_start(
     assert any("IPOPT gave up; another start" in message for message in heard)
     figures = measure_path(sample_path(result.path, np.linspace(0.0, 1.0, 2_000)), steps)
     assert figures.kappa_integral == pytest.approx(usual.kappa_integral, rel=0.01)
-    assert breaches(light_config, route, result.path, result.coarse) == []
+    assert find_violations(light_config, route, result.path, result.coarse) == []
 
 
 def test_finer_meshes_end_when_they_change_nothing(light_config: Config, machine: Machine, route: Route) -> None:

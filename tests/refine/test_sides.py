@@ -10,7 +10,7 @@ from pipeline.config import Config
 from pipeline.machine import MODES, Machine
 from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.refine import Path, Refinement, measure_path, refine_path, sample_path
-from pipeline.refine.between import breaches
+from pipeline.refine.check import find_violations
 from pipeline.refine.coarse import corner_parameters
 from pipeline.refine.sides import sides_at
 from pipeline.route import Route
@@ -58,7 +58,7 @@ def test_other_working_modes_are_a_breach(light_config: Config, route: Route, re
     swapped = [MODES.index(name[::-1]) for name in route.mode_names]
     gates = np.array([0, 3, 2, 1])[route.gates]
     other = replace(route, gates=gates, modes=np.array(swapped))
-    found = [breach.what for breach in breaches(light_config, other, refinement.path, refinement.coarse)]
+    found = [breach.what for breach in find_violations(light_config, other, refinement.path, refinement.coarse)]
     assert any("another working mode" in what for what in found)
 
 
@@ -69,7 +69,7 @@ def test_a_budget_of_changes_is_that_of_the_path_too(
     for budget, told in ((3, False), (2, True)):
         limited = light_config.task.budget.model_copy(update={"mode_changes": budget})
         config = light_config.model_copy(update={"task": light_config.task.model_copy(update={"budget": limited})})
-        found = [breach.what for breach in breaches(config, route, refinement.path, refinement.coarse)]
+        found = [breach.what for breach in find_violations(config, route, refinement.path, refinement.coarse)]
         assert any("task.budget.mode_changes" in what for what in found) == told
 
 
@@ -88,5 +88,5 @@ def test_an_arm_that_changes_to_and_fro_has_to_do_so(
     np.testing.assert_array_equal(sides[middle], np.tile([1.0, -1.0, -1.0], (middle.sum(), 1)))
     values = sides[:, 0][np.append(True, np.diff(sides[:, 0]) != 0.0)]
     np.testing.assert_array_equal(values, [-1.0, 0.0, 1.0, 0.0, -1.0])
-    found = [breach.what for breach in breaches(light_config, to_and_fro, refinement.path, refinement.coarse)]
+    found = [breach.what for breach in find_violations(light_config, to_and_fro, refinement.path, refinement.coarse)]
     assert any("leaves out" in what or "another working mode" in what for what in found)

@@ -9,14 +9,14 @@ import pytest
 from pipeline.artifacts import plain
 from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
-from pipeline.config_file import parse_config
+from pipeline.config.file import parse_config
 from pipeline.machine import Machine
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
 from pipeline.retime import measure_trajectory, sample_trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
-from pipeline.summary import (
+from pipeline.summary.sections import (
     certificate_section,
     path_section,
     regions_section,

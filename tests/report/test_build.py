@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.compare.figures.maps import kappa_map
 from pipeline.errors import NoSolutionError
+from pipeline.figures.maps.kappa_map import kappa_map
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import MODES
 from pipeline.report import Report, RunResults, build_report

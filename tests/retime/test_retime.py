@@ -11,8 +11,8 @@ from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError, UnfitConfigError
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage, retime_path, sample_trajectory
-from pipeline.retime.plan import plan
-from pipeline.retime.terms import path_terms
+from pipeline.retime.path_dynamics import path_terms
+from pipeline.retime.toppra import plan
 
 
 def _config(config: Config, **options: Any) -> Config:
@@ -188,7 +188,7 @@ def test_limits_exceeded_by_more_than_rounding_are_an_error(
     agder_config: Config, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the last rounds leave may be taken off by stretching, but no more of a limit than that."""
-    monkeypatch.setattr("pipeline.retime.jerk._ROUNDS", 1)
+    monkeypatch.setattr("pipeline.retime.jerk.solve._ROUNDS", 1)
     monkeypatch.setattr("pipeline.retime.retime._MOST_USAGE", 1.001)
     with pytest.raises(NoSolutionError, match="between two points of the plan") as e:
         retime_path(_config(agder_config, jerk_pieces=40), path)

@@ -8,7 +8,7 @@ import pytest
 from pipeline.config import Config, RetimeConfig
 from pipeline.refine.result import Path
 from pipeline.retime import Trajectory, measure_usage, retime_path, time_reversed, way_back
-from pipeline.retime.plan import plan
+from pipeline.retime.toppra import plan
 
 
 @pytest.fixture(scope="module", params=[True, False], ids=["jerk", "no jerk"])

@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from pipeline.config import Config
-from pipeline.config_file import parse_config
+from pipeline.config.file import parse_config
 from pipeline.machine import Machine, build_machine
 from pipeline.route import RegionTable, Route, build_regions
-from pipeline.route.moves import Moves, find_moves
+from pipeline.route.moves.candidates import Moves, find_moves
 
 RAIL_OF_LINK = [0, 1, 1, 2, 2, 2]
 
@@ -106,14 +106,14 @@ def hand_table() -> Callable[..., RegionTable]:
         return RegionTable(
             controlled=controlled,
             ry_rad=np.zeros(n),
-            mode=np.zeros(n, dtype=np.int64),
-            gate=np.zeros(n, dtype=np.int64),
+            modes=np.zeros(n, dtype=np.int64),
+            gates=np.zeros(n, dtype=np.int64),
             q_m=np.ones((n, 5)),
             kappa=costs,
             det_sign=np.ones(n),
             link_distance_m=np.ones(n),
             x_window_m=windows,
-            visit=np.zeros(n, dtype=np.int64),
+            visits=np.zeros(n, dtype=np.int64),
         )
 
     return table

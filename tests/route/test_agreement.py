@@ -11,16 +11,16 @@ from scipy.optimize import linprog
 
 from pipeline.config import Config
 from pipeline.progress import silent
-from pipeline.route.budgets import budgets
-from pipeline.route.compact_milp import build_compact_model, read_compact
-from pipeline.route.highs import solve_model
-from pipeline.route.itinerary import lay_out
-from pipeline.route.moves import Moves
-from pipeline.route.paper_milp import build_paper_model, read_paper
-from pipeline.route.pricing import priced_bounds
-from pipeline.route.prove import prove_on_core
-from pipeline.route.rules import rule_violations, task_violations
-from pipeline.route.table import RegionTable
+from pipeline.route.bounds.budget_prices import priced_bounds
+from pipeline.route.bounds.budgets import budgets
+from pipeline.route.moves.candidates import Moves
+from pipeline.route.programs.compact import build_compact_model, read_compact
+from pipeline.route.programs.paper import build_paper_model, read_paper
+from pipeline.route.regions.table import RegionTable
+from pipeline.route.search.optimum import prove_on_core
+from pipeline.route.search.rule_check import rule_violations, task_violations
+from pipeline.route.search.states import expand_states
+from pipeline.solvers.highs import solve_model
 from pipeline.status import Status
 
 WIDE = np.array([1.0, 1e3, 1e3, 1e3, 1e3])
@@ -69,7 +69,7 @@ def draw(random_problem, hand_moves, quick_config, vary):
         if "stray" in asked:
             near = random.random((2, n)) < 0.7
             near[:, -2:] = True
-        table = replace(regions, gate=gate, mode=mode, controlled=controlled, visit=visit, x_window_m=windows)
+        table = replace(regions, gates=gate, modes=mode, controlled=controlled, visits=visit, x_window_m=windows)
         kept = [
             (i, j)
             for i, j in zip(moves.source.tolist(), moves.target.tolist(), strict=True)
@@ -101,13 +101,13 @@ def _brute_force(case: Case) -> float:
 
 def _asked(case: Case, sequence: np.ndarray) -> bool:
     """Visits in turn, every better route strayed from, budgets but for travel kept."""
-    wanted = iter(case.regions.visit[sequence].tolist())
-    if not all(k in wanted for k in range(1, int(case.regions.visit.max()) + 1)):
+    wanted = iter(case.regions.visits[sequence].tolist())
+    if not all(k in wanted for k in range(1, int(case.regions.visits.max()) + 1)):
         return False
     if not (~case.near[:, sequence]).any(axis=1).all():
         return False
     limits, tilts = case.config.task.budget, case.regions.controlled[sequence, 3:]
-    changes = np.count_nonzero(np.diff(case.regions.mode[sequence]))
+    changes = np.count_nonzero(np.diff(case.regions.modes[sequence]))
     if limits.mode_changes is not None and changes > limits.mode_changes:
         return False
     return limits.tilt_deg is None or np.rad2deg(np.abs(np.diff(tilts, axis=0)).sum()) <= limits.tilt_deg + 1e-6
@@ -140,7 +140,7 @@ def test_the_core_finds_the_optimum_of_brute_force(draw, vary, seed, asked, marg
     """Whatever is asked of the route and whatever the first threshold; what it finds keeps all rules."""
     case = draw(seed, asked)
     config = vary(case.config, {"route.threshold_margin": margin})
-    layout = lay_out(case.regions, case.moves, case.near)
+    layout = expand_states(case.regions, case.moves, case.near)
     bounds = priced_bounds(layout.regions, layout.moves, budgets(config), silent)
     expected = _brute_force(case)
     # Of a route within the budgets and all else the bounds promise no more than it costs.
@@ -162,7 +162,7 @@ def test_the_core_finds_the_optimum_of_brute_force(draw, vary, seed, asked, marg
 def test_the_other_programs_find_the_optimum_of_brute_force(draw, formulation, seed, asked):
     """Budgets are rows and columns there, and nothing is priced."""
     case = draw(seed, asked)
-    layout = lay_out(case.regions, case.moves, case.near)
+    layout = expand_states(case.regions, case.moves, case.near)
     build, read = PROGRAMS[formulation]
     every = itertools.permutations(range(len(layout.regions)), 2)
     admitted = set(zip(layout.moves.source.tolist(), layout.moves.target.tolist(), strict=True))

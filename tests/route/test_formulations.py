@@ -12,14 +12,14 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.progress import silent
 from pipeline.route import build_regions, plan_route
-from pipeline.route.compact_milp import build_compact_model, read_compact
-from pipeline.route.exclusions import add_exclusions, excluded_pairs
-from pipeline.route.highs import solve_model, write_model
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import Moves, find_moves
-from pipeline.route.paper_milp import build_paper_model, paper_size, read_paper
-from pipeline.route.rows import Rows
-from pipeline.route.rules import route_cost, rule_violations
+from pipeline.route.moves.candidates import Moves, find_moves
+from pipeline.route.programs.compact import build_compact_model, read_compact
+from pipeline.route.programs.exclusions import add_exclusions, excluded_pairs
+from pipeline.route.programs.paper import build_paper_model, paper_size, read_paper
+from pipeline.route.programs.rows import Rows
+from pipeline.route.search.rule_check import route_cost, rule_violations
+from pipeline.solvers.highs import solve_model, write_model
 from pipeline.status import Status
 
 FORMULATIONS = {"paper": (build_paper_model, read_paper), "compact": (build_compact_model, read_compact)}

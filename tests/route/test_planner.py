@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.progress import silent
-from pipeline.route import build_regions, placing, plan_route, planner
-from pipeline.route.follow import Flaw, MoveChecks
-from pipeline.route.moves import Moves
-from pipeline.route.prove import prove_on_core
-from pipeline.route.relaxation import shortest_paths
+from pipeline.route import build_regions, plan_route, planner
+from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.moves.candidates import Moves
+from pipeline.route.moves.check import Flaw, MoveChecks
+from pipeline.route.search import placement as placing
+from pipeline.route.search.optimum import prove_on_core
 from pipeline.status import Status
 
 

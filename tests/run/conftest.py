@@ -12,15 +12,15 @@ from scipy.interpolate import make_interp_spline
 
 from pipeline.certify import Bounds, Certificate, ProvenChain, Tolerance, path_sha256
 from pipeline.certify.guess import point_box
-from pipeline.certify.inclusion import Box
-from pipeline.certify.uncertainty import CERTAIN, of_everything, of_lengths
 from pipeline.config import Config
-from pipeline.config_file import parse_config
+from pipeline.config.file import parse_config
+from pipeline.inclusion.krawczyk import Box
+from pipeline.inclusion.uncertainty import CERTAIN, of_everything, of_lengths
 from pipeline.machine import Machine, inverse_kinematics
 from pipeline.progress import Progress, silent
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory
-from pipeline.route.regions import RegionTable
+from pipeline.route.regions.build import RegionTable
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
 
@@ -71,14 +71,14 @@ def make_regions(machine: Machine, count: int = 5) -> RegionTable:
     return RegionTable(
         controlled=pose[:, [0, 1, 2, 3, 5]],
         ry_rad=pose[:, 4],
-        mode=np.arange(count),
-        gate=np.arange(count) % 4,
+        modes=np.arange(count),
+        gates=np.arange(count) % 4,
         q_m=q,
         kappa=np.geomspace(20.0, 30.0, count),
         det_sign=np.ones(count),
         link_distance_m=np.linspace(0.03, 0.1, count),
         x_window_m=np.stack([np.linspace(0.1, 0.2, count), np.linspace(1.0, 1.1, count)], axis=1),
-        visit=np.arange(count) % 2,
+        visits=np.arange(count) % 2,
     )
 
 
@@ -236,7 +236,7 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
     monkeypatch.setattr("pipeline.refine.refine_path", refine_path, raising=False)
     monkeypatch.setattr("pipeline.certify.certify_path", certify_path)
     monkeypatch.setattr("pipeline.retime.retime_path", retime_path)
-    monkeypatch.setattr("pipeline.compare.all_figures", all_figures)
+    monkeypatch.setattr("pipeline.figures.all_figures", all_figures)
     monkeypatch.setattr("pipeline.run.reporting.report_page", lambda results, state: b"<!doctype html>")
     return fake
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 from pipeline.artifacts.results import load_route
 from pipeline.cli import app
 from pipeline.config import Config
-from pipeline.config_file import dump_config, load_config
+from pipeline.config.file import dump_config, load_config
 from pipeline.errors import NoSolutionError
 
 

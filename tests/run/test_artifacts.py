@@ -49,7 +49,7 @@ from pipeline.artifacts.results import (
     trajectory_files,
 )
 from pipeline.config import Config
-from pipeline.config_file import config_sha256, dump_config
+from pipeline.config.file import config_sha256, dump_config
 from pipeline.errors import UsageError
 from pipeline.export import read_csv, sidecar
 from pipeline.machine import Machine

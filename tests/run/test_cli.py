@@ -21,12 +21,12 @@ from pipeline.cli import app, main
 from pipeline.cli.machine_report import machine_report, usable_reach
 from pipeline.cli.reporter import LiveReporter, PlainReporter, make_reporter
 from pipeline.config import Config
-from pipeline.config_file import dump_config, load_config
+from pipeline.config.file import dump_config, load_config
 from pipeline.errors import NoSolutionError
-from pipeline.key_figures import key_figures
 from pipeline.machine import MODES, Machine
-from pipeline.route import task_ends
+from pipeline.route import task_endpoints
 from pipeline.stage import STAGES, Stage
+from pipeline.summary.wording import key_figures
 
 Call = Callable[..., Result]
 ESCAPE = "\x1b"
@@ -424,7 +424,7 @@ class TestCheck:
         """Start and goal, grid and limits are shown with units, and nothing is written."""
         result = call("check", config_file)
         assert result.exit_code == 0
-        start, _ = task_ends(fast_config, machine)
+        start, _ = task_endpoints(fast_config, machine)
         for text in (
             "5 actuators, 5 degrees of freedom",
             f"{start.kappa:.3f}",
@@ -483,7 +483,7 @@ class TestCheck:
     def test_empty_reach_is_shown(self, fast_config: Config, machine: Machine, change: Any) -> None:
         """An empty reach reads "none"."""
         console = Console(file=StringIO(), width=110)
-        ends = task_ends(fast_config, machine)
+        ends = task_endpoints(fast_config, machine)
         for part in machine_report(change(fast_config, route__kappa_max=2.0), machine, ends):
             console.print(part)
         assert "none" in console.file.getvalue()

@@ -9,15 +9,14 @@ from typer.testing import CliRunner
 from pipeline.artifacts import read_state
 from pipeline.cli import app
 from pipeline.config import Config
-from pipeline.config_file import dump_config, load_config
+from pipeline.config.file import dump_config, load_config
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.progress import Progress
 from pipeline.route import build_regions
 from pipeline.run import Results, run_pipeline
 from pipeline.run.diagnosis import Diagnosis, can_diagnose, diagnose
 from pipeline.stage import Stage
-
-from ..conftest import CONFIGS
+from tests.conftest import CONFIGS
 
 KEY = "route.step_budget"
 

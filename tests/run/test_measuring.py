@@ -9,7 +9,7 @@ from typer.testing import CliRunner, Result
 
 from pipeline.cli import app
 from pipeline.config import Config
-from pipeline.config_file import dump_config
+from pipeline.config.file import dump_config
 
 
 def call(*arguments: object) -> Result:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from pipeline.cli import app
 from pipeline.cli.program_file import write_program
 from pipeline.config import Config
-from pipeline.config_file import dump_config
+from pipeline.config.file import dump_config
 from pipeline.errors import UsageError
 from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.config_file import config_sha256, load_config
+from pipeline.config.file import config_sha256, load_config
 from pipeline.errors import (
     ConfigError,
     ConfigIssue,
@@ -89,7 +89,7 @@ class TestWhole:
         assert told["config_sha256"] == config_sha256(fast_config)
         assert {"gantry-tau", "python", "numpy", "scipy", "highspy", "casadi", "toppra"} <= set(told["versions"])
         assert told["regions"]["count"] == 5
-        assert told["regions"]["gates"] == make["regions"](machine).gates
+        assert told["regions"]["gates"] == make["regions"](machine).gate_count
         assert told["regions"]["nominal_variables"] == (13 + 5) * 25
         route = told["route"]
         assert {"status", "solver", "objective", "bound", "gap", "steps", "kappa_max", "mode_changes"} <= set(route)

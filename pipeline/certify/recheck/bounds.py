@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from pipeline.certify.clearance import Pairs, build_pairs, separating_directions
+from pipeline.arrays import FloatArray
 from pipeline.certify.recheck.determinant import det_signs
 from pipeline.certify.recheck.enclosure import Enclosure, bound, contract, cross, dot, exactly, root, total, within
 from pipeline.certify.recheck.inclusion import Boxes, Inclusions, linear_inverse, power, residual_of_inverse
 from pipeline.certify.recheck.jets import moved
 from pipeline.certify.recheck.motion import Motion
-from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, PRIMARY, TRIANGLE, FloatArray, Machine
-from pipeline.route.ends import End
+from pipeline.inclusion.distances import Pairs, build_pairs, separating_directions
+from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, PRIMARY, TRIANGLE, Machine
+from pipeline.route.regions.endpoints import Endpoint
 
 _PARTS = 16
 
@@ -75,7 +76,7 @@ def tilt_bounds(boxes: Boxes, deviation: FloatArray) -> FloatArray:
 
 
 def end_misses(
-    machine: Machine, joints: Boxes, met: Inclusions, ends: tuple[End, End]
+    machine: Machine, joints: Boxes, met: Inclusions, ends: tuple[Endpoint, Endpoint]
 ) -> tuple[list[float], list[bool]]:
     """How far both ends are from the task's poses at most, and whether working mode and branch are theirs."""
     misses, assembled = [], []
@@ -86,7 +87,7 @@ def end_misses(
     return misses, assembled
 
 
-def _is_assembly(machine: Machine, joints: Boxes, deviation: FloatArray, end: End, k: int) -> bool:
+def _is_assembly(machine: Machine, joints: Boxes, deviation: FloatArray, end: Endpoint, k: int) -> bool:
     motion, turn = joints.at, total(*deviation[3:])
     shift = total(_arms(machine) * turn, _norm(deviation[:3]))
     vectors = motion.vectors[0][..., k]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
 
 
 def det_signs(matrices: FloatArray) -> FloatArray:

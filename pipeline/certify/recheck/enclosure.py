@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.machine.geometry import FloatArray
+from pipeline.arrays import FloatArray
 
 _U = 2.0**-53
 _TINY = 1e-290

@@ -1,17 +1,18 @@
-"""The inclusion of every box once more, all boxes at once; the statement is that of `pipeline.certify.inclusion`."""
+"""The inclusion of every box once more, all boxes at once; the statement is that of `pipeline.inclusion.krawczyk`."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.certify.inclusion import Box
-from pipeline.certify.pieces import middle
+from pipeline.arrays import BoolArray, FloatArray
 from pipeline.certify.recheck.enclosure import Enclosure, bound, contract, exactly, root, total, within
 from pipeline.certify.recheck.jets import TERMS, moved, spline_taylor
 from pipeline.certify.recheck.motion import Motion, follow, second_derivatives
 from pipeline.certify.recheck.splines import on_one_piece
-from pipeline.certify.uncertainty import Uncertainty
-from pipeline.machine.geometry import BoolArray, FloatArray, Machine
+from pipeline.inclusion.krawczyk import Box
+from pipeline.inclusion.pieces import middle
+from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 
 

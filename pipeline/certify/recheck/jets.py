@@ -5,8 +5,8 @@ from math import comb, factorial
 
 import numpy as np
 
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.certify.recheck.enclosure import Enclosure, exactly, stacked, total
-from pipeline.machine.geometry import FloatArray, IntArray
 
 TERMS = 5
 _SINE_TERMS = 20

@@ -4,15 +4,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pipeline.certify.ends import TOLERANCE
+from pipeline.arrays import FloatArray
+from pipeline.certify.endpoints import TOLERANCE
 from pipeline.certify.limits import ROUNDING, SLIP, Limits, pair_name
 from pipeline.certify.recheck.bounds import actuator_ranges, distance_bounds, end_misses, kappa_bounds, tilt_bounds
 from pipeline.certify.recheck.claim import Claim
 from pipeline.certify.recheck.inclusion import Boxes, Inclusions
 from pipeline.certify.result import Bounds
-from pipeline.machine.geometry import ACTUATORS, FloatArray, Machine
-from pipeline.refine.caps import TILTS
-from pipeline.route.ends import End
+from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.refine.path_limits import TILTS
+from pipeline.route.regions.endpoints import Endpoint
 
 KAPPA = "kappa stays below its bound, within the cap"
 SIGN = "det H keeps its sign"
@@ -66,7 +67,7 @@ def bound_claims(machine: Machine, limits: Limits, bounds: Bounds, boxes: Boxes,
 
 
 def end_claims(
-    machine: Machine, bounds: Bounds, joints: Boxes, met: Inclusions, ends: tuple[End, End]
+    machine: Machine, bounds: Bounds, joints: Boxes, met: Inclusions, ends: tuple[Endpoint, Endpoint]
 ) -> Iterator[Claim]:
     """Verify that the path begins and ends where the task does, as near as is stated."""
     misses, assembled = end_misses(machine, joints, met, ends)

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.certify.recheck.bounds import kappa_bounds
 from pipeline.certify.recheck.inclusion import build_boxes, include
 from pipeline.certify.result import ProvenChain
-from pipeline.machine.geometry import FloatArray, Machine
+from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 from scipy.interpolate import BSpline
 
+from pipeline.arrays import BoolArray, FloatArray
 from pipeline.certify.recheck.claim import Claim
-from pipeline.machine.geometry import ACTUATORS, BoolArray, FloatArray
+from pipeline.machine.geometry import ACTUATORS
 
 SPLINES = "the splines are continuous from s = 0 to 1"
 

@@ -11,10 +11,10 @@ from pipeline.certify.recheck.limits import CLAIMS, bound_claims, end_claims
 from pipeline.certify.recheck.splines import SPLINES, spline_claim
 from pipeline.certify.recheck.statement import StatedTolerance, Statement
 from pipeline.certify.result import ProvenChain, path_sha256
-from pipeline.certify.uncertainty import CERTAIN, Uncertainty, of_everything, of_lengths
+from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty, of_everything, of_lengths
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
-from pipeline.route.ends import End
+from pipeline.route.regions.endpoints import Endpoint
 
 PATH = "it is about this path"
 PREMISES = "it is about this machine, limits, start and goal"
@@ -41,7 +41,12 @@ MANDATORY = (
 
 
 def verify(
-    machine: Machine, path: Path, limits: Limits, ends: tuple[End, End], premises_sha256: str, stated: Statement
+    machine: Machine,
+    path: Path,
+    limits: Limits,
+    ends: tuple[Endpoint, Endpoint],
+    premises_sha256: str,
+    stated: Statement,
 ) -> list[Claim]:
     """Verify every claim of a certificate, without searching for anything; those of `MANDATORY` in any case."""
     spoken_of, splines = path_sha256(path), spline_claim(path.spline)
@@ -87,7 +92,7 @@ def _tolerance_claim(
 
 
 def _proof(
-    machine: Machine, path: Path, limits: Limits, ends: tuple[End, End], stated: Statement, chain: ProvenChain
+    machine: Machine, path: Path, limits: Limits, ends: tuple[Endpoint, Endpoint], stated: Statement, chain: ProvenChain
 ) -> list[Claim]:
     """Verify a chain; of the machine as configured also what is stated of it."""
     of = _CONFIGURED

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.machine import build_machine
-from pipeline.machine.geometry import FloatArray
 from pipeline.progress import silent
-from pipeline.route.highs import solver_name
-from pipeline.route.moves import find_moves
-from pipeline.route.prove import prove_on_core
-from pipeline.route.relaxation import shortest_paths, shortest_route
+from pipeline.route.bounds.shortest_paths import shortest_paths, shortest_route
+from pipeline.route.moves.candidates import find_moves
+from pipeline.route.search.optimum import prove_on_core
+from pipeline.solvers.highs import solver_name
 from tests.benchmarks.exchange import load_problem, load_regions
 from tests.benchmarks.isolated import peak_mb
 

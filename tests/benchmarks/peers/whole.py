@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.progress import silent
-from pipeline.route.compact_milp import build_compact_model, read_compact
-from pipeline.route.highs import solve_model, solver_name
 from pipeline.route.metric import step_sizes
-from pipeline.route.paper_milp import build_paper_model, read_paper
+from pipeline.route.programs.compact import build_compact_model, read_compact
+from pipeline.route.programs.paper import build_paper_model, read_paper
+from pipeline.solvers.highs import solve_model, solver_name
 from tests.benchmarks.exchange import load_exclusions, load_problem, load_regions
 from tests.benchmarks.isolated import peak_mb
 

@@ -8,7 +8,7 @@ import pytest
 from pipeline.certify import Certificate
 from pipeline.certify.recheck.bounds import kappa_bounds
 from pipeline.certify.recheck.inclusion import build_boxes, include
-from pipeline.certify.uncertainty import CERTAIN
+from pipeline.inclusion.uncertainty import CERTAIN
 from pipeline.machine import Machine
 from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, determinant, pose_path
 

@@ -8,9 +8,9 @@ import pytest
 from flint import arb, arb_series, ctx
 from scipy.interpolate import BSpline, make_interp_spline
 
-from pipeline.certify.pieces import pieces
 from pipeline.certify.recheck.enclosure import Enclosure, exactly, within
 from pipeline.certify.recheck.jets import TERMS, _horner, moved, sine_cosine, spline_taylor
+from pipeline.inclusion.pieces import pieces
 
 
 @pytest.mark.parametrize("angle", [-3.9, -1.0, 0.0, 1e-9, 0.7, 3.2])

@@ -1,0 +1,134 @@
+"""What is wrong with a configuration, in one clear sentence per key: its path, the value, what is allowed there."""
+
+import difflib
+import json
+import re
+from typing import Any
+
+from pydantic_core import ErrorDetails
+
+from pipeline.config.config import Config
+from pipeline.config.export import JOINT_PATTERN
+from pipeline.config.section import MODE_PATTERN, NAME_PATTERN
+from pipeline.errors import ConfigIssue
+
+_Schema = dict[str, Any]
+
+_PATTERNS = {
+    MODE_PATTERN: "three letters L or R, one per arm, such as LLL",
+    JOINT_PATTERN: "letters, digits, '_', '/', '-' and '.', the first a letter or '_'",
+    NAME_PATTERN: "letters, digits, '_', '-' and '.', the first a letter, a digit or '_'",
+}
+_KINDS = {"number": "a number", "integer": "a whole number", "boolean": "on or off, without quotes", "null": "null"}
+_UNITS = {
+    "m": ("metres", "millimetres"),
+    "s": ("seconds", "milliseconds"),
+    "mps": ("metres per second", "millimetres per second"),
+    "mps2": ("metres per second squared", "millimetres per second squared"),
+    "mps3": ("metres per second cubed", "millimetres per second cubed"),
+}
+
+
+def explain(error: ErrorDetails) -> ConfigIssue:
+    """Turn one error of pydantic's into a key's path, the value found there and what is allowed."""
+    location, kind, value = error["loc"], error["type"], error["input"]
+    path = key_path(location)
+    if kind == "rule" and "key" not in error.get("ctx", {}):
+        return ConfigIssue(path, error["msg"], value)
+    if kind == "rule":
+        return ConfigIssue(key_path((*location, error["ctx"]["key"])), error["ctx"]["message"], value)
+    if kind in ("extra_forbidden", "invalid_key"):
+        return ConfigIssue(path, f"is not a known key{_known_keys(location)}", value)
+    schema = _schema_at(location)
+    if kind == "missing":
+        return ConfigIssue(path, f"is missing; allowed is {_allowed(schema)}")
+    hint = _unit_hint(location, value, schema)
+    return ConfigIssue(path, f"is {_shown(value)}; allowed is {_allowed(schema)}{hint}", value)
+
+
+def key_path(location: tuple[int | str, ...]) -> str:
+    """Write a location as a path: task.start.x_m, machine.rails[0]."""
+    path = ""
+    for part in location:
+        path += f"[{part}]" if isinstance(part, int) else f".{part}" if path else part
+    return path
+
+
+def _schema_at(location: tuple[int | str, ...]) -> _Schema:
+    """Find the JSON schema of a key by its location."""
+    schema: _Schema = Config.model_json_schema()
+    for part in location:
+        schema = _given(schema)
+        if isinstance(part, str):
+            schema = schema["properties"][part]
+        else:
+            schema = schema["prefixItems"][part] if "prefixItems" in schema else schema["items"]
+    return _resolved(schema)
+
+
+def _given(schema: _Schema) -> _Schema:
+    """Find what has parts: of a key that may be null the other choice."""
+    return _resolved(next((choice for choice in schema.get("anyOf", []) if choice.get("type") != "null"), schema))
+
+
+def _resolved(schema: _Schema) -> _Schema:
+    """Look up what a reference refers to."""
+    definitions: _Schema = Config.model_json_schema()["$defs"]
+    return definitions[schema["$ref"].rsplit("/", 1)[-1]] if "$ref" in schema else schema
+
+
+def _allowed(schema: _Schema) -> str:
+    """Say what a schema allows."""
+    schema = _resolved(schema)
+    if "anyOf" in schema:
+        return " or ".join(_allowed(choice) for choice in schema["anyOf"])
+    if "enum" in schema:
+        return " or ".join(schema["enum"])
+    if "pattern" in schema:
+        return _PATTERNS[schema["pattern"]]
+    if schema["type"] == "array":
+        return _allowed_list(schema)
+    if schema["type"] == "object":
+        return f"a section with the keys {', '.join(schema['properties'])}"
+    return _KINDS[schema["type"]] + _range(schema)
+
+
+def _allowed_list(schema: _Schema) -> str:
+    if "prefixItems" not in schema:
+        return f"a list of {_allowed(schema['items'])}"
+    length, item = schema["minItems"], schema["prefixItems"][0]
+    kind = "sections" if "$ref" in item else f"numbers{_range(item)}"
+    return f"a list of {length} {kind}"
+
+
+def _range(schema: _Schema) -> str:
+    low = f" from {schema['minimum']:g}" if "minimum" in schema else ""
+    above = f" above {schema['exclusiveMinimum']:g}" if "exclusiveMinimum" in schema else ""
+    most = ", at most" if above else " to"
+    high = f"{most} {schema['maximum']:g}" if "maximum" in schema else ""
+    return low + above + high
+
+
+def _known_keys(location: tuple[int | str, ...]) -> str:
+    """List the keys allowed beside an unknown one, the likeliest first."""
+    keys = list(_given(_schema_at(location[:-1]))["properties"])
+    close = difflib.get_close_matches(str(location[-1]), keys, n=1)
+    meant = f" (did you mean {close[0]}?)" if close else ""
+    return f"{meant}; allowed here are {', '.join(keys)}"
+
+
+def _unit_hint(location: tuple[int | str, ...], value: object, schema: _Schema) -> str:
+    """Guess that a value too large by a factor of a thousand was given in the wrong unit."""
+    if not isinstance(value, int | float) or not abs(value) > schema.get("maximum", abs(value)):
+        return ""
+    names = [re.search(r"_(m|s|mps|mps2|mps3)$", str(part)) for part in location]
+    units = [_UNITS[match[1]] for match in names if match]
+    if not units or abs(value) > 1000.0 * schema["maximum"]:
+        return ""
+    unit, smaller = units[-1]
+    return f" (the unit is {unit}: is {_shown(value)} in {smaller}?)"
+
+
+def _shown(value: object) -> str:
+    text = json.dumps(value, default=str, ensure_ascii=False)
+    return text if len(text) <= 60 else text[:57] + "..."

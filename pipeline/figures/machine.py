@@ -1,0 +1,223 @@
+"""The machine in 3-D, at every step of the route (as in Fig. 5 of the paper) or at any poses, small and side by side.
+
+All machines are drawn in one plane by a parallel projection, in one set of axes: that costs a fraction of as many 3-D
+axes, and leaves no room unused.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from scipy.spatial import ConvexHull, QhullError
+
+from pipeline.arrays import FloatArray
+from pipeline.figures import style
+from pipeline.figures.maps.route import select_steps
+from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, TELESCOPES, Machine, cart_joints, platform_arms
+from pipeline.machine.working_modes import mode_names, reach_along_rails
+from pipeline.route.result import Route
+
+MAX_MACHINES = 30
+_AZIMUTH, _ELEVATION = np.deg2rad([-58.0, 20.0])
+_MARGIN_M = 0.16
+_TITLE_M = 0.34
+_AXIS_M = 0.5
+_COLOURS = {-1.0: style.BLUE, 1.0: style.ORANGE}
+_FIXED = np.setdiff1d(np.arange(6), TELESCOPES)
+_TELESCOPE: dict[str, Any] = {"linestyle": (0, (2.2, 0.9)), "linewidth": 0.9}
+_LINK: dict[str, Any] = {"linewidth": 0.9}
+_PLATFORM: dict[str, Any] = {"facecolor": style.LIGHT_GREY, "edgecolor": style.BLACK, "linewidth": 0.5}
+
+
+@dataclass(frozen=True, eq=False)
+class _Stance:
+    """A machine to be drawn: its pose (6,) and actuators (5,), sides of its arms (3,), title, and way of the TCP."""
+
+    pose: FloatArray
+    q_m: FloatArray
+    sides: FloatArray
+    title: str
+    way_m: FloatArray
+
+
+@style.styled
+def machine_figure(machine: Machine, route: Route) -> Figure:
+    """Draw rails, carts, links and platform at every step of the route, seen from the front, right and above.
+
+    Arms have the colour of their working mode, dashed links are telescopes; routes of more than 30 steps are thinned.
+    The dot is the TCP, its line the way it has come.
+    """
+    stances = [
+        _Stance(
+            pose=route.pose[step],
+            q_m=route.q_m[step],
+            sides=MODE_SIGNS[route.modes[step]],
+            title=f"{step}  {route.mode_names[step]}",
+            way_m=route.pose[: step + 1, :3],
+        )
+        for step in select_steps(route, MAX_MACHINES)
+    ]
+    return _draw(machine, stances, route.pose[:, :3])
+
+
+@style.styled
+def postures_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequence[str] | None = None) -> Figure:
+    """Draw the machine at poses (n, 6) with actuators (n, 5) side by side, as `machine_figure` does for a route.
+
+    Without titles every machine is named by its working mode.
+    """
+    pose, q_m = np.reshape(pose, (-1, 6)), np.reshape(q_m, (-1, 5))
+    sides = np.where(reach_along_rails(machine, pose, q_m[:, :3]) < 0.0, -1.0, 1.0)
+    names = mode_names(sides) if titles is None else titles
+    stances = [
+        _Stance(pose=a_pose, q_m=q, sides=side, title=name, way_m=a_pose[None, :3])
+        for a_pose, q, side, name in zip(pose, q_m, sides, names, strict=True)
+    ]
+    return _draw(machine, stances, pose[:, :3])
+
+
+def _draw(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> Figure:
+    low, high = _window(machine, stances, tcp_m)
+    columns = min(5 if len(stances) > 12 else 4, len(stances))
+    rows = -(-len(stances) // columns)
+    size = high - low + np.array([0.0, _TITLE_M * min(1.0, columns / 4.0)])
+    scale = (style.WIDTH_IN - 0.06) / (columns * size[0])
+    figure = style.new_figure(float(rows * size[1] * scale + 0.45))
+    axes = figure.subplots()
+    axes.set_axis_off()
+    for number, stance in enumerate(stances):
+        row, column = divmod(number, columns)
+        origin = np.array([column, -row]) * size - low
+        _draw_machine(axes, machine, stance, origin)
+        axes.text(
+            origin[0] + low[0] + size[0] / 2.0,
+            origin[1] + high[1],
+            stance.title,
+            fontsize=style.SMALL_TEXT_PT,
+            ha="center",
+            va="bottom",
+        )
+    _draw_triad(axes, project(_triad_place(machine, stances[0].sides)) - low)
+    axes.set_xlim(0.0, columns * size[0])
+    axes.set_ylim(-(rows - 1) * size[1], size[1])
+    axes.set_aspect("equal")
+    way = any(len(stance.way_m) > 1 for stance in stances)
+    figure.legend(handles=_legend_handles(way), loc="outside lower center", ncols=4)
+    return figure
+
+
+def project(points: FloatArray) -> FloatArray:
+    """Project points (..., 3) along the line of sight, to the right and upwards, in metres. Shape (..., 2)."""
+    right = np.array([-np.sin(_AZIMUTH), np.cos(_AZIMUTH), 0.0])
+    up = np.array(
+        [
+            -np.sin(_ELEVATION) * np.cos(_AZIMUTH),
+            -np.sin(_ELEVATION) * np.sin(_AZIMUTH),
+            np.cos(_ELEVATION),
+        ]
+    )
+    return np.stack([points @ right, points @ up], axis=-1)
+
+
+def _joints(machine: Machine, stance: _Stance) -> tuple[FloatArray, FloatArray]:
+    """Cart and platform joints C_l, A_l, each (6, 3)."""
+    return cart_joints(machine, stance.q_m[:3]), stance.pose[:3] + platform_arms(machine, stance.pose)
+
+
+def _rails(machine: Machine) -> FloatArray:
+    """Both ends of each rail, (3, 2, 3)."""
+    return np.stack(
+        [np.column_stack([machine.travel_m[:, end], machine.rails_m]) for end in (0, 1)],
+        axis=1,
+    )
+
+
+def _window(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Least and largest projected coordinates of all there is to draw, each (2,)."""
+    parts = [_rails(machine), tcp_m, *(joints for stance in stances for joints in _joints(machine, stance))]
+    seen = np.concatenate([project(part).reshape(-1, 2) for part in parts])
+    return seen.min(axis=0) - _MARGIN_M / 2.0, seen.max(axis=0) + _MARGIN_M / 2.0
+
+
+def _draw_machine(axes: Axes, machine: Machine, stance: _Stance, origin: FloatArray) -> None:
+    carts, platform = _joints(machine, stance)
+    colours = [_COLOURS[side] for side in stance.sides]
+    links = project(np.stack([carts, platform], axis=1)) + origin
+    of_link = [colours[arm] for arm in ARM_OF_LINK]
+    rails = project(_rails(machine)) + origin
+    axes.add_collection(LineCollection(list(rails), colors=style.GREY, linewidths=1.2, zorder=1.0))
+    tcp = project(stance.way_m) + origin
+    outline = _hull(np.vstack([links[:, 1], tcp[-1:]]))
+    axes.add_collection(PolyCollection([outline], zorder=2.0, **_PLATFORM))
+    for which, look in ((_FIXED, _LINK), (TELESCOPES, _TELESCOPE)):
+        lines = LineCollection([links[k] for k in which], colors=[of_link[k] for k in which], zorder=3.0, **look)
+        axes.add_collection(lines)
+    feet = project(np.column_stack([stance.q_m[:3], machine.rails_m])) + origin
+    beams = np.stack([feet[ARM_OF_LINK], links[:, 0]], axis=1)
+    axes.add_collection(LineCollection(list(beams), colors=style.BLACK, linewidths=0.9, zorder=3.5))
+    for foot, colour in zip(feet, colours, strict=True):
+        axes.plot(
+            *foot, "s", color=colour, markersize=2.6, markeredgecolor=style.BLACK, markeredgewidth=0.4, zorder=4.0
+        )
+    axes.plot(*tcp.T, color=style.VERMILLION, linewidth=0.6, zorder=4.0)
+    axes.plot(*tcp[-1], "o", color=style.VERMILLION, markersize=1.8, zorder=5.0)
+
+
+def _hull(points: FloatArray) -> FloatArray:
+    """Corners of the least convex outline of points (n, 2); the points themselves where they are on one line."""
+    try:
+        corners: FloatArray = points[ConvexHull(points).vertices]
+    except QhullError:
+        return points
+    return corners
+
+
+def _triad_place(machine: Machine, sides: FloatArray) -> FloatArray:
+    """Choose a place for the axes beside the first machine: above rail 3, where its arm is not. Shape (3,)."""
+    least, largest = machine.travel_m[2]
+    part = 0.8 if sides[2] < 0.0 else 0.0
+    y, z = machine.rails_m[2]
+    height = machine.rails_m[:, 1].max() - z
+    return np.array([least + part * (largest - least), y, z + 0.15 * height])
+
+
+def _draw_triad(axes: Axes, place: FloatArray) -> None:
+    """Draw half a metre along each axis from a place (2,) of the drawing."""
+    for direction, name in zip(np.eye(3), "xyz", strict=True):
+        tip = place + _AXIS_M * project(direction)
+        axes.annotate(
+            "",
+            xy=tuple(tip),
+            xytext=tuple(place),
+            arrowprops={"arrowstyle": "-|>", "linewidth": 0.6, "mutation_scale": 4.0, "shrinkA": 0.0, "shrinkB": 0.0},
+        )
+        axes.annotate(
+            name,
+            xy=tuple(tip),
+            xytext=tuple(3.0 * project(direction)),
+            textcoords="offset points",
+            fontsize=style.SMALL_TEXT_PT - 1,
+            ha="center",
+            va="center",
+        )
+
+
+def _legend_handles(way: bool) -> list[Line2D | Patch]:
+    tcp = Line2D([], [], color=style.VERMILLION, linewidth=0.6, label="way of the TCP")
+    if not way:
+        tcp = Line2D([], [], color=style.VERMILLION, marker="o", markersize=1.8, linestyle="none", label="TCP")
+    return [
+        Line2D([], [], color=_COLOURS[-1.0], label="arm left (L)", **_LINK),
+        Line2D([], [], color=_COLOURS[1.0], label="arm right (R)", **_LINK),
+        Line2D([], [], color=style.BLACK, label="telescope", **_TELESCOPE),
+        Patch(label="platform", **_PLATFORM),
+        Line2D([], [], color=style.GREY, linewidth=1.2, label="rail"),
+        tcp,
+        Line2D([], [], marker="$\\rightarrow$", linestyle="none", color=style.BLACK, label="axes, 0.5 m long"),
+    ]

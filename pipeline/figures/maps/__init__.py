@@ -1,0 +1,1 @@
+"""Figures of the YZ plane: maps of kappa, regions, routes, reach, and the usable workspace."""

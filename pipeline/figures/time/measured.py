@@ -1,0 +1,86 @@
+"""A measured motion over the commanded one, as in Fig. 8 of the paper, and its errors beside it."""
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+from pipeline.figures import style
+from pipeline.measured.comparison import QUANTITIES, SCALES, UNITS, MeasurementComparison
+
+_SHOWN = 40
+"""Measured points drawn over a commanded curve: more would hide it."""
+_SHORTEST_S = 1e-3
+"""Least time shown, for a measurement of a single instant."""
+_BAND = 2.0
+"""Half width of the band of noise in standard deviations."""
+
+
+@style.styled
+def measured_figure(comparison: MeasurementComparison) -> Figure:
+    """Draw x, y, z, rx, rz over time: commanded and measured on the left, their difference on the right.
+
+    On the left every few measured points are shown, on the right all of them, with two standard deviations of their
+    noise around zero where it is known.
+    """
+    figure = style.new_figure(5.6)
+    panels = figure.subplots(len(QUANTITIES), 2, sharex=True)
+    for index, row in enumerate(panels):
+        _draw_motion(row[0], comparison, index)
+        _draw_error(row[1], comparison, index)
+    panels[0, 0].set_title("motion")
+    panels[0, 1].set_title("measured - commanded")
+    for axes in panels[-1]:
+        axes.set_xlabel("time (s)")
+        axes.set_xlim(0.0, max(float(comparison.t_s[-1]), _SHORTEST_S))
+        axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    for column in panels.T:
+        figure.align_ylabels(column)
+    figure.legend(handles=_handles(comparison.std is not None), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _draw_motion(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
+    angle = UNITS[index] == "deg"
+    scale = SCALES[index] if angle else 1.0
+    every = max(len(comparison.t_s) // _SHOWN, 1)
+    axes.plot(comparison.t_s, scale * comparison.commanded[:, index], color=style.COARSE, linewidth=0.8)
+    axes.plot(comparison.t_s[::every], scale * comparison.measured[::every, index], **_dots())
+    axes.set_ylabel(f"{QUANTITIES[index]} ({'deg' if angle else 'm'})")
+    axes.yaxis.set_major_locator(style.angle_locator() if angle else MaxNLocator(4))
+
+
+def _draw_error(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
+    scale = SCALES[index]
+    if comparison.std is not None:
+        half = _BAND * scale * comparison.std[:, index]
+        axes.fill_between(comparison.t_s, -half, half, color=style.SKY_BLUE, alpha=0.5, linewidth=0.0)
+    axes.plot(comparison.t_s, scale * comparison.error[:, index], color=style.REFINED, linewidth=0.5)
+    axes.axhline(0.0, color=style.COARSE, linewidth=0.5)
+    axes.set_ylabel(f"{QUANTITIES[index]} ({UNITS[index]})")
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+
+
+def _dots() -> dict[str, Any]:
+    return {
+        "color": style.REFINED,
+        "linestyle": "none",
+        "marker": "o",
+        "fillstyle": "none",
+        "markersize": 2.2,
+        "markeredgewidth": 0.6,
+    }
+
+
+def _handles(band: bool) -> list[Line2D | Patch]:
+    """What commanded, measured and, where it is known, the band of noise look like."""
+    handles: list[Line2D | Patch] = [
+        Line2D([], [], color=style.COARSE, label="commanded"),
+        Line2D([], [], label="measured", **_dots()),
+    ]
+    if band:
+        handles.append(Patch(facecolor=style.SKY_BLUE, alpha=0.5, label="two standard deviations of noise"))
+    return handles

@@ -1,0 +1,221 @@
+"""The closure equations along a piece of path, as power series in s with balls for coefficients.
+
+With v_l = p + R a_l - C_l and moments m_l = A'_l x v_l the closures and their derivatives by the pose are
+
+    f_l = (|v_l|^2 - len_l^2) / 2,    f_l' = [v_l ; E' m_l],    H column l = [v_l ; m_l] / len_l
+
+with E = [e_x, y_platform, Rx e_z] the axes that rx, ry, rz turn about. Axis a turns every axis b that comes after it
+in R = Rx Rz Ry, so that second derivatives of R a_l are a x (b x A'_l).
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+from flint import arb, arb_poly, arb_series, ctx
+
+from pipeline.arrays import FloatArray
+from pipeline.inclusion.pieces import exact
+from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
+
+TERMS = 5
+"""Terms kept of every power series: the residual is enclosed to order four in s, the Jacobian to order two."""
+
+_LINKS = 6
+
+Vector = list[arb_series]
+"""Three or more series."""
+N = TypeVar("N", arb, arb_series)
+
+_OUTER_FIRST = (0, 2, 1)
+"""rx, rz, ry: the order in which the axes turn one another."""
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """A machine in balls; every float of the machine is taken for exactly the number it is.
+
+    Attributes
+    ----------
+    points : 6 x 3
+        a_l in the platform frame.
+    anchors : 6 x 3
+        What is added to the cart's position to give C_l: its offset, and the rail.
+    lengths : 6
+        Lengths of the fixed links; None for the telescopes.
+    """
+
+    points: list[list[arb]]
+    anchors: list[list[arb]]
+    lengths: list[arb | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Closure(Generic[N]):
+    """The closures and all they are made of, link by link, in series or in balls.
+
+    Attributes
+    ----------
+    pose, q : 6, 5
+        Pose and actuators.
+    rotation : 3 x 3
+        R.
+    axes : 3 x 3
+        e_x, y_platform, Rx e_z, in the order of rx, ry, rz.
+    arms, vectors, moments : 6 x 3
+        A'_l, v_l, m_l.
+    lengths : 6
+        Link lengths.
+    """
+
+    pose: list[N]
+    q: list[N]
+    rotation: list[list[N]]
+    axes: list[list[N]]
+    arms: list[list[N]]
+    vectors: list[list[N]]
+    moments: list[list[N]]
+    lengths: list[N]
+
+    def residuals(self) -> list[N]:
+        """f_l of the six links."""
+        return [(dot(v, v) - length * length) * _HALF for v, length in zip(self.vectors, self.lengths, strict=True)]
+
+    def jacobian(self) -> list[list[N]]:
+        """Rows f_l' by (x, y, z, rx, ry, rz)."""
+        rows: list[list[N]] = []
+        for link in range(_LINKS):
+            turns: list[N] = [dot(axis, self.moments[link]) for axis in self.axes]
+            rows.append(self.vectors[link] + turns)
+        return rows
+
+    def statics(self) -> list[list[N]]:
+        """H', row l being [v_l ; m_l] / len_l; on the closures these are unit vectors and their moments."""
+        rows: list[list[N]] = []
+        for link in range(_LINKS):
+            inverse: N = 1 / self.lengths[link]
+            row: list[N] = [entry * inverse for entry in self.vectors[link] + self.moments[link]]
+            rows.append(row)
+        return rows
+
+
+_HALF = arb(0.5)
+
+
+@contextmanager
+def working_precision(bits: int) -> Iterator[None]:
+    """Compute with that many bits, and series of `TERMS` terms."""
+    kept = ctx.cap
+    ctx.cap = TERMS
+    try:
+        with ctx.workprec(bits):
+            yield
+    finally:
+        ctx.cap = kept
+
+
+def geometry(machine: Machine) -> Geometry:
+    """Turn a machine into balls."""
+    rails = np.column_stack([np.zeros(3), machine.rails_m])
+    return Geometry(
+        points=[[arb(value) for value in point] for point in machine.platform_points_m],
+        anchors=[
+            [arb(exact(b) + exact(rail)) for b, rail in zip(offset, rails[ARM_OF_LINK[link]], strict=True)]
+            for link, offset in enumerate(machine.cart_offsets_m)
+        ],
+        lengths=[None if link in TELESCOPES else arb(length) for link, length in enumerate(machine.lengths_m)],
+    )
+
+
+def shifted(coefficients: list[arb], at: arb) -> arb_series:
+    """Series about `at` of the polynomial with these coefficients; about a ball, one that holds for every s of it."""
+    if at.is_zero():
+        return arb_series(coefficients[:TERMS], prec=TERMS)
+    return arb_series(arb_poly(coefficients)(arb_poly([at, arb(1)])).coeffs()[:TERMS], prec=TERMS)
+
+
+def pose_series(pose: FloatArray, at: arb) -> Vector:
+    """Series about `at` of the six coordinates with Taylor coefficients pose (n, 6)."""
+    return [shifted([arb(value) for value in column], at) for column in pose.T]
+
+
+def closure(machine: Geometry, pose: list[N], q: list[N]) -> Closure[N]:
+    """Evaluate the closures for pose and actuators, series or balls."""
+    R, sx, cx = _rotation(*pose[3:]), pose[3].sin(), pose[3].cos()
+    one, none = _constant(1, pose[0]), _constant(0, pose[0])
+    arms, vectors = [], []
+    for link, (point, anchor) in enumerate(zip(machine.points, machine.anchors, strict=True)):
+        arm = [_combination(row, point, none) for row in R]
+        arms.append(arm)
+        cart = q[ARM_OF_LINK[link]]
+        vectors.append(
+            [pose[0] - cart + (arm[0] - anchor[0]), pose[1] + (arm[1] - anchor[1]), pose[2] + (arm[2] - anchor[2])]
+        )
+    telescopes = iter(q[3:])
+    return Closure(
+        pose=pose,
+        q=q,
+        rotation=R,
+        axes=[[one, none, none], [row[1] for row in R], [none, -sx, cx]],
+        arms=arms,
+        vectors=vectors,
+        moments=[cross(arm, v) for arm, v in zip(arms, vectors, strict=True)],
+        lengths=[next(telescopes) if length is None else length * one for length in machine.lengths],
+    )
+
+
+def second_derivatives(closure: Closure[arb]) -> list[list[arb]]:
+    """Enclose the second derivatives of f_l by the pose: per link 36 balls, row by row."""
+    hessians = []
+    for arm, vector in zip(closure.arms, closure.vectors, strict=True):
+        turned = [cross(axis, arm) for axis in closure.axes]
+        entries = [arb(0)] * 36
+        for i in range(3):
+            entries[7 * i] = arb(1)
+            for j in range(3):
+                entries[6 * i + 3 + j] = entries[6 * (3 + j) + i] = turned[j][i]
+        for position, i in enumerate(_OUTER_FIRST):
+            for j in _OUTER_FIRST[position:]:
+                entry = dot(turned[i], turned[j]) + dot(vector, cross(closure.axes[i], turned[j]))
+                entries[6 * (3 + i) + 3 + j] = entries[6 * (3 + j) + 3 + i] = entry
+        hessians.append(entries)
+    return hessians
+
+
+def _rotation(rx: N, ry: N, rz: N) -> list[list[N]]:
+    """R = Rx(rx) Rz(rz) Ry(ry), row by row."""
+    (sx, cx), (sy, cy), (sz, cz) = ((angle.sin(), angle.cos()) for angle in (rx, ry, rz))
+    szcy, szsy = sz * cy, sz * sy
+    return [
+        [cz * cy, -sz, cz * sy],
+        [cx * szcy + sx * sy, cx * cz, cx * szsy - sx * cy],
+        [sx * szcy - cx * sy, sx * cz, sx * szsy + cx * cy],
+    ]
+
+
+def _combination(row: list[N], weights: list[arb], none: N) -> N:
+    total = none
+    for entry, weight in zip(row, weights, strict=True):
+        if not weight.is_zero():
+            total = total + entry * weight
+    return total
+
+
+def _constant(value: int, like: N) -> N:
+    return arb_series([arb(value)], prec=TERMS) if isinstance(like, arb_series) else arb(value)
+
+
+def dot(a: list[N], b: list[N]) -> N:
+    """Scalar product of two vectors of balls or series."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: list[N], b: list[N]) -> list[N]:
+    """Vector product of two vectors of balls or series."""
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]

@@ -1,0 +1,139 @@
+"""Rigorous lower bounds of the distances between axes, over a whole box, by a direction that separates them.
+
+For any n(t), the distance of two segments is at least min n . (P - Q) / |n| over their four pairs of end points P, Q.
+The direction is linear in t, from the closest points at both ends of the box; it need not be right, only good.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from flint import arb, arb_mat
+
+from pipeline.arrays import FloatArray
+from pipeline.inclusion.closure import Geometry
+from pipeline.inclusion.condition import below, norm
+from pipeline.inclusion.krawczyk import Piecewise, ball_matrix
+from pipeline.machine.clearance import link_pairs, rail_pairs
+from pipeline.machine.geometry import Machine
+
+_LINKS = 6
+_PARALLEL = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """The pairs that must not touch.
+
+    Attributes
+    ----------
+    first, second : (pairs, 2)
+        The two end points of each, as columns of a table of cart joints, platform joints and rails.
+    is_rail : (pairs,)
+        Whether the second is a rail, which goes on along X without end.
+    links, rails : list of (int, int)
+        What they are.
+    rails_m : (3, 2)
+        y and z of the rails.
+    """
+
+    first: FloatArray
+    second: FloatArray
+    is_rail: FloatArray
+    links: list[tuple[int, int]]
+    rails: list[tuple[int, int]]
+    rails_m: FloatArray
+
+
+def build_pairs(machine: Machine) -> Pairs:
+    """List the pairs of links that share no joint, and of links and rails where the machine asks for them."""
+    links = link_pairs(machine)
+    rails = rail_pairs(machine) if np.isfinite(machine.link_rail_m) else []
+    return Pairs(
+        first=np.array([(a, _LINKS + a) for a, _ in links + rails]),
+        second=np.array([(b, _LINKS + b) for _, b in links] + [(2 * _LINKS + b,) * 2 for _, b in rails]),
+        is_rail=np.array([False] * len(links) + [True] * len(rails)),
+        links=links,
+        rails=rails,
+        rails_m=machine.rails_m,
+    )
+
+
+def distance_bounds(machine: Geometry, pairs: Pairs, series: Piecewise, deviation: list[arb]) -> FloatArray:
+    """Lower bounds of the distances of all pairs over a box whose pose is x(t) up to `deviation`. Shape (pairs,)."""
+    points = _end_points(pairs, series)
+    half = float(series.half.mid())
+    values = [np.array([float(entry.mid()) for entry in table.entries()]).reshape(3, -1) for table in points]
+    before, after = (
+        separating_directions(pairs, (values[0] + t * values[1] + t * t * values[2]).T) for t in (-half, half)
+    )
+    n = [(before + after) / 2.0, (after - before) / (2.0 * half) if half > 0.0 else 0.0 * before]
+    N = [ball_matrix(part) for part in n]
+    terms = [
+        N[0] * points[0],
+        N[0] * points[1] + N[1] * points[0],
+        N[0] * points[2] + N[1] * points[1],
+        N[1] * points[2],
+    ]
+    off = _joint_deviation(machine, deviation)
+    return np.array([_pair_bound(pairs, pair, terms, N, series.half, off) for pair in range(len(pairs.first))])
+
+
+def _pair_bound(pairs: Pairs, pair: int, terms: list[arb_mat], N: list[arb_mat], h: arb, off: list[arb]) -> float:
+    least = None
+    for p in pairs.first[pair].tolist():
+        for q in pairs.second[pair].tolist():
+            gap = [term[pair, p] - term[pair, q] for term in terms]
+            bound = gap[0] - sum((g.abs_upper() * h**k for k, g in enumerate(gap[1:], start=1)), arb(0))
+            bound = bound.lower()
+            least = bound if least is None else least.min(bound)
+    assert least is not None
+    sizes = [norm([N[0][pair, i] + N[1][pair, i] * t for i in range(3)]) for t in (-h, h)]
+    size = sizes[0].max(sizes[1])
+    if not size > 0:
+        return 0.0
+    moved = sum(
+        (off[p - _LINKS] for p in (*pairs.first[pair], *pairs.second[pair]) if _LINKS <= p < 2 * _LINKS), arb(0)
+    )
+    return max(0.0, below(least / size - moved))
+
+
+def _end_points(pairs: Pairs, series: Piecewise) -> list[arb_mat]:
+    """Cart joints, platform joints and rails as columns (3, 15): terms of order 0, 1 and, for the whole interval, 2."""
+    tables = []
+    for order, closure in ((0, series.at), (1, series.at), (2, series.over)):
+        platform = [[p + a for p, a in zip(closure.pose, arm, strict=False)] for arm in closure.arms]
+        carts = [
+            [a - v for a, v in zip(joint, vector, strict=True)]
+            for joint, vector in zip(platform, closure.vectors, strict=True)
+        ]
+        columns = [[coordinate[order] for coordinate in joint] for joint in (*carts, *platform)]
+        scale = arb(int(order == 0))
+        columns += [[arb(0), arb(float(y)) * scale, arb(float(z)) * scale] for y, z in pairs.rails_m]
+        tables.append(arb_mat(columns).transpose())
+    return tables
+
+
+def _joint_deviation(machine: Geometry, deviation: list[arb]) -> list[arb]:
+    """How far each platform joint may be from where it is at x(t)."""
+    shift, turn = norm(deviation[:3]), sum((d.abs_upper() for d in deviation[3:]), arb(0))
+    return [shift + norm(point) * turn for point in machine.points]
+
+
+def separating_directions(pairs: Pairs, points: FloatArray) -> FloatArray:
+    """Unit vectors (..., pairs, 3) from the second to the first of each pair, for end points (..., 15, 3).
+
+    Between their closest points; nothing is proven of them.
+    """
+    P, Q = points[..., pairs.first, :], points[..., pairs.second, :]
+    P[..., pairs.is_rail, :, 0], Q[..., pairs.is_rail, :, 0] = 0.0, 0.0
+    u, v, r = P[..., 1, :] - P[..., 0, :], Q[..., 1, :] - Q[..., 0, :], P[..., 0, :] - Q[..., 0, :]
+    uu, vv, uv, ur, vr = ((a * b).sum(axis=-1) for a, b in ((u, u), (v, v), (u, v), (u, r), (v, r)))
+    square = uu * vv - uv**2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        a = np.clip(np.where(square > _PARALLEL * uu * vv, (uv * vr - vv * ur) / square, 0.0), 0.0, 1.0)
+        b = np.clip(np.where(vv > 0.0, (uv * a + vr) / vv, 0.0), 0.0, 1.0)
+        a = np.clip(np.where(uu > 0.0, (uv * b - ur) / uu, 0.0), 0.0, 1.0)
+    between = r + a[..., None] * u - b[..., None] * v
+    length = np.linalg.norm(between, axis=-1, keepdims=True)
+    directions: FloatArray = np.divide(between, length, out=np.zeros_like(between), where=length > 0.0)
+    return directions

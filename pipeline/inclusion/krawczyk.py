@@ -1,0 +1,246 @@
+"""One box: a Krawczyk inclusion over a whole interval of s, with everything that is uncertain kept as symbols.
+
+For s = c + t, |t| <= h, and every value of the uncertain parameters, poses are looked for in
+
+    X(t, e) = x(t) + C(t) e + [-r, r],
+
+x(t) a cubic, C(t) = C0 + C1 t an approximate inverse of the Jacobian J(t) = f'(x(t), t), and e the amounts, of at most
+E, by which the uncertain parameters change the six closures at x(t): to first order C e is by how much the pose moves.
+With G_i = sum_l C_il f_l'' over all of X, and D a bound on what the parameters change about J,
+
+    k = |C f(x)| + |I - C J| |C| E + 1/2 |C' G C| (E, E) + |C| D |C| E + Q r,
+    Q = |I - C J| + |G C| E + |G| r + |C| D
+
+bounds how far the Krawczyk image of X reaches from x + C e. Where k < r in all six coordinates, X holds exactly one
+solution for each t and each value of the parameters, and the closure Jacobian is regular on all of X.
+Everything that depends on t is a power series whose last term holds for the whole interval.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from flint import arb, arb_mat, arb_series
+
+from pipeline.arrays import FloatArray
+from pipeline.inclusion.closure import (
+    TERMS,
+    Closure,
+    Geometry,
+    Vector,
+    closure,
+    pose_series,
+    second_derivatives,
+    shifted,
+)
+from pipeline.inclusion.pieces import Piece, middle
+from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty, jacobian_change, residual_change
+
+_SIZE = 6
+_ATTEMPTS = 3
+_INFLATION = 1.5
+SLACK = arb(0.95)
+"""Part of a radius that is to do: other arithmetic, which encloses a little more, can verify the same boxes then."""
+LEAST_RADIUS = 1e-6
+"""Metres and radians: boxes are never thinner, so that neighbours overlap whatever rounding does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Where the pose is looked for over an interval of s: what a certificate stores.
+
+    Attributes
+    ----------
+    first, last : float
+        The interval of s.
+    pose : (4, 6)
+        Taylor coefficients of x about the middle of the interval.
+    radius : (6,)
+        r, in metres and radians.
+    """
+
+    first: float
+    last: float
+    pose: FloatArray
+    radius: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Inclusion:
+    """A box that is proven.
+
+    Attributes
+    ----------
+    box : Box
+        The box.
+    inverse : (2, 6, 6)
+        C0 and C1.
+    image : (6,) balls
+        k: how far from x + C e the solution is at most.
+    residual_change : (6,) balls
+        E.
+    jacobian_change : 6 x 6 balls
+        D, over all of the box.
+    """
+
+    box: Box
+    inverse: FloatArray
+    image: list[arb]
+    residual_change: list[arb]
+    jacobian_change: list[list[arb]]
+
+
+@dataclass(frozen=True, eq=False)
+class Piecewise:
+    """The closures along x(t): series about the middle, and series that hold about every t of the interval."""
+
+    half: arb
+    at: Closure[arb_series]
+    over: Closure[arb_series]
+
+
+def along(machine: Geometry, piece: Piece, box: Box) -> Piecewise:
+    """Evaluate the closures along the cubic of a box."""
+    centre, half = middle(box.first, box.last)
+    q = [[arb(value) for value in coefficients] for coefficients in piece.taylor(centre)]
+    at, over = (
+        closure(machine, pose_series(box.pose, tau), [shifted(coefficients, tau) for coefficients in q])
+        for tau in (arb(0), arb(0, half))
+    )
+    return Piecewise(arb(half), at, over)
+
+
+def include(
+    machine: Geometry, series: Piecewise, box: Box, uncertainty: Uncertainty = CERTAIN, attempts: int = _ATTEMPTS
+) -> Inclusion | None:
+    """Prove a box, with larger radii where those it has do not do; None where that fails."""
+    J = matrices(series.at.jacobian(), series.over.jacobian(), 3)
+    inverse = linear_inverse(J)
+    if inverse is None:
+        return None
+    C = [ball_matrix(part) for part in inverse]
+    h = series.half
+    C_over = C[0] + C[1] * arb(0, h)
+    C_abs = magnitudes(C_over)
+    miss = residual_of_inverse(C, J, h)
+    E = residual_change(machine, series.over, uncertainty)
+    moved = times(C_abs, E)
+    rest = _residual(C, series, h)
+    if uncertainty.any:
+        rest = added(rest, times(miss, moved))
+    for _ in range(attempts):
+        radius = [arb(value) for value in box.radius]
+        reach = added(moved, radius)
+        hull = _hull(machine, series, reach)
+        D = jacobian_change(machine, hull, uncertainty)
+        image = _image(C_over, C_abs, second_derivatives(hull), (miss, rest, E, moved, D), radius, uncertainty.any)
+        if all(k < r * SLACK for k, r in zip(image, radius, strict=True)):
+            return Inclusion(box, inverse, image, E, D)
+        if not all(k.is_finite() and k < 1 for k in image):
+            return None
+        wider = np.maximum(LEAST_RADIUS, [_INFLATION * float(k.upper()) for k in image])
+        box = Box(box.first, box.last, box.pose, np.maximum(wider, box.radius))
+    return None
+
+
+def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
+    """|C(t) f(x(t), t)|."""
+    at, over = series.at.residuals(), series.over.residuals()
+    table = [[at[link][n] if n + 1 < TERMS else over[link][n] for n in range(TERMS)] for link in range(_SIZE)]
+    f = arb_mat(table)
+    bound = [arb(0)] * _SIZE
+    for power, product in enumerate((C[0] * f, C[1] * f)):
+        for i in range(_SIZE):
+            for n in range(TERMS):
+                bound[i] += product[i, n].abs_upper() * h ** (n + power)
+    return bound
+
+
+def _hull(machine: Geometry, series: Piecewise, reach: list[arb]) -> Closure[arb]:
+    """The closures over all poses of a box, in plain balls."""
+    pose = [coordinate[0] + arb(0, r.upper()) for coordinate, r in zip(series.over.pose, reach, strict=True)]
+    return closure(machine, pose, [q[0] for q in series.over.q])
+
+
+def _image(
+    C: arb_mat,
+    C_abs: list[list[arb]],
+    hessians: list[list[arb]],
+    known: tuple[list[list[arb]], list[arb], list[arb], list[arb], list[list[arb]]],
+    radius: list[arb],
+    uncertain: bool,
+) -> list[arb]:
+    """Bound k of the box; see the module."""
+    miss, rest, E, moved, D = known
+    G = (C * arb_mat(hessians)).entries()
+    image = []
+    change = [times(D, moved), times(D, radius)] if uncertain else []
+    for i in range(_SIZE):
+        Gi = arb_mat(_SIZE, _SIZE, G[36 * i : 36 * (i + 1)])
+        spread = times(magnitudes(Gi), radius)
+        k = rest[i] + inner(miss[i], radius)
+        if uncertain:
+            GC = Gi * C
+            spread = added(spread, times(magnitudes(GC), E))
+            k += inner(E, times(magnitudes(C.transpose() * GC), E)) / 2
+            k += inner(C_abs[i], change[0]) + inner(C_abs[i], change[1])
+        image.append(k + inner(spread, radius))
+    return image
+
+
+def linear_inverse(J: list[arb_mat]) -> FloatArray | None:
+    """C0 = J0^-1 and C1 = -C0 J1 C0 in floats, shape (2, 6, 6); None where J0 is singular to all appearances."""
+    J0, J1 = (floats(part) for part in J[:2])
+    if not (np.isfinite(J0).all() and np.isfinite(J1).all()):
+        return None
+    try:
+        C0 = np.linalg.inv(J0)
+    except np.linalg.LinAlgError:
+        return None
+    return np.stack([C0, -C0 @ J1 @ C0])
+
+
+def residual_of_inverse(C: list[arb_mat], J: list[arb_mat], h: arb) -> list[list[arb]]:
+    """|I - C(t) J(t)| for J = J0 + J1 t + J2 t^2, J2 holding for the whole interval. 6 x 6 bounds."""
+    identity = arb_mat(_SIZE, _SIZE, [arb(int(i == j)) for i in range(_SIZE) for j in range(_SIZE)])
+    terms = (identity - C[0] * J[0], C[0] * J[1] + C[1] * J[0], C[0] * J[2] + C[1] * J[1], C[1] * J[2])
+    total = [arb(0)] * (_SIZE * _SIZE)
+    for power, term in enumerate(terms):
+        scale = h**power
+        total = [bound + entry.abs_upper() * scale for bound, entry in zip(total, term.entries(), strict=True)]
+    return [total[_SIZE * i : _SIZE * (i + 1)] for i in range(_SIZE)]
+
+
+def matrices(at: list[Vector], over: list[Vector], terms: int) -> list[arb_mat]:
+    """Coefficients of a matrix of series: the first ones about the middle, the last one about the whole interval."""
+    return [arb_mat([[entry[n] for entry in row] for row in (over if n + 1 == terms else at)]) for n in range(terms)]
+
+
+def ball_matrix(matrix: FloatArray) -> arb_mat:
+    """Turn a matrix of floats into exact balls."""
+    return arb_mat([[arb(value) for value in row] for row in matrix.tolist()])
+
+
+def floats(matrix: arb_mat) -> FloatArray:
+    """Middles of a matrix of balls."""
+    values = [float(entry.mid()) for entry in matrix.entries()]
+    return np.array(values).reshape(matrix.nrows(), matrix.ncols())
+
+
+def magnitudes(matrix: arb_mat) -> list[list[arb]]:
+    """Bounds of the absolute values of a matrix of balls."""
+    return [[entry.abs_upper() for entry in row] for row in matrix.table()]
+
+
+def times(matrix: list[list[arb]], vector: list[arb]) -> list[arb]:
+    """Product of a matrix and a vector."""
+    return [inner(row, vector) for row in matrix]
+
+
+def inner(a: list[arb], b: list[arb]) -> arb:
+    """Scalar product of two vectors of any length."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
+
+
+def added(a: list[arb], b: list[arb]) -> list[arb]:
+    """Sum of two vectors."""
+    return [x + y for x, y in zip(a, b, strict=True)]

@@ -1,0 +1,101 @@
+"""What may be wrong about the machine: link lengths alone, or every coordinate, and what that does to the closures.
+
+A platform point off by a, a cart's joint off by b, a rail off by g, a length off by d, all of them constant, change
+f_l by v . w + |w|^2 / 2 - len d - d^2 / 2 with w = R a - b - g. The parts of g along the rail are none: the cart's own
+offset has them.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+from flint import arb, arb_series
+
+from pipeline.inclusion.closure import Closure, Geometry
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """How far the machine may be from its configuration.
+
+    Attributes
+    ----------
+    length_m : float
+        Every link's length, telescopes included.
+    coordinate_m : float
+        Every coordinate of every platform point and cart offset, and y and z of every rail.
+
+    Raises
+    ------
+    ValueError
+        Where one of them is negative, or no finite number.
+    """
+
+    length_m: float = 0.0
+    coordinate_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        for eps in (self.length_m, self.coordinate_m):
+            if not 0.0 <= eps < inf:
+                raise ValueError(f"an uncertainty of {eps} m is none: it has to be finite, and not negative")
+
+    @property
+    def any(self) -> bool:
+        """Tell whether anything is uncertain."""
+        return self.length_m > 0.0 or self.coordinate_m > 0.0
+
+
+CERTAIN = Uncertainty()
+"""The machine is what the configuration says."""
+
+
+def of_lengths(eps_m: float) -> Uncertainty:
+    """Every link's length is wrong by up to so much."""
+    return Uncertainty(length_m=eps_m)
+
+
+def of_everything(eps_m: float) -> Uncertainty:
+    """Every length and every coordinate is wrong by up to so much."""
+    return Uncertainty(length_m=eps_m, coordinate_m=eps_m)
+
+
+def residual_change(machine: Geometry, over: Closure[arb_series], uncertainty: Uncertainty) -> list[arb]:
+    """E: by how much the closures may change at the poses x(t). Six bounds in square metres."""
+    if not uncertainty.any:
+        return [arb(0)] * 6
+    eps, eta = arb(uncertainty.length_m), arb(uncertainty.coordinate_m)
+    columns = [[row[j][0] for row in over.rotation] for j in range(3)]
+    bounds = []
+    for vector, length in zip(over.vectors, over.lengths, strict=True):
+        v = [entry[0] for entry in vector]
+        bound = length[0].abs_upper() * eps + eps * eps / 2
+        if uncertainty.coordinate_m > 0.0:
+            seen = sum(((c[0] * v[0] + c[1] * v[1] + c[2] * v[2]).abs_upper() for c in columns), arb(0))
+            x, y, z = (entry.abs_upper() for entry in v)
+            bound += eta * (seen + x + 2 * (y + z)) + _offset(eta) ** 2 / 2
+        bounds.append(bound)
+    return bounds
+
+
+def jacobian_change(machine: Geometry, hull: Closure[arb], uncertainty: Uncertainty) -> list[list[arb]]:
+    """D: by how much f_l' may change anywhere among the poses of a box. 6 x 6 bounds.
+
+    By the TCP it is w, by an angle (axis x A') . w + (v + w) . (axis x R a).
+    """
+    eta = arb(uncertainty.coordinate_m)
+    if uncertainty.coordinate_m == 0.0:
+        return [[arb(0)] * 6] * 6
+    w, turned = _offset(eta), arb(3).sqrt() * eta
+    rows = []
+    for point, vector in zip(machine.points, hull.vectors, strict=True):
+        by_angle = _norm(point) * w + (_norm(vector) + w) * turned
+        rows.append([(turned + 2 * eta)] * 3 + [by_angle] * 3)
+    return rows
+
+
+def _offset(eta: arb) -> arb:
+    """Bound of |w|: sqrt(3) eta on the platform, and eta along, 2 eta across the rail on the cart's side, each way."""
+    return (arb(3).sqrt() + 3) * eta
+
+
+def _norm(vector: list[arb]) -> arb:
+    return (vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2).sqrt().abs_upper()

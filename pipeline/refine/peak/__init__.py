@@ -1,0 +1,1 @@
+"""The largest kappa brought down: sequential quadratic programs over the spline coefficients."""

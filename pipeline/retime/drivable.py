@@ -1,0 +1,76 @@
+"""What cannot be timed at all, refused before any planning: where it is, and which limit stands in the way."""
+
+import numpy as np
+
+from pipeline.errors import NoSolutionError
+from pipeline.machine.geometry import ACTUATORS
+from pipeline.refine.result import Path
+from pipeline.retime.holding_forces import pose_words
+from pipeline.retime.quantities import limits
+
+_LEAST_RELATIVE_SPEED = 0.05
+"""Least |q'(s)| over its mean. Where it is smaller the path velocity peaks too sharply for a law that is piecewise
+constant in its derivative: on lines of known duration and 1,000 grid points, 0.02 came out up to 80 % too slow and
+14 % above an acceleration limit."""
+_LEAST_TRAVEL_M = 1e-9
+_CHECK_POINTS = 20_001
+"""Values of s at which the path's speed is looked at."""
+
+
+def require_smooth(path: Path) -> None:
+    """Refuse a spline whose second derivative jumps: at a corner it can only be driven by stopping.
+
+    Raises
+    ------
+    NoSolutionError
+        With the place of the first corner.
+    """
+    degree, knots = path.spline.k, path.spline.t
+    interior, counts = np.unique(knots[degree + 1 : -degree - 1], return_counts=True)
+    rough = interior[degree - counts < 2]
+    if rough.size:
+        raise NoSolutionError(
+            "retime",
+            f"the path's velocity or curvature jumps at s = {rough[0]:.4f}",
+            "Time a refined path: splines of degree 3 or more with simple knots.",
+            {"s": float(rough[0])},
+        )
+
+
+def require_motion(path: Path) -> None:
+    """Refuse a path that does not move at all, that locked actuators would have to, or that nearly stops somewhere.
+
+    Raises
+    ------
+    NoSolutionError
+        With the place, and the limit where it is one.
+    """
+    s = np.linspace(0.0, 1.0, _CHECK_POINTS)
+    travel = np.ptp(path.q(s), axis=0)
+    if travel.max() < _LEAST_TRAVEL_M:
+        raise NoSolutionError(
+            "retime",
+            "the path does not move: no actuator travels",
+            "Give the task a goal that differs from its start.",
+        )
+    rates = path.q(s, 1)
+    for locked in np.flatnonzero((path.machine.velocity_mps == 0.0) & (travel >= _LEAST_TRAVEL_M)):
+        place = float(s[np.argmax(np.abs(rates[:, locked]) > 1e-6 * np.abs(rates[:, locked]).max())])
+        raise NoSolutionError(
+            "retime",
+            f"{ACTUATORS[locked]} would have to move, and its velocity limit is 0 m/s, from s = {place:.4f} on, at "
+            f"{pose_words(path.pose(place))}",
+            "Raise machine.limits, or give the task a goal that is reached without this actuator.",
+            {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
+        )
+    speed = np.linalg.norm(rates / limits(path.machine)["velocity"], axis=1)
+    relative = speed / speed.mean()
+    slowest = int(np.argmin(relative))
+    if not relative[slowest] >= _LEAST_RELATIVE_SPEED:
+        raise NoSolutionError(
+            "retime",
+            f"the path nearly stops at s = {s[slowest]:.4f}: |q'(s)| falls to {relative[slowest]:.2%} of its mean, "
+            f"and at least {_LEAST_RELATIVE_SPEED:.0%} is needed for its timing to be right",
+            "Refine with other refine.coefficients or refine.corridor_cells, so that s stays close to arc length.",
+            {"s": float(s[slowest]), "relative_speed": float(relative[slowest])},
+        )

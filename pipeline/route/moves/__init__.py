@@ -1,0 +1,1 @@
+"""Moves between regions: candidates by the paper's rules, followed continuously between their ends."""

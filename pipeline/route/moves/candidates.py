@@ -1,0 +1,221 @@
+"""Moves between regions: which of them a step may join.
+
+A move needs every coordinate within one grid step (14)-(17), the working mode of every arm kept unless the
+arm is at its gate (38), windows of x within reach of each other (13), the same sign of det H, and no links
+passing through each other. The last two are cheap filters; `follow` is what a route is finally held against.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.config import Config
+from pipeline.errors import NoSolutionError
+from pipeline.machine.clearance import common_perpendicular, link_pairs
+from pipeline.machine.geometry import Machine, cart_joints, link_vectors
+from pipeline.parallel import blocks, in_parallel
+from pipeline.progress import Progress, silent
+from pipeline.route.metric import step_sizes
+from pipeline.route.moves.neighbours import Cells
+from pipeline.route.regions.boxes import crossings, grown_boxes
+from pipeline.route.regions.grid import gate_bit
+from pipeline.route.regions.table import RegionTable
+
+_SLACK = 0.05
+"""How far beyond a link's ends the closest points still count as inside it, in lengths of the link."""
+_ROUNDING = 1e-9
+_LOW = 0xFFFF
+_SHIFT = 16
+_BLOCK = 2_048
+"""Regions whose moves are looked for at once."""
+_CODES_BLOCK = 8_192
+"""Regions whose links are looked at at once."""
+_SAMPLE = 4_096
+"""Origins the number of moves is estimated from."""
+_MOVE_BYTES = 30
+"""A move is a pair of 4 bytes each; the graph adds its cost, 8, and the reversed graph 12."""
+_REGION_BYTES = 600
+"""A row of the table, twice while it is put together, its share of the search and of the shortest paths."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Directed moves, sorted by their source.
+
+    Attributes
+    ----------
+    source, target : (m,)
+        Rows of the region table.
+    """
+
+    source: IntArray
+    target: IntArray
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def take(self, rows: IntArray | BoolArray) -> "Moves":
+        """Keep only these, in their order."""
+        return Moves(self.source[rows], self.target[rows])
+
+    def graph(self, cost: FloatArray) -> csr_array:
+        """The moves as a sparse matrix whose entries are the cost (regions,) of their source."""
+        n = len(cost)
+        # Indices and pointers of different types would both be copied.
+        index_type = np.int32 if len(self) < 2**31 else np.int64
+        pointer = np.searchsorted(self.source, np.arange(n + 1)).astype(index_type)
+        target = np.ascontiguousarray(self.target, dtype=index_type)
+        return csr_array((cost[self.source], target, pointer), shape=(n, n))
+
+
+def find_moves(config: Config, machine: Machine, regions: RegionTable, progress: Progress = silent) -> Moves:
+    """Find all admitted moves, from the start and between regions up to the goal, which is never left.
+
+    Raises
+    ------
+    NoSolutionError
+        When moves and shortest paths would take up more than `route.memory_gb`.
+    """
+    steps = step_sizes(config.route)
+    search = _Search.of(regions, steps, passing_codes(machine, regions), steps[0])
+    _require_memory(config, len(regions), search.expected_moves())
+    moves = search.collect(progress)
+    crossing = crossings(grown_boxes(config), regions, steps, moves.source, moves.target)
+    return moves.take(~crossing) if crossing.any() else moves
+
+
+def memory_gb(regions: int, moves: int) -> float:
+    """Estimate the memory that a region table, its moves and the shortest paths over them take up at their peak."""
+    return (regions * _REGION_BYTES + moves * _MOVE_BYTES) / 1e9
+
+
+def _require_memory(config: Config, regions: int, moves: int) -> None:
+    needed, allowed = memory_gb(regions, moves), config.route.memory_gb
+    if needed > allowed:
+        raise NoSolutionError(
+            "route",
+            f"about {moves:,} moves between {regions:,} regions would take up {needed:,.2f} GB of memory; "
+            f"route.memory_gb allows {allowed:g}",
+            f"set route.memory_gb to {1.1 * needed:.2f} where there is as much, or coarsen route.grid: twice the tilt "
+            "steps make a quarter of the regions",
+            {"regions": regions, "expected_moves": moves, "expected_memory_gb": needed},
+        )
+
+
+def rule_moves(config: Config, regions: RegionTable) -> Moves:
+    """Find all moves that (14)-(17) and (38) alone would admit, whatever x, det H and the links do."""
+    nothing = np.zeros(len(regions), dtype=np.int64)
+    return _Search.of(regions, step_sizes(config.route), nothing, np.inf).collect(silent)
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What decides which regions can be joined; `codes` as of `passing_codes`.
+
+    Attributes
+    ----------
+    origins, arrivals : (k,)
+        Regions that are left, and the working mode one arrives in: their own and, at a gate, the other one as well.
+    coordinates : list of (n,)
+        Coordinates counted in steps; those that are whole numbers everywhere are left out, their cells say it all.
+    """
+
+    regions: RegionTable
+    origins: IntArray
+    arrivals: IntArray
+    cells: Cells
+    coordinates: list[FloatArray]
+    codes: IntArray
+    opposite: IntArray
+    low_m: FloatArray
+    high_m: FloatArray
+    x_step_m: float
+
+    @classmethod
+    def of(cls, regions: RegionTable, steps: FloatArray, codes: IntArray, x_step_m: float) -> "_Search":
+        """Sort the regions; `x_step_m` is the largest move along X."""
+        left = np.repeat(np.arange(len(regions), dtype=np.int32), np.where(regions.gates > 0, 2, 1))
+        origins = left[left != regions.goal]
+        second = np.append(False, origins[1:] == origins[:-1])
+        arrivals = regions.modes[origins] ^ np.where(second, gate_bit(regions.gates[origins]), 0)
+        counted = regions.controlled[:, 1:] / steps[1:]
+        whole = np.abs(counted - np.round(counted - counted[0]) - counted[0]).max(axis=0) < _ROUNDING
+        low, high = regions.x_window_m.T.copy()
+        return cls(
+            regions=regions,
+            origins=origins,
+            arrivals=arrivals,
+            cells=Cells.of(counted, regions.modes),
+            coordinates=[counted[:, axis].copy() for axis in np.flatnonzero(~whole)],
+            codes=codes,
+            opposite=(codes >> _SHIFT) | ((codes & _LOW) << _SHIFT),
+            low_m=low,
+            high_m=high,
+            x_step_m=x_step_m + _ROUNDING,
+        )
+
+    def collect(self, progress: Progress) -> Moves:
+        """Find the moves of all origins, block by block."""
+        tasks = [partial(self.moves_from, block) for block in blocks(len(self.origins), _BLOCK)]
+        sources, targets = [], []
+        for count, (source, target) in enumerate(in_parallel(tasks), start=1):
+            progress("moves", count / len(tasks))
+            sources.append(source)
+            targets.append(target)
+        whole = np.concatenate(sources)
+        sources.clear()
+        return Moves(whole, np.concatenate(targets))
+
+    def expected_moves(self) -> int:
+        """Estimate the number of moves from a sample of origins, all of them where they are few."""
+        count = len(self.origins)
+        sample = np.linspace(0, count - 1, min(count, _SAMPLE)).astype(np.int64)
+        return round(len(self.moves_from(sample)[0]) * count / max(len(sample), 1))
+
+    def moves_from(self, block: slice | IntArray) -> tuple[IntArray, IntArray]:
+        """Find the moves of a block of the origins: rows (m,) they leave and rows they arrive at."""
+        origins = self.origins[block]
+        number, j = self.cells.around(origins, self.arrivals[block])
+        i = np.repeat(origins, number)
+        # Opposite signs of det H, or of a passing pair of links, share a bit.
+        keep = (self.codes[i] & self.opposite[j]) == 0
+        keep &= (i != j) & (j != self.regions.start)
+        i, j = i[keep], j[keep]
+        for coordinate in self.coordinates:
+            near = np.abs(coordinate[i] - coordinate[j]) <= 1.0 + _ROUNDING
+            i, j = i[near], j[near]
+        apart = np.maximum(self.low_m[i] - self.high_m[j], self.low_m[j] - self.high_m[i])
+        within = apart <= self.x_step_m
+        return i[within], j[within]
+
+
+def passing_codes(machine: Machine, regions: RegionTable) -> IntArray:
+    """Signs that two neighbouring regions must not have opposite, as bits. Shape (n,).
+
+    Bits 0 to 15 stand for positive, bits 16 to 31 for negative: of the signed distance along the common
+    perpendicular of each pair of links whose closest points lie inside both (neither bit otherwise), and last
+    of det H.
+    """
+    tasks = [partial(_codes, machine, regions.take(block)) for block in blocks(len(regions), _CODES_BLOCK)]
+    return np.concatenate([np.empty(0, dtype=np.int64), *in_parallel(tasks)])
+
+
+def _codes(machine: Machine, regions: RegionTable) -> IntArray:
+    carts = regions.q_m[:, :3]
+    pose = regions.pose
+    start, vector = cart_joints(machine, carts), link_vectors(machine, pose, carts)
+    signs = []
+    for a, b in link_pairs(machine):
+        signed, s, t = common_perpendicular(start[:, a], vector[:, a], start[:, b], vector[:, b])
+        with np.errstate(invalid="ignore"):
+            inside = (np.abs(s - 0.5) <= 0.5 + _SLACK) & (np.abs(t - 0.5) <= 0.5 + _SLACK)
+        signs.append(np.where(inside, np.sign(signed), 0.0))
+    signs.append(regions.det_sign)
+    codes = np.zeros(len(regions), dtype=np.int64)
+    for bit, sign in enumerate(signs):
+        codes |= (sign > 0).astype(np.int64) << bit
+        codes |= (sign < 0).astype(np.int64) << (bit + _SHIFT)
+    return codes

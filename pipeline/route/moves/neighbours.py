@@ -1,0 +1,61 @@
+"""Regions sorted into grid cells, so that all that may be one step away from a region is looked up at once."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.arrays import FloatArray, IntArray
+from pipeline.machine.geometry import MODES
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Regions sorted by working mode and grid cell.
+
+    Attributes
+    ----------
+    order : (n,)
+        Rows of the regions, sorted.
+    first : (8 cells + 1,)
+        Where in `order` each cell of each working mode begins.
+    cell : (n,)
+        Number of every region's cell, without its working mode.
+    count : int
+        Number of cells.
+    beside : (27,)
+        What to add to a cell's number for the cells around it in y, z and rx; along rz, cells are numbered in order.
+    """
+
+    order: IntArray
+    first: IntArray
+    cell: IntArray
+    count: int
+    beside: IntArray
+
+    @classmethod
+    def of(cls, coordinates: FloatArray, modes: IntArray) -> "Cells":
+        """Sort regions in working modes (n,) at y, z, rx, rz (n, 4), counted in steps."""
+        cells = np.floor(coordinates - coordinates.min(axis=0) + _ROUNDING).astype(np.int64)
+        # An empty rim on every side spares the neighbours' bounds checks.
+        shape = tuple(cells.max(axis=0) + 3)
+        count = int(np.prod(shape))
+        cell = np.ravel_multi_index(tuple(cells.T + 1), shape)
+        key = modes * count + cell
+        first = np.concatenate([[0], np.cumsum(np.bincount(key, minlength=len(MODES) * count))])
+        strides = np.array([np.prod(shape[axis + 1 :]) for axis in range(3)])
+        beside = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3) @ strides
+        return cls(np.argsort(key, kind="stable").astype(np.int32), first.astype(np.int32), cell, count, beside)
+
+    def around(self, rows: IntArray, modes: IntArray) -> tuple[IntArray, IntArray]:
+        """Find all regions in the cells of regions (k,) and around them, in working modes (k,) of their own.
+
+        Returns how many there are for each (k,), and their rows, one after the other.
+        """
+        line = (modes * self.count + self.cell[rows])[:, None] + self.beside
+        first = self.first[line - 1]
+        number = self.first[line + 2] - first
+        flat = number.ravel()
+        shift = first.ravel() - (np.cumsum(flat) - flat)
+        return number.sum(axis=1), self.order[np.arange(flat.sum()) + np.repeat(shift, flat)]

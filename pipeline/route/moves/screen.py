@@ -1,0 +1,72 @@
+"""Screening: the moves of a core are followed before it is solved, each pair of regions once."""
+
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+
+from pipeline.arrays import IntArray
+from pipeline.route.moves.candidates import Moves
+from pipeline.route.moves.check import Flaw
+
+Follow = Callable[[IntArray, IntArray], list[Flaw | None]]
+"""Follows moves between rows (m,) of the region table; what is wrong with each, None for nothing."""
+
+
+class Screen:
+    """What is known of moves followed so far, by rows of the region table; a move is as good as its reverse."""
+
+    def __init__(self, follow: Follow, regions: int) -> None:
+        self._follow = follow
+        self._regions = regions
+        self._known: dict[int, Flaw | None] = {}
+
+    @property
+    def followed(self) -> int:
+        """How many different moves were followed."""
+        return len(self._known)
+
+    @property
+    def flaws(self) -> Counter[Flaw]:
+        """How many of them are flawed, by kind."""
+        return Counter(flaw for flaw in self._known.values() if flaw is not None)
+
+    @property
+    def report(self) -> str:
+        """The flaws in words."""
+        return "; ".join(f"{count}: {flaw}" for flaw, count in sorted(self.flaws.items()))
+
+    def sift(self, core: Moves, moves: Moves, base: IntArray) -> Moves:
+        """Follow the moves of a core as far as they are not known, and leave all bad ones out of `moves`.
+
+        `base` (n,) gives the row of the region table for the rows that both speak of.
+        """
+        keys = self._keys(base[core.source], base[core.target])
+        unknown = np.array([key for key in np.unique(keys).tolist() if key not in self._known], dtype=np.int64)
+        if len(unknown):
+            found = self._follow(unknown // self._regions, unknown % self._regions)
+            self._known.update(zip(unknown.tolist(), found, strict=True))
+        return self.without_bad(moves, base)
+
+    def forbid(self, source: int, target: int, flaw: Flaw) -> None:
+        """Remember a flaw found otherwise."""
+        self._known[int(self._keys(np.array([source]), np.array([target]))[0])] = flaw
+
+    def without_bad(self, moves: Moves, base: IntArray) -> Moves:
+        """Leave out the moves known to be bad, either way; `base` as of `sift`."""
+        bad = self._bad
+        touched = np.zeros(self._regions, dtype=bool)
+        touched[bad // self._regions] = touched[bad % self._regions] = True
+        suspect = np.flatnonzero(touched[base][moves.source] & touched[base][moves.target])
+        keep = np.ones(len(moves), dtype=bool)
+        keep[suspect] = ~np.isin(self._keys(base[moves.source[suspect]], base[moves.target[suspect]]), bad)
+        return moves if keep.all() else moves.take(keep)
+
+    def _keys(self, source: IntArray, target: IntArray) -> IntArray:
+        low, high = np.minimum(source, target).astype(np.int64), np.maximum(source, target)
+        keys: IntArray = low * self._regions + high
+        return keys
+
+    @property
+    def _bad(self) -> IntArray:
+        return np.array([key for key, flaw in self._known.items() if flaw is not None], dtype=np.int64)

@@ -1,0 +1,237 @@
+"""The core: all routes cheaper than a threshold T, laid out step by step.
+
+A node is a region at a step i, an arc an admitted move (or a wait) from step i to i + 1. Costs from the start
+and to the goal within the step budget, and the x that can be reached from either end, are carried along both
+ways, and so is what must have been used of every budget; what cannot belong to a route of at most T within the
+budgets is left out. Hence a mixed-integer program over the core is
+exact whenever its optimum is at most T.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.route.bounds.budgets import Budget
+from pipeline.route.bounds.shortest_paths import Bounds
+from pipeline.route.moves.candidates import Moves
+from pipeline.route.regions.build import RegionTable
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Core:
+    """Nodes and arcs of all routes of cost at most `threshold`.
+
+    Attributes
+    ----------
+    step, region : (n,)
+        Step (from 0) and row of the region table of each node.
+    window_m : (n, 2)
+        The x that can be reached there from the start and from which the goal can be reached.
+    tail, head : (m,)
+        Nodes an arc leaves and reaches.
+    cost : (m,)
+        kappa of the region left, zero once the goal is reached: gamma kappa of (25)-(26).
+    used : (budgets, m)
+        What an arc uses of each budget, its x left out.
+    threshold : float
+        T.
+    bound : float
+        No route of cost at most T costs less, whatever x does in it; infinite when there is none.
+    step_budget, x_step_m, budgets : int, float, tuple
+        N, the largest move along X, and the budgets it was laid out for.
+    """
+
+    step: IntArray
+    region: IntArray
+    window_m: FloatArray
+    tail: IntArray
+    head: IntArray
+    cost: FloatArray
+    used: FloatArray
+    threshold: float
+    bound: float
+    step_budget: int
+    x_step_m: float
+    budgets: tuple[Budget, ...]
+
+    @property
+    def empty(self) -> bool:
+        """True when no route costs at most T."""
+        return len(self.tail) == 0
+
+    @property
+    def regions(self) -> int:
+        """Number of different regions."""
+        return len(np.unique(self.region))
+
+    @property
+    def moves(self) -> Moves:
+        """The moves among its arcs, between rows of the region table and each once."""
+        source, target = self.region[self.tail], self.region[self.head]
+        pairs = np.unique(np.column_stack([source, target])[source != target], axis=0)
+        return Moves(pairs[:, 0], pairs[:, 1])
+
+
+def build_core(
+    regions: RegionTable, moves: Moves, bounds: Bounds, threshold: float, step_budget: int, x_step_m: float
+) -> Core:
+    """Lay out all routes of cost at most `threshold` with at most `step_budget` positions, within the budgets."""
+    limit = threshold * (1.0 + _ROUNDING) + bounds.credit
+    arcs = _Arcs.within(regions, moves, bounds, limit)
+    left = np.array([budget.left(regions) + _ROUNDING for budget in bounds.prices.budgets]).reshape(-1, 1)
+    everywhere = _Windows.of_regions(arcs.window_m, step_budget)
+    to_go = np.broadcast_to(bounds.backward[arcs.region], everywhere.low.shape)
+    forward = _sweep(arcs, arcs.tail, arcs.head, arcs.start, everywhere, to_go, limit, x_step_m)
+    # The way back only uses the x that the way out can reach: its costs become sharper bounds.
+    back = forward.window.reversed()
+    backward = _sweep(arcs, arcs.head, arcs.tail, arcs.goal, back, forward.cost[::-1], limit, x_step_m).reversed()
+    low, high = backward.window.low, backward.window.high
+    # Costs of a sweep leave out the node itself on the way out and count it on the way back.
+    alive = (forward.cost + backward.cost <= limit) & (low <= high + _ROUNDING)
+    alive &= (forward.used + backward.used <= left[:, None]).all(axis=0)
+    # Hulls are relaxations: a node may look alive when no way through it leads from the start to the goal.
+    alive &= alive[0, arcs.start] and alive[-1, arcs.goal]
+    number = np.cumsum(alive.ravel()).reshape(alive.shape) - 1
+    tails, heads, chosen = [], [], []
+    for i in range(step_budget - 1):
+        use = np.flatnonzero(alive[i, arcs.tail])
+        use = use[alive[i + 1, arcs.head[use]]]
+        j, k = arcs.tail[use], arcs.head[use]
+        reach = (low[i, j] - x_step_m <= high[i + 1, k] + _ROUNDING) & (
+            low[i + 1, k] <= high[i, j] + x_step_m + _ROUNDING
+        )
+        cheap = forward.cost[i, j] + arcs.priced[use] + backward.cost[i + 1, k] <= limit
+        spare = (forward.used[:, i, j] + arcs.used[:, use] + backward.used[:, i + 1, k] <= left).all(axis=0)
+        kept = reach & cheap & spare
+        tails.append(number[i, j[kept]])
+        heads.append(number[i + 1, k[kept]])
+        chosen.append(use[kept])
+    step, local = np.nonzero(alive)
+    use = np.concatenate(chosen)
+    return Core(
+        step=step,
+        region=arcs.region[local],
+        window_m=np.column_stack([low[alive], high[alive]]),
+        tail=np.concatenate(tails),
+        head=np.concatenate(heads),
+        cost=arcs.cost[use],
+        used=arcs.used[:, use],
+        threshold=threshold,
+        bound=float(backward.cost[0, arcs.start]) - bounds.credit,
+        step_budget=step_budget,
+        x_step_m=x_step_m,
+        budgets=bounds.prices.budgets,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Arcs:
+    """The moves among the regions with F + B <= T, and a wait in each of them; `priced` is the cost in F and B."""
+
+    region: IntArray
+    window_m: FloatArray
+    tail: IntArray
+    head: IntArray
+    cost: FloatArray
+    priced: FloatArray
+    used: FloatArray
+    start: int
+    goal: int
+
+    @classmethod
+    def within(cls, regions: RegionTable, moves: Moves, bounds: Bounds, limit: float) -> "_Arcs":
+        inside = bounds.forward + bounds.backward <= limit
+        # Start and goal stay, so that an empty core needs no special case.
+        inside[[regions.start, regions.goal]] = True
+        region = np.flatnonzero(inside)
+        local = np.cumsum(inside) - 1
+        use = inside[moves.source] & inside[moves.target]
+        waits = np.arange(len(region))
+        tail = np.concatenate([local[moves.source[use]], waits])
+        head = np.concatenate([local[moves.target[use]], waits])
+        cost = regions.kappa[region]
+        cost[local[regions.goal]] = 0.0
+        ends = (regions, region[tail], region[head])
+        used = [budget.used(*ends) for budget in bounds.prices.budgets]
+        return cls(
+            region=region,
+            window_m=regions.x_window_m[region],
+            tail=tail,
+            head=head,
+            cost=cost[tail],
+            priced=cost[tail] + bounds.prices.penalty(*ends),
+            used=np.array(used).reshape(-1, len(tail)),
+            start=int(local[regions.start]),
+            goal=int(local[regions.goal]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Windows:
+    """Least and largest x per step and region, shape (N, regions)."""
+
+    low: FloatArray
+    high: FloatArray
+
+    @classmethod
+    def of_regions(cls, window_m: FloatArray, steps: int) -> "_Windows":
+        shape = (steps, len(window_m))
+        return cls(np.broadcast_to(window_m[:, 0], shape), np.broadcast_to(window_m[:, 1], shape))
+
+    def reversed(self) -> "_Windows":
+        return _Windows(self.low[::-1], self.high[::-1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Reach:
+    """Least cost (N, regions), infinite out of reach, the hull of the x that can be reached, least use of budgets."""
+
+    cost: FloatArray
+    window: _Windows
+    used: FloatArray
+
+    def reversed(self) -> "_Reach":
+        return _Reach(self.cost[::-1], self.window.reversed(), self.used[:, ::-1])
+
+
+def _sweep(
+    arcs: _Arcs,
+    source: IntArray,
+    target: IntArray,
+    root: int,
+    allowed: _Windows,
+    to_go: FloatArray,
+    limit: float,
+    x_step_m: float,
+) -> _Reach:
+    """Carry costs, x and use of budgets from one end through all steps, along the arcs from `source` to `target`.
+
+    Nodes whose cost and least cost `to_go` (N, regions) exceed the limit are not carried on.
+    """
+    shape = allowed.low.shape
+    cost, low, high = np.full(shape, np.inf), np.full(shape, np.inf), np.full(shape, -np.inf)
+    used = np.full((len(arcs.used), *shape), np.inf)
+    cost[0, root], low[0, root], high[0, root] = 0.0, allowed.low[0, root], allowed.high[0, root]
+    used[:, 0, root] = 0.0
+    order = np.argsort(target, kind="stable")
+    source, target = source[order], target[order]
+    for i in range(1, len(cost)):
+        along = np.flatnonzero((cost[i - 1] + to_go[i - 1] <= limit)[source])
+        from_low = np.maximum(low[i - 1, source[along]] - x_step_m, allowed.low[i, target[along]])
+        from_high = np.minimum(high[i - 1, source[along]] + x_step_m, allowed.high[i, target[along]])
+        open_: BoolArray = from_low <= from_high + _ROUNDING
+        along, from_low, from_high = along[open_], from_low[open_], from_high[open_]
+        if len(along) == 0:
+            break
+        here, there, arc = source[along], target[along], order[along]
+        first = np.flatnonzero(np.diff(there, prepend=-1))
+        reached = there[first]
+        cost[i, reached] = np.minimum.reduceat(cost[i - 1, here] + arcs.priced[arc], first)
+        low[i, reached] = np.minimum.reduceat(from_low, first)
+        high[i, reached] = np.maximum.reduceat(from_high, first)
+        if len(used):
+            used[:, i, reached] = np.minimum.reduceat(used[:, i - 1, here] + arcs.used[:, arc], first, axis=1)
+    return _Reach(cost, _Windows(low, high), used)

@@ -1,0 +1,89 @@
+"""What the task adds to the regions: boxes to avoid cut windows, visits, start and goal are rows of their own."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.config import Config, VisitConfig
+from pipeline.errors import NoSolutionError
+from pipeline.machine.geometry import MODES, Machine
+from pipeline.route.metric import CONTROLLED, step_sizes
+from pipeline.route.regions.boxes import Box, cut_windows, grown_boxes
+from pipeline.route.regions.endpoints import Endpoint, task_endpoints, visited_pose
+from pipeline.route.regions.table import RegionTable
+
+_ROUNDING = 1e-9
+
+
+def add_task_rows(config: Config, machine: Machine, grid: RegionTable) -> RegionTable:
+    """Add the task to a table of grid and gates: its last two rows are then the start and the goal.
+
+    Raises
+    ------
+    ConfigError
+        When the machine cannot be at the start, the goal or a pose to visit.
+    NoSolutionError
+        When no region lies in a box to visit.
+    """
+    start, goal = task_endpoints(config, machine)
+    if config.task.avoid:
+        grid = cut_windows(grown_boxes(config), grid, step_sizes(config.route))
+    visits = [
+        _visit_rows(config, machine, grid, number, visit) for number, visit in enumerate(config.task.visit, start=1)
+    ]
+    return RegionTable.concatenate([grid, *visits, _row(start), _row(goal)])
+
+
+def _visit_rows(config: Config, machine: Machine, grid: RegionTable, number: int, visit: VisitConfig) -> RegionTable:
+    if visit.pose is not None:
+        return _row(visited_pose(config, machine, number - 1, visit.pose), number)
+    assert visit.box is not None
+    box = Box.of(visit.box)
+    inside = box.across().depth_m(grid.controlled) >= -_ROUNDING
+    if visit.modes:
+        inside &= np.isin(grid.modes, [MODES.index(mode) for mode in visit.modes])
+    rows = grid.take(inside)
+    windows = np.clip(rows.x_window_m, box.low[0], box.high[0])
+    least, largest = rows.x_window_m.T
+    reached = (least <= box.high[0] + _ROUNDING) & (largest >= box.low[0] - _ROUNDING)
+    rows = replace(rows, x_window_m=windows, visits=np.full(len(rows), number)).take(reached)
+    if len(rows) == 0:
+        raise NoSolutionError(
+            "regions",
+            f"no region of the grid lies in task.visit[{number - 1}]; there are some {_extent(grid)}",
+            "make the box larger than a grid step, allow other working modes there, or more tilt"
+            + (", or avoid less around it: task.avoid, route.avoid_margin" if config.task.avoid else ""),
+        )
+    return rows
+
+
+def _extent(grid: RegionTable) -> str:
+    """Say where a table has regions at all."""
+    if len(grid) == 0:
+        return "nowhere"
+    low = [grid.x_window_m[:, 0].min(), *grid.controlled[:, 1:].min(axis=0)]
+    high = [grid.x_window_m[:, 1].max(), *grid.controlled[:, 1:].max(axis=0)]
+    sides = zip(("x_m", "y_m", "z_m", "rx_deg", "rz_deg"), low, high, strict=True)
+    shown = [
+        f"{key} from {np.rad2deg(least):.3g} to {np.rad2deg(most):.3g}"
+        if key.endswith("deg")
+        else f"{key} from {least:.3g} to {most:.3g}"
+        for key, least, most in sides
+    ]
+    return "for " + ", ".join(shown)
+
+
+def _row(end: Endpoint, visit: int = 0) -> RegionTable:
+    x = end.pose[0]
+    return RegionTable(
+        controlled=end.pose[None, CONTROLLED],
+        ry_rad=end.pose[None, 4],
+        modes=np.array([end.mode]),
+        gates=np.array([0]),
+        q_m=end.q_m[None],
+        kappa=np.array([end.kappa]),
+        det_sign=np.array([end.det_sign]),
+        link_distance_m=np.array([end.link_distance_m]),
+        x_window_m=np.array([[x, x]]),
+        visits=np.array([visit]),
+    )

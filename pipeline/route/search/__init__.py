@@ -1,0 +1,1 @@
+"""The search for the best route: states, objective, proven optimum, and its placement along X."""

@@ -1,0 +1,1 @@
+"""What `summary.json` says of a run: a section for each stage, and the same in a few words."""
