@@ -1,28 +1,46 @@
 from .beckhoff import (
     format_beckhoff as format_beckhoff,
+)
+from .beckhoff import (
     read_beckhoff as read_beckhoff,
 )
 from .csv import (
     format_csv as format_csv,
+)
+from .csv import (
     read_csv as read_csv,
+)
+from .csv import (
     trajectory_columns as trajectory_columns,
 )
 from .linuxcnc import (
     format_halstreamer as format_halstreamer,
+)
+from .linuxcnc import (
     read_halstreamer as read_halstreamer,
 )
 from .motion import (
     Motion as Motion,
+)
+from .motion import (
     motion_of as motion_of,
+)
+from .motion import (
     needed_decimals as needed_decimals,
 )
 from .mujoco import (
     format_keyframes as format_keyframes,
+)
+from .mujoco import (
     read_keyframes as read_keyframes,
 )
 from .ros2 import (
     format_json as format_json,
+)
+from .ros2 import (
     format_yaml as format_yaml,
+)
+from .ros2 import (
     read_joint_trajectory as read_joint_trajectory,
 )
 from .sidecar import (
@@ -30,5 +48,7 @@ from .sidecar import (
 )
 from .writing import (
     CsvOptions as CsvOptions,
+)
+from .writing import (
     format_samples as format_samples,
 )
