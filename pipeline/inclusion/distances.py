@@ -13,52 +13,38 @@ from pipeline.arrays import FloatArray
 from pipeline.inclusion.closure import Geometry
 from pipeline.inclusion.condition import below, norm
 from pipeline.inclusion.krawczyk import Piecewise, ball_matrix
-from pipeline.machine.clearance import link_pairs, rail_pairs
-from pipeline.machine.geometry import Machine
 
 _LINKS = 6
 _PARALLEL = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Pairs:
-    """The pairs that must not touch.
+class AxisPairs:
+    """Pairs of axes whose distances are bounded.
 
     Attributes
     ----------
     first, second : (pairs, 2)
         The two end points of each, as columns of a table of cart joints, platform joints and rails.
-    is_rail : (pairs,)
-        Whether the second is a rail, which goes on along X without end.
-    links, rails : list of (int, int)
-        What they are.
+    from_rail : bool
+        Whether the second of every pair is a rail, which goes on along X without end.
     rails_m : (3, 2)
         y and z of the rails.
     """
 
     first: FloatArray
     second: FloatArray
-    is_rail: FloatArray
-    links: list[tuple[int, int]]
-    rails: list[tuple[int, int]]
+    from_rail: bool
     rails_m: FloatArray
 
-
-def build_pairs(machine: Machine) -> Pairs:
-    """List the pairs of links that share no joint, and of links and rails where the machine asks for them."""
-    links = link_pairs(machine)
-    rails = rail_pairs(machine) if np.isfinite(machine.link_rail_m) else []
-    return Pairs(
-        first=np.array([(a, _LINKS + a) for a, _ in links + rails]),
-        second=np.array([(b, _LINKS + b) for _, b in links] + [(2 * _LINKS + b,) * 2 for _, b in rails]),
-        is_rail=np.array([False] * len(links) + [True] * len(rails)),
-        links=links,
-        rails=rails,
-        rails_m=machine.rails_m,
-    )
+    @classmethod
+    def of(cls, pairs: list[tuple[int, int]], from_rail: bool, rails_m: FloatArray) -> "AxisPairs":
+        """Look up the end points of pairs of links, or of links and rails."""
+        second = [(2 * _LINKS + b,) * 2 if from_rail else (b, _LINKS + b) for _, b in pairs]
+        return cls(np.array([(a, _LINKS + a) for a, _ in pairs]), np.array(second), from_rail, rails_m)
 
 
-def distance_bounds(machine: Geometry, pairs: Pairs, series: Piecewise, deviation: list[arb]) -> FloatArray:
+def distance_bounds(machine: Geometry, pairs: AxisPairs, series: Piecewise, deviation: list[arb]) -> FloatArray:
     """Lower bounds of the distances of all pairs over a box whose pose is x(t) up to `deviation`. Shape (pairs,)."""
     points = _end_points(pairs, series)
     half = float(series.half.mid())
@@ -78,7 +64,7 @@ def distance_bounds(machine: Geometry, pairs: Pairs, series: Piecewise, deviatio
     return np.array([_pair_bound(pairs, pair, terms, N, series.half, off) for pair in range(len(pairs.first))])
 
 
-def _pair_bound(pairs: Pairs, pair: int, terms: list[arb_mat], N: list[arb_mat], h: arb, off: list[arb]) -> float:
+def _pair_bound(pairs: AxisPairs, pair: int, terms: list[arb_mat], N: list[arb_mat], h: arb, off: list[arb]) -> float:
     least = None
     for p in pairs.first[pair].tolist():
         for q in pairs.second[pair].tolist():
@@ -97,7 +83,7 @@ def _pair_bound(pairs: Pairs, pair: int, terms: list[arb_mat], N: list[arb_mat],
     return max(0.0, below(least / size - moved))
 
 
-def _end_points(pairs: Pairs, series: Piecewise) -> list[arb_mat]:
+def _end_points(pairs: AxisPairs, series: Piecewise) -> list[arb_mat]:
     """Cart joints, platform joints and rails as columns (3, 15): terms of order 0, 1 and, for the whole interval, 2."""
     tables = []
     for order, closure in ((0, series.at), (1, series.at), (2, series.over)):
@@ -119,13 +105,14 @@ def _joint_deviation(machine: Geometry, deviation: list[arb]) -> list[arb]:
     return [shift + norm(point) * turn for point in machine.points]
 
 
-def separating_directions(pairs: Pairs, points: FloatArray) -> FloatArray:
+def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
     """Unit vectors (..., pairs, 3) from the second to the first of each pair, for end points (..., 15, 3).
 
     Between their closest points; nothing is proven of them.
     """
     P, Q = points[..., pairs.first, :], points[..., pairs.second, :]
-    P[..., pairs.is_rail, :, 0], Q[..., pairs.is_rail, :, 0] = 0.0, 0.0
+    if pairs.from_rail:
+        P[..., 0], Q[..., 0] = 0.0, 0.0
     u, v, r = P[..., 1, :] - P[..., 0, :], Q[..., 1, :] - Q[..., 0, :], P[..., 0, :] - Q[..., 0, :]
     uu, vv, uv, ur, vr = ((a * b).sum(axis=-1) for a, b in ((u, u), (v, v), (u, v), (u, r), (v, r)))
     square = uu * vv - uv**2

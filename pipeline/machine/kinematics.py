@@ -23,6 +23,7 @@ from pipeline.machine.geometry import (
     rotation_x,
     rotation_z,
 )
+from pipeline.machine.pose import full_pose
 from pipeline.machine.triangle import dependent_angle, on_axis, third_discriminant
 
 _NEWTON_STEPS = 30
@@ -83,11 +84,6 @@ def inverse_kinematics(
     telescopes = joints[:, TELESCOPES] - cart_joints(machine, carts)[:, TELESCOPES]
     q = np.column_stack([carts, np.sqrt(dot(telescopes, telescopes))])
     return InverseSolution(pose, q, D, np.isfinite(q).all(axis=1))
-
-
-def full_pose(controlled: FloatArray, ry_rad: FloatArray) -> FloatArray:
-    """Put ry (n,) where it belongs in controlled poses (n, 5). Shape (n, 6)."""
-    return np.column_stack([controlled[:, :4], ry_rad, controlled[:, 4]])
 
 
 def discriminants(machine: Machine, pose: FloatArray) -> FloatArray:

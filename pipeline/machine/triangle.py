@@ -18,6 +18,7 @@ from scipy.optimize import elementwise
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.machine.geometry import PRIMARY, TRIANGLE, Machine, cross, dot, rotation, turned
+from pipeline.machine.pose import wrap_angle
 
 _SAMPLES = 72
 _FIRST_SAMPLE = -np.pi + 0.3 * 2.0 * np.pi / _SAMPLES
@@ -66,7 +67,7 @@ def _closed_form(machine: Machine, controlled: FloatArray, signs: FloatArray) ->
     C = constant + dot(g, d) - h[1] * w[1]
     with np.errstate(invalid="ignore", divide="ignore"):
         opening = np.arccos(C / np.hypot(A, B))
-    return np.where(reached, _wrap(np.arctan2(B, A) - machine.triangle_sign * opening), np.nan)
+    return np.where(reached, wrap_angle(np.arctan2(B, A) - machine.triangle_sign * opening), np.nan)
 
 
 def _root_search(machine: Machine, controlled: FloatArray, signs: FloatArray) -> FloatArray:
@@ -80,10 +81,10 @@ def _root_search(machine: Machine, controlled: FloatArray, signs: FloatArray) ->
     keep = reached & (_branch(machine, R, g) * machine.triangle_sign > 0.0)
     row, ry = row[keep], ry[keep]
     near = np.nan_to_num(_closed_form(_moved_onto_axis(machine), controlled, signs))
-    order = np.lexsort((np.abs(_wrap(ry - near[row])), row))
+    order = np.lexsort((np.abs(wrap_angle(ry - near[row])), row))
     row, first = np.unique(row[order], return_index=True)
     result = np.full(len(controlled), np.nan)
-    result[row] = _wrap(ry[order][first])
+    result[row] = wrap_angle(ry[order][first])
     return result
 
 
@@ -153,9 +154,3 @@ def _triangle(machine: Machine) -> tuple[FloatArray, FloatArray, float]:
     d = machine.cart_offsets_m[TRIANGLE] - machine.cart_offsets_m[_ARM3]
     squares = machine.lengths_m[TRIANGLE] ** 2 - machine.lengths_m[_ARM3] ** 2 - w @ w - d @ d
     return w, d, float(squares / 2.0)
-
-
-def _wrap(angle: FloatArray) -> FloatArray:
-    """Bring angles into (-pi, pi]."""
-    wrapped: FloatArray = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
-    return wrapped

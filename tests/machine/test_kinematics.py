@@ -17,10 +17,10 @@ from pipeline.machine.kinematics import (
     closure_jacobian,
     closure_residual,
     discriminants,
-    full_pose,
     newton,
     pose_jacobian,
 )
+from pipeline.machine.pose import full_pose
 
 seeds = st.integers(0, 2**32 - 1)
 kinds = st.sampled_from(["on axis", "off axis", "general"])

@@ -13,7 +13,8 @@ from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.machine.clearance import link_distances, link_rail_distances
 from pipeline.machine.geometry import MODES, Machine
-from pipeline.machine.kinematics import InverseSolution, discriminants, full_pose, inverse_kinematics
+from pipeline.machine.kinematics import InverseSolution, discriminants, inverse_kinematics
+from pipeline.machine.pose import full_pose
 from pipeline.machine.statics import condition_number, det_sign, statics_matrix
 from pipeline.machine.triangle import dependent_angle
 from pipeline.parallel import WORKERS, blocks, in_parallel

@@ -10,7 +10,8 @@ from scipy.optimize import elementwise
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import AxisConfig, Config
 from pipeline.machine.geometry import MODE_SIGNS, MODES, Machine
-from pipeline.machine.kinematics import discriminants, full_pose
+from pipeline.machine.kinematics import discriminants
+from pipeline.machine.pose import full_pose
 from pipeline.machine.triangle import dependent_angle, on_axis, third_discriminant
 from pipeline.parallel import blocks
 

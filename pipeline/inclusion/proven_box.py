@@ -1,0 +1,33 @@
+"""A proven box with everything that bounds over it are computed from."""
+
+from dataclasses import dataclass
+
+from pipeline.inclusion.closure import Geometry
+from pipeline.inclusion.krawczyk import Inclusion, Piecewise
+from pipeline.inclusion.pieces import Piece
+from pipeline.machine.geometry import Machine
+
+
+@dataclass(frozen=True, eq=False)
+class ProvenBox:
+    """A box that holds exactly one regular pose for every s of its interval.
+
+    Attributes
+    ----------
+    machine : Machine
+        The machine.
+    balls : Geometry
+        The machine in balls.
+    piece : Piece
+        The actuators over the interval, as exact polynomials.
+    series : Piecewise
+        The closures along the box.
+    inclusion : Inclusion
+        The proof of the box.
+    """
+
+    machine: Machine
+    balls: Geometry
+    piece: Piece
+    series: Piecewise
+    inclusion: Inclusion

@@ -1,0 +1,163 @@
+"""Cart travel and telescope strokes.
+
+x enters a pose through cart travel alone: without a given x, travel leaves an interval of x, the *window* of the pose.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.arrays import BoolArray, FloatArray
+from pipeline.config import Config
+from pipeline.limits.limit import Limit, Wording
+from pipeline.limits.measures import Measure
+from pipeline.limits.relaxation import RegionFilter, Relaxation, with_values
+from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.machine.samples import PoseSamples
+
+if TYPE_CHECKING:
+    from pipeline.inclusion.proven_box import ProvenBox
+
+TRAVEL_KEY = "machine.rails.travel_m"
+"""Key of the relaxation of cart travel; its values are what all rails are longer by at either end."""
+TRAVEL_REFUSED = "need a cart beyond its rail, wherever x is"
+"""Predicate about grid points without a window of x."""
+PROOF_SLACK_M = 1e-5
+"""What proven bounds are weakened by, so that other arithmetic can verify them."""
+PROOF_ROUNDING_M = 1e-6
+"""By how much a bound may pass a limit that the path was made to touch."""
+_TRAVEL_STEP_M, _TRAVEL_COUNT = 1e-3, 1_000
+_ALL, _STROKES = slice(0, 5), slice(3, 5)
+
+
+@dataclass(frozen=True, eq=False)
+class ActuatorRange:
+    """Some of the actuators stay within their ranges.
+
+    Attributes
+    ----------
+    columns : slice
+        Which of c1, c2, c3, l2b, l3b.
+    range_m : (m, 2)
+        Least and largest position of each.
+    """
+
+    columns: slice
+    range_m: FloatArray
+    cost: int = 0
+    rounding: float = 1e-9
+
+    @property
+    def wording(self) -> Wording:
+        """How the limit is named in messages."""
+        return Wording(
+            name="actuator position",
+            key="machine.rails.travel_m, machine.links.l2b.stroke_m, machine.links.l3b.stroke_m",
+            rejected_move="an actuator leaves its range",
+            refused_points="need a telescope beyond its stroke",
+            broken_path="actuators beyond stroke or travel, metres",
+            path_advice="Raise refine.nodes.",
+            proof_advice="Raise refine.nodes, and refine again.",
+        )
+
+    def margins(self, samples: PoseSamples) -> FloatArray:
+        """Compute distances to both ends of every range, shape (n, 2 m)."""
+        q = samples.q_m[:, self.columns]
+        return np.concatenate([q - self.range_m[:, 0], self.range_m[:, 1] - q], axis=1)
+
+    def excess(self, samples: PoseSamples) -> FloatArray:
+        """By how many metres the worst actuator is out of its range, shape (n,)."""
+        return np.asarray(-self.margins(samples).min(axis=1), dtype=float)
+
+    def violations(self, samples: PoseSamples) -> list[str]:
+        """State every actuator that is out of its range."""
+        rows = zip(self.subjects, samples.q_m[0, self.columns], self.range_m, strict=True)
+        return [
+            f"needs {name} at {value:.4f} m; allowed are {least:g} to {largest:g} m"
+            for name, value, (least, largest) in rows
+            if not least <= value <= largest
+        ]
+
+    @property
+    def subjects(self) -> tuple[str, ...]:
+        """Names of the actuators."""
+        return tuple(np.array(ACTUATORS)[self.columns].tolist())
+
+    def bound(self, box: "ProvenBox") -> FloatArray:
+        """Bound the actuators over a proven box, shape (m, 2)."""
+        from pipeline.inclusion.bounds import actuator_ranges
+
+        slack = np.array([-PROOF_SLACK_M, PROOF_SLACK_M])
+        return np.asarray(actuator_ranges(box)[self.columns] + slack, dtype=float)
+
+    def unproven(self, bounds: FloatArray) -> str:
+        """State the actuator that is not proven to stay within its range."""
+        excess = np.maximum(self.range_m[:, 0] - bounds[:, 0], bounds[:, 1] - self.range_m[:, 1])
+        if excess.max() <= PROOF_ROUNDING_M + PROOF_SLACK_M:
+            return ""
+        worst = int(excess.argmax())
+        return f"{self.subjects[worst]} is not proven to stay within its limits (beyond by {excess[worst]:.3g} m)"
+
+
+def cart_travel(machine: Machine) -> ActuatorRange:
+    """Return the limit of cart travel, for poses with an x of their own."""
+    return ActuatorRange(slice(0, 3), machine.travel_m)
+
+
+def x_windows(machine: Machine, q_m: FloatArray) -> FloatArray:
+    """Compute [least, largest] x for which all carts are on their rails, for actuators (n, 5) at x = 0. Shape (n, 2).
+
+    Empty windows have their least x above the largest.
+    """
+    carts = q_m[:, :3]
+    least = (machine.travel_m[:, 0] - carts).max(axis=1)
+    largest = (machine.travel_m[:, 1] - carts).min(axis=1)
+    return np.column_stack([least, largest])
+
+
+def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
+    """Return the limit of poses without a given x: strokes alone; travel makes windows of x."""
+    return [ActuatorRange(_STROKES, machine.strokes_m)]
+
+
+def for_moves(config: Config, machine: Machine) -> list[Limit]:
+    """Return no limit: between two ends that keep travel and strokes, a straight line keeps them, too."""
+    return []
+
+
+def for_path(config: Config, machine: Machine) -> list[Limit]:
+    """Return the limit of a path."""
+    return [ActuatorRange(_ALL, machine.actuator_limits_m)]
+
+
+def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
+    """Return rails that are longer at both ends, up to a metre."""
+    levels = np.array([k * _TRAVEL_STEP_M for k in range(_TRAVEL_COUNT + 1)]).round(9)
+
+    def change(value: float) -> Config:
+        rails = []
+        for rail in config.machine.rails:
+            least, largest = rail.travel_m
+            rails.append(rail.model_copy(update={"travel_m": (least - value, largest + value)}))
+        return with_values(config, "machine", rails=tuple(rails))
+
+    def prepare(samples: PoseSamples, windows_m: FloatArray) -> RegionFilter:
+        at_zero = samples.q_m.copy()
+        at_zero[:, :3] -= samples.pose[:, :1]
+        allowed = x_windows(machine, at_zero)
+        return lambda value: _narrowed(windows_m, allowed + [-value, value])
+
+    return [Relaxation(TRAVEL_KEY, 0.0, levels, (len(levels),), change, prepare)]
+
+
+def _narrowed(windows_m: FloatArray, allowed_m: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Cut windows of x (n, 2) down to what cart travel allows, and return which are not empty."""
+    low, high = np.maximum(windows_m[:, 0], allowed_m[:, 0]), np.minimum(windows_m[:, 1], allowed_m[:, 1])
+    # Poses with an x of their own are on the rails; rounding must not throw them off.
+    own = windows_m[:, 0] == windows_m[:, 1]
+    windows = np.where(own[:, None], windows_m, np.column_stack([low, high]))
+    return windows, windows[:, 0] <= windows[:, 1]
+
+
+MEASURES: tuple[Measure, ...] = ()

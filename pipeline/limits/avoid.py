@@ -1,0 +1,125 @@
+"""Boxes of controlled poses that the TCP must not enter (`task.avoid`), or may be asked to visit."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.arrays import BoolArray, FloatArray
+from pipeline.config import BoxConfig, Config
+from pipeline.limits.limit import Limit, Wording
+from pipeline.limits.measures import Measure
+from pipeline.limits.relaxation import Relaxation
+from pipeline.machine.geometry import Machine
+from pipeline.machine.samples import PoseSamples
+
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Least and largest x, y, z, rx, rz, both (5,), in metres and radians; infinite where any value will do."""
+
+    low: FloatArray
+    high: FloatArray
+
+    @classmethod
+    def of(cls, config: BoxConfig) -> "Box":
+        """Read a box."""
+        sides = []
+        for key in ("x_m", "y_m", "z_m", "rx_deg", "rz_deg"):
+            interval = getattr(config, key) or (-np.inf, np.inf)
+            sides.append(np.deg2rad(interval) if key.endswith("deg") else np.array(interval))
+        low, high = np.array(sides, dtype=float).T
+        return cls(low, high)
+
+    def grown(self, by: FloatArray) -> "Box":
+        """Return the box with `by` (5,) added on every side."""
+        return Box(self.low - by, self.high + by)
+
+    def across(self) -> "Box":
+        """Return the box with any x."""
+        return Box(np.append(-np.inf, self.low[1:]), np.append(np.inf, self.high[1:]))
+
+    def inside(self, controlled: FloatArray) -> BoolArray:
+        """Return which controlled poses (..., 5) are inside, the surface left out."""
+        deep = (controlled > self.low + ROUNDING) & (controlled < self.high - ROUNDING)
+        return np.asarray(deep.all(axis=-1), dtype=bool)
+
+    def near(self, controlled: FloatArray, steps: FloatArray) -> BoolArray:
+        """Return which controlled poses (..., 5) are, at whatever x, within one of `steps` (5,) of it or inside."""
+        return self.across().grown(steps * (1.0 + ROUNDING)).inside(controlled)
+
+    def depth_m(self, controlled: FloatArray) -> FloatArray:
+        """Compute the distance of controlled poses (..., 5) to the nearest side, in metres and radians; outside < 0."""
+        return np.asarray(np.minimum(controlled - self.low, self.high - controlled).min(axis=-1), dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class AvoidedBox:
+    """The TCP stays out of a box; its surface may be touched.
+
+    Attributes
+    ----------
+    box : Box
+        The box.
+    number : int
+        Its entry in `task.avoid`, from 0.
+    """
+
+    box: Box
+    number: int
+    cost: int = 0
+    rounding: float = 1e-9
+
+    @property
+    def wording(self) -> Wording:
+        """How the limit is named in messages."""
+        return Wording(
+            name="box to avoid",
+            key="route.avoid_margin",
+            rejected_move="the TCP enters a box to avoid",
+            refused_points=f"are inside task.avoid[{self.number}]",
+            broken_path=f"task.avoid[{self.number}] is entered, metres or radians",
+            path_advice="Raise refine.clearance_margin_m or refine.nodes.",
+            proof_advice="Raise refine.nodes, and refine again.",
+        )
+
+    def margins(self, samples: PoseSamples) -> FloatArray:
+        """Compute how far outside the box poses are, shape (n, 1)."""
+        return -self.box.depth_m(samples.controlled)[:, None]
+
+    def excess(self, samples: PoseSamples) -> FloatArray:
+        """By how many metres or radians poses are inside, shape (n,)."""
+        return self.box.depth_m(samples.controlled)
+
+    def violations(self, samples: PoseSamples) -> list[str]:
+        """State that the pose is inside."""
+        return [f"is inside task.avoid[{self.number}]"] if self.box.inside(samples.controlled)[0] else []
+
+
+def boxes_to_avoid(config: Config) -> list[Box]:
+    """Read `task.avoid`: the boxes as they are, for poses known exactly."""
+    return [Box.of(box) for box in config.task.avoid]
+
+
+def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
+    """Return no limit: boxes cut the x windows of regions."""
+    return []
+
+
+def for_moves(config: Config, machine: Machine) -> list[Limit]:
+    """Return the limits of moves between regions, for poses with an x of their own."""
+    return [AvoidedBox(box, number) for number, box in enumerate(boxes_to_avoid(config))]
+
+
+def for_path(config: Config, machine: Machine) -> list[Limit]:
+    """Return the limits of a path."""
+    return for_moves(config, machine)
+
+
+def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
+    """Return nothing: what to avoid is the task's own wish."""
+    return []
+
+
+MEASURES: tuple[Measure, ...] = ()

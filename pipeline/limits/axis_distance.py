@@ -1,0 +1,135 @@
+"""Least distances between axes: what link-link and link-rail distance have in common."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.arrays import FloatArray
+from pipeline.config import Config
+from pipeline.limits.limit import Curve, Wording
+from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.machine.geometry import LINKS
+from pipeline.machine.samples import PoseSamples
+
+if TYPE_CHECKING:
+    from pipeline.inclusion.proven_box import ProvenBox
+    from pipeline.limits.rows import Nodes, ProgramPart
+
+PROOF_SLACK_M = 5e-5
+"""What proven bounds of distances are weakened by, so that other arithmetic can verify them."""
+_STEP_M, _ROUNDING = 1e-4, 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class AxisDistance:
+    """The axes of all pairs are at least so far apart.
+
+    Attributes
+    ----------
+    least : float
+        Least distance in metres.
+    pairs : list of (int, int)
+        Links as indices; the second of a pair is a rail if `from_rail`.
+    from_rail : bool
+        Whether the pairs are of links and rails.
+    distances_m : callable
+        Computes the distances of all pairs at n poses, shape (n, pairs).
+    wording : Wording
+        How the limit is named in messages.
+    cost : int
+        Order of evaluation among the limits: cheap ones first.
+    """
+
+    least: float
+    pairs: list[tuple[int, int]]
+    from_rail: bool
+    distances_m: Callable[[PoseSamples], FloatArray]
+    wording: Wording
+    cost: int
+    rounding: float = 1e-9
+    slack: float = 0.0005
+
+    def values(self, samples: PoseSamples) -> FloatArray:
+        """Compute the distances of all pairs, shape (n, pairs)."""
+        return self.distances_m(samples)
+
+    def margins(self, samples: PoseSamples) -> FloatArray:
+        """Compute distances less the least one, shape (n, pairs)."""
+        return self.values(samples) - self.least
+
+    def excess(self, samples: PoseSamples) -> FloatArray:
+        """By how many metres the nearest pair is too close, shape (n,)."""
+        return np.asarray(self.least - self.values(samples).min(axis=1), dtype=float)
+
+    def violations(self, samples: PoseSamples) -> list[str]:
+        """State the nearest pair if it is too close."""
+        nearest = float(self.values(samples).min())
+        what = "a link {:.4f} m from a rail" if self.from_rail else "links {:.4f} m apart"
+        return (
+            []
+            if nearest >= self.least
+            else [f"has {what.format(nearest)}; {self.wording.key} asks for {self.least:g} m"]
+        )
+
+    def curves(self, samples: PoseSamples) -> Sequence[Curve]:
+        """Return the least distance at each sample."""
+        return (Curve(f"least {self.wording.name}", "m", self.values(samples).min(axis=1), self.least, np.inf),)
+
+    def node_margin(self, clearance_margin_m: float) -> float:
+        """Return what nodes keep on top: refine.clearance_margin_m."""
+        return clearance_margin_m
+
+    def program_part(self, nodes: "Nodes") -> "ProgramPart":
+        """Write the separating rows of all pairs that come near."""
+        from pipeline.limits.separation import separation_part
+
+        distances = self.values(nodes.guess)
+        return separation_part(self.wording.name, self.pairs, self.from_rail, distances, self.least, nodes)
+
+    @property
+    def subjects(self) -> tuple[str, ...]:
+        """Names of the pairs."""
+        second = "link {} and rail {}" if self.from_rail else "links {} and {}"
+        return tuple(second.format(LINKS[a], b + 1 if self.from_rail else LINKS[b]) for a, b in self.pairs)
+
+    def bound(self, box: "ProvenBox") -> FloatArray:
+        """Bound the distances of all pairs over a proven box from below, shape (pairs, 2)."""
+        from pipeline.inclusion.distances import AxisPairs, distance_bounds
+
+        pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine.rails_m)
+        least = np.maximum(distance_bounds(box.balls, pairs, box.series, box.inclusion.image) - PROOF_SLACK_M, 0.0)
+        return np.column_stack([least, np.full(len(least), np.inf)])
+
+    def unproven(self, bounds: FloatArray) -> str:
+        """State the pair that is not proven far enough apart."""
+        short = bounds[:, 0] - self.least
+        if not len(short) or short.min() >= 0.0:
+            return ""
+        worst = int(short.argmin())
+        return f"{self.subjects[worst]} are not proven {self.least:g} m apart ({bounds[worst, 0]:.4g} m)"
+
+
+def distance_relaxation(config: Config, key: str, distances_m: Callable[[PoseSamples], FloatArray]) -> list[Relaxation]:
+    """Return distances below the configured `machine.clearance` key, down to zero, 0.1 mm apart."""
+    configured = getattr(config.machine.clearance, key)
+    count = int(np.ceil(configured / _STEP_M - _ROUNDING))
+    levels = np.array([configured, *(_STEP_M * np.arange(count - 1, -1, -1)).round(9)])
+
+    def change(value: float) -> Config:
+        clearance = config.machine.clearance.model_copy(update={key: value})
+        return with_values(config, "machine", clearance=clearance)
+
+    return [
+        Relaxation(
+            key=f"machine.clearance.{key}",
+            configured=configured,
+            levels=levels,
+            segments=(len(levels),),
+            change=change,
+            prepare=lambda samples, windows_m: threshold_filter(
+                np.asarray(distances_m(samples).min(axis=1)), windows_m, at_most=False
+            ),
+        )
+    ]

@@ -1,0 +1,125 @@
+"""The cap on kappa, and with it the distance from Type-II singularities."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.arrays import FloatArray
+from pipeline.config import Config
+from pipeline.limits.limit import Limit, Wording
+from pipeline.limits.measures import Measure
+from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.machine.geometry import Machine
+from pipeline.machine.samples import PoseSamples
+
+if TYPE_CHECKING:
+    from pipeline.inclusion.proven_box import ProvenBox
+
+PROOF_MARGIN = 3e-4
+"""Relative slack of proven bounds of kappa, so that other arithmetic can verify them."""
+_LARGEST_CAP, _CAPS_PER_DECADE = 1_000.0, 1_000
+
+
+@dataclass(frozen=True, eq=False)
+class KappaCap:
+    """kappa <= cap. The margin is 1/kappa - 1/cap, which is continuous through a singularity.
+
+    Attributes
+    ----------
+    cap : float
+        Largest kappa.
+    key : str
+        Configuration key of the cap.
+    """
+
+    cap: float
+    key: str = "route.kappa_max"
+    cost: int = 2
+    rounding: float = 1e-12
+
+    @property
+    def wording(self) -> Wording:
+        """How the limit is named in messages."""
+        return Wording(
+            name="kappa",
+            key=self.key,
+            rejected_move="kappa exceeds its cap",
+            refused_points=f"have kappa above {self.key} ({self.cap:g})",
+            broken_path="kappa above its cap",
+            path_advice="Raise refine.kappa_max, route.kappa_max or refine.corridor_cells.",
+            proof_advice="Raise refine.kappa_max, or give the path more room.",
+        )
+
+    def margins(self, samples: PoseSamples) -> FloatArray:
+        """Compute 1/kappa - 1/cap, shape (n, 1)."""
+        return np.abs(samples.signed_inverse_kappa)[:, None] - 1.0 / self.cap
+
+    def excess(self, samples: PoseSamples) -> FloatArray:
+        """Compute kappa - cap, shape (n,)."""
+        return samples.kappa - self.cap
+
+    def violations(self, samples: PoseSamples) -> list[str]:
+        """State a kappa above the cap."""
+        kappa = float(samples.kappa[0])
+        return [] if self.margins(samples)[0, 0] >= 0.0 else [f"has kappa {kappa:.1f}, above {self.key} ({self.cap:g})"]
+
+    @property
+    def subjects(self) -> tuple[str, ...]:
+        """Names of the bounded quantities."""
+        return ("kappa", "det_sign")
+
+    def bound(self, box: "ProvenBox") -> FloatArray:
+        """Bound kappa and the sign of det H over a proven box, shape (2, 2)."""
+        from pipeline.inclusion.condition import kappa_bound
+
+        found = kappa_bound(box.balls, box.series, box.inclusion.image)
+        return np.array([[1.0, found.kappa * (1.0 + PROOF_MARGIN)], [found.det_sign, found.det_sign]])
+
+    def unproven(self, bounds: FloatArray) -> str:
+        """State that kappa is not proven below its cap."""
+        kappa = float(bounds[0, 1])
+        return "" if kappa <= self.cap else f"kappa is not proven below its cap {self.cap:g} (bound {kappa:.4g})"
+
+
+def path_cap(config: Config) -> float:
+    """Return the cap on kappa along a path: the smaller of refine.kappa_max, if given, and route.kappa_max."""
+    return min(config.refine.kappa_max or np.inf, config.route.kappa_max)
+
+
+def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
+    """Return the limit of poses by themselves."""
+    return [KappaCap(kappa_max)]
+
+
+def for_moves(config: Config, machine: Machine) -> list[Limit]:
+    """Return the limit of moves between regions."""
+    return [KappaCap(config.route.kappa_max)]
+
+
+def for_path(config: Config, machine: Machine) -> list[Limit]:
+    """Return the limit of a path."""
+    cap = path_cap(config)
+    return [KappaCap(cap, "route.kappa_max" if cap == config.route.kappa_max else "refine.kappa_max")]
+
+
+def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
+    """Return caps above the configured one: whole numbers up to 1,000, then a quarter of a percent apart."""
+    configured = config.route.kappa_max
+    whole = np.arange(np.floor(configured) + 1.0, _LARGEST_CAP + 0.5)
+    top, bound = max(_LARGEST_CAP, configured), 10.0 * configured
+    count = int(np.ceil(_CAPS_PER_DECADE * np.log10(max(bound / top, 1.0))))
+    levels = np.array([configured, *whole, *np.geomspace(top, max(bound, top), count + 1)[1:]])
+    return [
+        Relaxation(
+            key="route.kappa_max",
+            configured=configured,
+            levels=levels,
+            segments=(len(levels),),
+            change=lambda value: with_values(config, "route", kappa_max=value),
+            prepare=lambda samples, windows_m: threshold_filter(samples.kappa, windows_m),
+        )
+    ]
+
+
+MEASURES: tuple[Measure, ...] = ()

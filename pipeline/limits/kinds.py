@@ -1,0 +1,59 @@
+"""The kinds of limit, and the limits that each use of the machine has to keep."""
+
+from typing import Protocol
+
+from pipeline.config import Config
+from pipeline.limits import actuators, avoid, kappa, link_link, link_rail, tilt
+from pipeline.limits.limit import Limit
+from pipeline.limits.measures import Measure
+from pipeline.limits.relaxation import Relaxation
+from pipeline.machine.geometry import Machine
+
+
+class LimitKind(Protocol):
+    """What the module of a kind of limit offers; a kind without a limit for some use returns an empty list."""
+
+    MEASURES: tuple[Measure, ...]
+
+    def for_poses(self, machine: Machine, kappa_max: float) -> list[Limit]:
+        """Return the limits of poses by themselves, without a given x."""
+
+    def for_moves(self, config: Config, machine: Machine) -> list[Limit]:
+        """Return the limits all along a move between two regions that keep those of poses."""
+
+    def for_path(self, config: Config, machine: Machine) -> list[Limit]:
+        """Return the limits of a path."""
+
+    def relaxations(self, config: Config, machine: Machine) -> list[Relaxation]:
+        """Return milder values of the limit, for finding out what prevents a route."""
+
+
+KINDS: tuple[LimitKind, ...] = (kappa, link_link, link_rail, tilt, avoid, actuators)
+"""All kinds, in the order in which messages name them."""
+
+
+def pose_limits(machine: Machine, kappa_max: float) -> list[Limit]:
+    """Return what makes a pose usable at some x: cheap limits first, since each is checked on what the last one left."""
+    limits = [limit for kind in KINDS for limit in kind.for_poses(machine, kappa_max)]
+    return sorted(limits, key=lambda limit: limit.cost)
+
+
+def move_limits(config: Config, machine: Machine) -> list[Limit]:
+    """Return what has to hold all along a move between two regions."""
+    return [limit for kind in KINDS for limit in kind.for_moves(config, machine)]
+
+
+def path_limits(config: Config, machine: Machine) -> list[Limit]:
+    """Return what has to hold all along a path."""
+    return [limit for kind in KINDS for limit in kind.for_path(config, machine)]
+
+
+def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
+    """Return the limits that could give, leaving out those that refuse nothing."""
+    found = [relaxation for kind in KINDS for relaxation in kind.relaxations(config, machine)]
+    return [relaxation for relaxation in found if len(relaxation.levels) > 1]
+
+
+def measures() -> tuple[Measure, ...]:
+    """Return what is measured of a path in the units of its limits."""
+    return tuple(measure for kind in KINDS for measure in kind.MEASURES)

@@ -1,0 +1,33 @@
+"""What is measured of a path in the units of its limits, whether or not a limit is configured."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from pipeline.machine.samples import PoseSamples
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A figure of a sampled path.
+
+    Attributes
+    ----------
+    key : str
+        Its key in the path's section of summary.json.
+    name, unit : str
+        Its name and unit in comparisons.
+    prefers : str
+        Whether a lower or a higher value is better.
+    resolution : float
+        Difference below which two values count as equal.
+    reduce : callable
+        Reduces samples of a path to the figure.
+    """
+
+    key: str
+    name: str
+    unit: str
+    prefers: Literal["lower", "higher"]
+    resolution: float
+    reduce: Callable[[PoseSamples], float]

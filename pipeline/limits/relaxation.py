@@ -1,0 +1,56 @@
+"""How far a limit would have to give for a route to exist: milder values, and the regions each of them admits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.arrays import BoolArray, FloatArray
+from pipeline.config import Config
+from pipeline.machine.samples import PoseSamples
+
+RegionFilter = Callable[[float], tuple[FloatArray, BoolArray]]
+"""For a value of the limit: the x windows (n, 2) of n regions, and which regions the value admits (n,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxation:
+    """A limit that may prevent a route, and milder values of it.
+
+    A region table built with the mildest value holds the regions of all others, so that one table and its moves serve
+    a whole bisection.
+
+    Attributes
+    ----------
+    key : str
+        Its path in the configuration.
+    configured : float
+        Its value there.
+    levels : (n,)
+        A value known not to suffice, then values to try, each milder than the one before.
+    segments : tuple of int
+        Ends of the parts of `levels` that are tried one after the other, each with a table of its own.
+    change : callable
+        Returns the configuration with a value.
+    prepare : callable
+        Returns the filter of the regions of a wide table: their poses and x windows (n, 2).
+    locked_axes : tuple of str or None
+        Tilt axes that stay locked, if the change is to unlock others.
+    """
+
+    key: str
+    configured: float
+    levels: FloatArray
+    segments: tuple[int, ...]
+    change: Callable[[float], Config]
+    prepare: Callable[[PoseSamples, FloatArray], RegionFilter]
+    locked_axes: tuple[str, ...] | None = None
+
+
+def threshold_filter(needed: FloatArray, windows_m: FloatArray, at_most: bool = True) -> RegionFilter:
+    """Admit the regions whose needed value (n,) is at most the limit's value, or at least it; windows stay."""
+    return lambda value: (windows_m, needed <= value if at_most else needed >= value)
+
+
+def with_values(config: Config, section: str, **values: Any) -> Config:
+    """Return the configuration with other values in one section."""
+    return config.model_copy(update={section: getattr(config, section).model_copy(update=values)})
