@@ -179,9 +179,9 @@ def _ends(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> 
     table.add_row("kappa", "", *(f"{end.kappa:.3f}" for end in ends), f"<= {config.route.kappa_max:g}")
     table.add_row("sign of det H", "", *(f"{end.det_sign:+.0f}" for end in ends), "equal")
     clearance = config.machine.clearance
-    rail = "not checked" if clearance.link_rail_m is None else f">= {clearance.link_rail_m:g}"
-    table.add_row("link to link", "m", *(f"{end.link_distance_m:.4f}" for end in ends), f">= {clearance.link_link_m:g}")
-    table.add_row("link to rail", "m", *(f"{end.rail_distance_m:.4f}" for end in ends), rail)
+    table.add_row(
+        "link to link", "m", *(f"{end.samples.link_distance_m[0]:.4f}" for end in ends), f">= {clearance.link_link_m:g}"
+    )
     return table
 
 

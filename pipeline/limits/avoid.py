@@ -76,12 +76,13 @@ class AvoidedBox:
         """How the limit is named in messages."""
         return Wording(
             name="box to avoid",
-            key="route.avoid_margin",
+            key=f"task.avoid[{self.number}]",
             rejected_move="the TCP enters a box to avoid",
             refused_points=f"are inside task.avoid[{self.number}]",
             broken_path=f"task.avoid[{self.number}] is entered, metres or radians",
             path_advice="Raise refine.clearance_margin_m or refine.nodes.",
             proof_advice="Raise refine.nodes, and refine again.",
+            raise_key="route.avoid_margin",
         )
 
     def margins(self, samples: PoseSamples) -> FloatArray:

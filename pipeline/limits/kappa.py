@@ -49,6 +49,7 @@ class KappaCap:
             broken_path="kappa above its cap",
             path_advice="Raise refine.kappa_max, route.kappa_max or refine.corridor_cells.",
             proof_advice="Raise refine.kappa_max, or give the path more room.",
+            raise_key="route.kappa_max",
         )
 
     def margins(self, samples: PoseSamples) -> FloatArray:

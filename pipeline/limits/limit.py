@@ -39,6 +39,8 @@ class Wording:
         What a path breaks between its nodes, with the unit of the amount: "links too close, metres".
     path_advice, proof_advice : str
         What to change if a path breaks the limit, or cannot be proven to keep it.
+    raise_key : str
+        A key that, raised, admits more moves; empty for what the machine itself sets.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Wording:
     broken_path: str
     path_advice: str
     proof_advice: str
+    raise_key: str = ""
 
 
 class Limit(Protocol):

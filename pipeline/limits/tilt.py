@@ -53,6 +53,7 @@ class TiltLimit:
             broken_path="tilt too large, degrees",
             path_advice="Raise refine.tilt_margin_deg, refine.nodes or, for a locked axis, refine.lock_tolerance_deg.",
             proof_advice="Raise refine.tilt_margin_deg.",
+            raise_key="task.tilt_max_deg",
         )
 
     def margins(self, samples: PoseSamples) -> FloatArray:

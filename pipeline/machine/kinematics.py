@@ -127,7 +127,14 @@ def pose_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatA
     A cart pulls its links by -u_x, a telescope lengthens its own: dr/dc_k = -u_l,x for the links l of arm k and
     dr/dq_4 = -1 for 2b, dr/dq_5 = -1 for 3b.
     """
-    by_pose = closure_jacobian(machine, pose, q_m)
+    return solve_rates(closure_jacobian(machine, pose, q_m))
+
+
+def solve_rates(by_pose: FloatArray) -> FloatArray:
+    """Solve for the derivative of the pose by the actuators, for regular closure Jacobians (..., 6, 6).
+
+    The first column of a closure Jacobian holds the u_l,x that dr/dq is made of. Shape (..., 6, 5).
+    """
     by_q = np.zeros((*by_pose.shape[:-1], len(ACTUATORS)))
     by_q[..., np.arange(len(LINKS)), ARM_OF_LINK] = -by_pose[..., 0]
     by_q[..., TELESCOPES, [3, 4]] = -1.0

@@ -12,6 +12,7 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.errors import ForwardKinematicsError
+from pipeline.limits.avoid import boxes_to_avoid
 from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.machine.kinematics import pose_jacobian
 from pipeline.machine.working_modes import working_modes
@@ -21,7 +22,6 @@ from pipeline.refine.path_limits import TILTS, kappa_cap, tilt_limits_deg
 from pipeline.refine.result import Path
 from pipeline.refine.sides import sides_at
 from pipeline.route.metric import CONTROLLED
-from pipeline.route.regions.boxes import boxes_to_avoid
 from pipeline.route.result import Route
 
 _ROUNDING = 1e-9

@@ -13,12 +13,12 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
+from pipeline.limits.avoid import Box, boxes_to_avoid
 from pipeline.refine.coarse import corner_parameters, move_of
 from pipeline.refine.path_limits import TILTS
 from pipeline.refine.result import Path
 from pipeline.refine.sides import sides_at
 from pipeline.route.metric import CONTROLLED, step_sizes
-from pipeline.route.regions.boxes import Box, boxes_to_avoid
 from pipeline.route.result import Route
 
 _RY = 4

@@ -5,13 +5,13 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
-from pipeline.progress import Progress, silent
+from pipeline.progress import Monitor, Progress, silent
 from pipeline.route.bounds.budget_prices import priced_bounds
 from pipeline.route.bounds.budgets import budgets
 from pipeline.route.bounds.shortest_paths import Bounds, fewest_moves, least_use, shortest_route
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves, find_moves
-from pipeline.route.moves.check import Flaw, check_pairs
+from pipeline.route.moves.check import check_pairs
 from pipeline.route.moves.screen import Screen
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route, Search
@@ -67,8 +67,10 @@ def plan_routes(
     NoSolutionError
         When there is no route at all (proven), or the solver's time limit or the rounds run out.
     """
-    moves = find_moves(config, machine, regions, progress)
-    screen = Screen(lambda source, target: check_pairs(config, machine, regions, source, target).flaw, len(regions))
+    moves = find_moves(config, machine, regions, Monitor(progress, verbose))
+    screen = Screen(
+        lambda source, target: check_pairs(config, machine, regions, source, target).rejections, len(regions)
+    )
     routes: list[Route] = []
     for rank in range(1, count + 1):
         if rank > 1:
@@ -101,7 +103,7 @@ def _plan(
     _require_way(config, layout, bounds)
     best: Best | None = None
     for round_ in range(1, config.route.max_rounds + 1):
-        progress(f"route: round {round_}, {screen.flaws.total()} moves forbidden")
+        progress(f"route: round {round_}, {screen.rejections.total()} moves forbidden")
         best = find_best(config, layout, bounds, screen, best, progress, verbose)
         if best is None:
             raise _no_route(config, layout, screen)
@@ -155,7 +157,7 @@ def _require_way(config: Config, layout: StateGraph, bounds: Bounds) -> None:
 
 def _no_route(config: Config, layout: StateGraph, screen: Screen) -> NoSolutionError:
     asked = ", and the budgets of the task" if budgets(config) else ""
-    flaws = screen.flaws.total()
+    flaws = screen.rejections.total()
     because = f", after {flaws} moves were forbidden that fail when followed ({screen.report})" if flaws else ""
     return _infeasible(
         f"no route exists on these {len(layout.regions):,} regions within the step budget and the travel along X"
@@ -168,8 +170,7 @@ def _no_route(config: Config, layout: StateGraph, screen: Screen) -> NoSolutionE
 
 def _loosened(config: Config, screen: Screen) -> list[str]:
     """The keys that would let more routes through, what most moves failed on first."""
-    keys = {Flaw.KAPPA: "route.kappa_max", Flaw.TILT: "task.tilt_max_deg", Flaw.BOX: "route.avoid_margin"}
-    failed = [keys[flaw] for flaw, _ in screen.flaws.most_common() if flaw in keys]
+    failed = [rejection.raise_key for rejection, _ in screen.rejections.most_common() if rejection.raise_key]
     return [
         *failed,
         "route.step_budget",
@@ -196,7 +197,7 @@ def _route(placed: PlacedRoute, best: Best, screen: Screen, moves: int, rounds: 
         moves=moves,
         rounds=rounds,
         followed_moves=screen.followed,
-        forbidden_moves=screen.flaws.total(),
+        forbidden_moves=screen.rejections.total(),
     )
     return Route(
         region=placed.region,

@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
-from pipeline.progress import Progress
+from pipeline.progress import Monitor, Progress
 from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
 from pipeline.summary.sections import Section
@@ -116,7 +116,9 @@ def make_regions(results: Results, progress: Progress, verbose: bool) -> Product
     from pipeline.route import build_regions
     from pipeline.summary.sections import regions_section
 
-    results.regions = build_regions(results.config, results.machine, progress, _grid(results, progress))
+    results.regions = build_regions(
+        results.config, results.machine, Monitor(progress, verbose), _grid(results, progress)
+    )
     return Product(regions_files(results.regions), regions_section(results.config, results.regions))
 
 
@@ -130,7 +132,7 @@ def _grid(results: Results, progress: Progress) -> "RegionTable":
     if kept is not None:
         progress("regions: grid and gates known from an earlier run", 1.0)
         return kept
-    grid = grid_regions(results.config, results.machine, progress)
+    grid = grid_regions(results.config, results.machine, Monitor(progress))
     keep_grid(runs, key, grid)
     return grid
 

@@ -15,24 +15,25 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.machine.clearance import link_distances, link_rail_distances
+from pipeline.limits import admitted, pose_limits
+from pipeline.limits.actuators import x_windows
 from pipeline.machine.geometry import MODES, PRIMARY, Machine
 from pipeline.machine.kinematics import inverse_kinematics
-from pipeline.machine.statics import condition_number, statics_matrix
+from pipeline.machine.samples import PoseSamples
 from pipeline.parallel import blocks
 
 _BLOCK = 20_000
-"""Poses looked at together: what is computed of them fits into a hundred megabytes."""
+"""Batch size in poses: what is computed of them fits into a hundred megabytes."""
 
 
 @dataclass(frozen=True)
 class WorkspaceSetting:
-    """What counts as usable, besides reach, strokes, travel and clearances, which are the machine's.
+    """What counts as usable, beyond reach and the limits of the machine.
 
     Attributes
     ----------
     kappa_max : float
-        kappa has to be below it.
+        Largest kappa.
     rx_rad, rz_rad : float
         The tilt at which the workspace is taken.
     step_m : float
@@ -125,23 +126,15 @@ def _windows_of_mode(machine: Machine, setting: WorkspaceSetting, controlled: Fl
 def usable_windows(machine: Machine, kappa_max: float, controlled: FloatArray, modes: IntArray) -> FloatArray:
     """[least, largest] usable x of controlled poses (n, 5), x zero, in working modes (n,); NaN for none. Shape (n, 2).
 
-    Usable is what is in reach, within strokes, with all carts on their rails, kappa below its cap, and links (and
-    rails, where the machine asks for it) at least their least distance apart.
+    Usable is what is in reach, with all carts on their rails, and within all limits of poses.
     """
     solution = inverse_kinematics(machine, controlled, modes)
-    carts, telescopes = solution.q_m[:, :3], solution.q_m[:, 3:]
-    windows = np.column_stack(
-        [(machine.travel_m[:, 0] - carts).max(axis=1), (machine.travel_m[:, 1] - carts).min(axis=1)]
-    )
-    strokes = (telescopes >= machine.strokes_m[:, 0]) & (telescopes <= machine.strokes_m[:, 1])
-    rows = np.flatnonzero(solution.reachable & strokes.all(axis=1) & (windows[:, 0] <= windows[:, 1]))
-    pose, q = solution.pose[rows], solution.q_m[rows]
-    good = condition_number(statics_matrix(machine, pose, q[:, :3])) < kappa_max
-    good &= (link_distances(machine, pose, q[:, :3]) >= machine.link_link_m).all(axis=1)
-    if not np.isnan(machine.link_rail_m):
-        good &= (link_rail_distances(machine, pose, q[:, :3]) >= machine.link_rail_m).all(axis=1)
+    windows = x_windows(machine, solution.q_m)
+    rows = np.flatnonzero(solution.reachable & (windows[:, 0] <= windows[:, 1]))
+    samples = PoseSamples(machine, solution.pose[rows], solution.q_m[rows])
+    kept, _ = admitted(pose_limits(machine, kappa_max), samples)
     usable = np.full_like(windows, np.nan)
-    usable[rows[good]] = windows[rows[good]]
+    usable[rows[kept]] = windows[rows[kept]]
     return usable
 
 

@@ -1,13 +1,16 @@
 """Start and goal held against the grid: what bars the way before any search begins."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
-from pipeline.machine.clearance import min_distances
+from pipeline.limits import admits, pose_limits
+from pipeline.limits.actuators import TRAVEL_REFUSED, x_windows
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
-from pipeline.machine.statics import condition_number, statics_matrix
+from pipeline.machine.samples import PoseSamples
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.grid import grid_axes, grid_points
@@ -79,26 +82,18 @@ def _isolated(config: Config, machine: Machine, name: str, controlled: FloatArra
     )
 
 
-def _refusals(config: Config, machine: Machine, near: FloatArray, mode: int) -> list[tuple[str, BoolArray]]:
-    """What a region has to satisfy, in the order it is looked at, and which points (n, 5) do not."""
+def _refusals(config: Config, machine: Machine, near: FloatArray, mode: int) -> Iterator[tuple[str, BoolArray]]:
+    """Yield what a region has to satisfy, in the order of evaluation, and which points (n, 5) do not."""
     solution = inverse_kinematics(machine, near, np.full(len(near), mode))
-    q, clearance = solution.q_m, config.machine.clearance
-    kappa = np.full(len(near), np.nan)
+    yield "are out of reach", ~solution.reachable
     rows = np.flatnonzero(solution.reachable)
-    kappa[rows] = condition_number(statics_matrix(machine, solution.pose[rows], q[rows, :3]))
-    link, rail = np.full((2, len(near)), np.nan)
-    link[rows], rail[rows] = min_distances(machine, solution.pose[rows], q[rows, :3])
-    with np.errstate(invalid="ignore"):
-        strokes = ((q[:, 3:] < machine.strokes_m[:, 0]) | (q[:, 3:] > machine.strokes_m[:, 1])).any(axis=1)
-        windows = (machine.travel_m[:, 0] - q[:, :3]).max(axis=1) > (machine.travel_m[:, 1] - q[:, :3]).min(axis=1)
-        return [
-            ("are out of reach", ~solution.reachable),
-            ("need a telescope beyond its stroke", strokes),
-            ("need a cart beyond its rail, wherever x is", windows),
-            (f"have kappa above route.kappa_max ({config.route.kappa_max:g})", kappa >= config.route.kappa_max),
-            (
-                f"have links closer than machine.clearance.link_link_m ({clearance.link_link_m:g})",
-                link < machine.link_link_m,
-            ),
-            ("have a link closer to a rail than machine.clearance.link_rail_m", rail < machine.link_rail_m),
-        ]
+    samples = PoseSamples(machine, solution.pose[rows], solution.q_m[rows])
+    windows = x_windows(machine, samples.q_m)
+    checks = [(TRAVEL_REFUSED, windows[:, 0] <= windows[:, 1])]
+    checks += [
+        (limit.wording.refused_points, admits(limit, samples)) for limit in pose_limits(machine, config.route.kappa_max)
+    ]
+    for refused_points, kept in checks:
+        refused = np.zeros(len(near), dtype=bool)
+        refused[rows[~kept]] = True
+        yield refused_points, refused

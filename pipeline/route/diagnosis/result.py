@@ -6,6 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from pipeline.arrays import BoolArray
+from pipeline.limits.actuators import TRAVEL_KEY
 from pipeline.machine.geometry import MODES
 from pipeline.route.regions.table import RegionTable
 
@@ -72,18 +73,16 @@ class Finding:
             locks = f"task.locked_axes [{', '.join(self.locked_axes)}]"
             more = f" (task.tilt_max_deg is {self.configured:g})" if value > self.configured else ""
             return f"{locks} and tilts up to {value:g} degrees{more}"
-        if self.key == TRAVEL:
+        if self.key == TRAVEL_KEY:
             return f"every {self.key} {self._shown(value)} longer at both ends"
         return f"{self.key} {self._shown(value)} instead of {self._shown(self.configured)}"
 
     def _shown(self, value: float) -> str:
-        return f"{value:g} m" if self.key == TRAVEL else f"{value:g}"
+        return f"{value:g} m" if self.key == TRAVEL_KEY else f"{value:g}"
 
 
 _DISCRETE = ("task.tilt_max_deg", "route.step_budget")
 """Limits for which nothing lies between two neighbouring values: the grid has its tilts, positions are counted."""
-TRAVEL = "machine.rails.travel_m"
-"""The key of the finding on cart travel, whose values are what all rails are longer by at either end."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
-"""Straight lines in actuator space, followed by halving: as few poses as it takes to know what happens between.
+"""Straight lines in actuator space, followed by bisection: as few poses as it takes to know what happens between.
 
-Both ends of a line are known. The pose in the middle is predicted from the poses and their rates of change at
-both ends and corrected by Newton's method, then so is the middle of either half, and so on, until the samples show
+Both ends of a line are known. The pose at the midpoint is predicted from the poses and their rates of change at
+both ends and corrected by Newton's method, then so is the midpoint of either half, and so on, until the samples show
 
 - that all of them are on one branch: the change of the pose from one to the next agrees with the rates at both
   (trapezoidal rule) up to a fraction of 1/kappa, within which there is no second solution of the closure equations;
@@ -13,59 +13,64 @@ Nothing here is singular where an arm is at its serial singularity: the closure 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
-from pipeline.machine.geometry import ARM_OF_LINK, Machine, link_vectors
-from pipeline.machine.kinematics import closure_jacobian, closure_residual, newton
-from pipeline.machine.statics import condition_number, det_sign, statics_matrix
+from pipeline.machine.geometry import Machine
+from pipeline.machine.kinematics import closure_jacobian, closure_residual, newton, solve_rates
+from pipeline.machine.samples import PoseSamples
 
-Margins = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-"""Margins (n, m), negative beyond a limit, of poses (n, 6), actuator positions (n, 5) and 1/kappa (n,)."""
+Margins = Callable[[PoseSamples], FloatArray]
+"""Computes margins (n, m) of n poses, negative beyond a limit."""
 
 MISS_M = 1e-9
-"""How much a link may miss its length at a pose that is said to close all links."""
+"""How much a link may miss its length at a pose that counts as closing all links."""
 ROUNDING = 1e-12
-"""How far below zero a margin is still rounding: lines may run along a limit."""
+"""How far below zero a margin still counts as rounding: lines may run along a limit."""
 _BRANCH = 0.1
 """Deviation from the trapezoidal rule, in metres and radians times kappa, that is too small for another branch."""
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
-    """What is seen at poses, shape (...) of them.
+class LineSamples:
+    """What lines are followed by, at poses of any shape (...).
 
     Attributes
     ----------
     pose : (..., 6)
         The poses.
-    gain : (..., 6, 5)
-        Their derivative by the actuator positions.
-    regularity : (...)
+    rates : (..., 6, 5)
+        Their derivative by the actuator positions; zero where the closure is singular.
+    signed_inverse_kappa : (...)
         sign(det H) / kappa: zero at a Type-II singularity.
     margin : (..., m)
         Margins of the limits.
     """
 
     pose: FloatArray
-    gain: FloatArray
-    regularity: FloatArray
+    rates: FloatArray
+    signed_inverse_kappa: FloatArray
     margin: FloatArray
 
-    def at(self, index: "IntArray | BoolArray | tuple[BoolArray, slice]") -> "Look":
-        """The same of some of the poses."""
+    def at(self, index: "IntArray | BoolArray | tuple[BoolArray, slice]") -> "LineSamples":
+        """Return some of the samples."""
         return self.map(lambda column: column[index])
 
-    def map(self, change: Callable[[FloatArray], FloatArray]) -> "Look":
-        """The same after a change of every array."""
-        return Look(change(self.pose), change(self.gain), change(self.regularity), change(self.margin))
+    def map(self, change: Callable[[FloatArray], FloatArray]) -> "LineSamples":
+        """Apply a change to every array."""
+        return LineSamples(*(change(getattr(self, field.name)) for field in fields(self)))
+
+
+def combine(a: LineSamples, b: LineSamples, how: Callable[[FloatArray, FloatArray], FloatArray]) -> LineSamples:
+    """Combine two sets of samples array by array."""
+    return LineSamples(*(how(getattr(a, field.name), getattr(b, field.name)) for field in fields(LineSamples)))
 
 
 @dataclass(frozen=True, eq=False)
-class Halved:
-    """What halving lines (n,) showed.
+class BisectionResult:
+    """What following lines (n,) showed.
 
     Attributes
     ----------
@@ -82,40 +87,33 @@ class Halved:
     kappa_max: FloatArray
 
 
-def look(machine: Machine, margins: Margins, pose: FloatArray, q_m: FloatArray) -> Look:
-    """Evaluate poses (n, 6) with actuator positions (n, 5)."""
-    regularity = signed_regularity(machine, pose, q_m)
-    return Look(pose, _gain(machine, pose, q_m), regularity, margins(pose, q_m, np.abs(regularity)))
+def sample_lines(samples: PoseSamples, margins: Margins) -> LineSamples:
+    """Evaluate n poses for following lines."""
+    inverse_kappa = samples.signed_inverse_kappa
+    return LineSamples(samples.pose, _rates(samples), inverse_kappa, margins(samples))
 
 
-def signed_regularity(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
-    """sign(det H) / kappa of poses (..., 6) with actuator positions (..., 5). Shape (...)."""
-    H = statics_matrix(machine, pose, q_m[..., :3])
-    return np.asarray(det_sign(H) / condition_number(H), dtype=float)
+def _rates(samples: PoseSamples) -> FloatArray:
+    """Differentiate the pose by the actuators; zero where the closure is singular. Shape (n, 6, 5)."""
+    by_pose = closure_jacobian(samples.machine, samples.pose, samples.q_m)
+    regular = np.abs(np.linalg.det(by_pose)) > 1e-14
+    rates = np.zeros((len(samples), 6, 5))
+    rates[regular] = solve_rates(by_pose[regular])
+    return rates
 
 
-def _gain(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
-    """Solve J dpose = -dF/dq dq, F the closure residual; zero where J is singular. Shape (n, 6, 5)."""
-    vectors = link_vectors(machine, pose, q_m[:, :3])
-    pulled = np.zeros((len(pose), 6, 5))
-    pulled[:, np.arange(6), ARM_OF_LINK] = vectors[:, :, 0] / np.linalg.norm(vectors, axis=2)
-    pulled[:, [2, 4], [3, 4]] = 1.0
-    J = closure_jacobian(machine, pose, q_m)
-    singular = ~(np.abs(np.linalg.det(J)) > 1e-14)
-    J[singular], pulled[singular] = np.eye(6), 0.0
-    return np.asarray(np.linalg.solve(J, pulled), dtype=float)
-
-
-def halve(machine: Machine, margins: Margins, q_m: FloatArray, ends: Look, max_samples: int) -> Halved:
+def bisect(machine: Machine, margins: Margins, q_m: FloatArray, ends: LineSamples, max_samples: int) -> BisectionResult:
     """Follow lines between actuator positions (n, 2, 5) whose ends (n, 2) are known.
 
     Where samples 1/max_samples apart still leave it open whether a limit is kept between them, it counts as kept;
     where they leave it open whether they are on one branch, the line is doubtful.
     """
     open_ends = np.abs(closure_residual(machine, ends.pose, q_m)).max(axis=(1, 2)) > MISS_M
-    doubtful: BoolArray = open_ends | (np.sign(ends.regularity[:, 0]) != np.sign(ends.regularity[:, 1]))
+    doubtful: BoolArray = open_ends | (
+        np.sign(ends.signed_inverse_kappa[:, 0]) != np.sign(ends.signed_inverse_kappa[:, 1])
+    )
     broken = np.asarray((ends.margin < -ROUNDING).any(axis=1))
-    weakest = np.abs(ends.regularity).min(axis=1)
+    weakest = np.abs(ends.signed_inverse_kappa).min(axis=1)
     lines = np.flatnonzero(~doubtful)
     stretch = _Stretch(lines, np.tile([0.0, 1.0], (len(lines), 1)), ends.at(lines))
     stretch, lost = stretch.refined(machine, margins, q_m)
@@ -124,16 +122,16 @@ def halve(machine: Machine, margins: Margins, q_m: FloatArray, ends: Look, max_s
         stretch, lost = stretch.refined(machine, margins, q_m)
         line = stretch.line
         doubtful[line[lost]] = True
-        np.logical_or.at(broken, line, (stretch.look.margin < -ROUNDING).any(axis=1))
-        np.minimum.at(weakest, line, np.abs(stretch.look.regularity).min(axis=1))
-        astray = stretch.astray(q_m)
+        np.logical_or.at(broken, line, (stretch.samples.margin < -ROUNDING).any(axis=1))
+        np.minimum.at(weakest, line, np.abs(stretch.samples.signed_inverse_kappa).min(axis=1))
+        lost_branch = stretch.may_switch_branch(q_m)
         if (stretch.at[0, 1] - stretch.at[0, 0]) * max_samples <= 1.0:
-            doubtful[line[astray]] = True
+            doubtful[line[lost_branch]] = True
             break
-        open_ = astray | (stretch.may_break() & ~broken[line].any(axis=1))
+        open_ = lost_branch | (stretch.may_break() & ~broken[line].any(axis=1))
         stretch = stretch.halves(open_ & ~doubtful[line])
     with np.errstate(divide="ignore"):
-        return Halved(doubtful, broken, 1.0 / weakest)
+        return BisectionResult(doubtful, broken, 1.0 / weakest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,23 +144,23 @@ class _Stretch:
         Which line the part belongs to.
     at : (k, p)
         Where on the line the samples are, 0 to 1.
-    look : (k, p)
-        What is seen there.
+    samples : (k, p)
+        The samples there.
     """
 
     line: IntArray
     at: FloatArray
-    look: Look
+    samples: LineSamples
 
     def rates(self, q_m: FloatArray) -> FloatArray:
         """Change of the pose per line, shape (k, p, 6)."""
         motion = (q_m[self.line, 1] - q_m[self.line, 0])[:, None, :, None]
-        rate: FloatArray = (self.look.gain @ motion)[..., 0]
+        rate: FloatArray = (self.samples.rates @ motion)[..., 0]
         return rate
 
     def refined(self, machine: Machine, margins: Margins, q_m: FloatArray) -> tuple["_Stretch", BoolArray]:
         """Add a sample between any two; the parts (k,) where none was found, or one beyond a singularity, are lost."""
-        at, pose, rate = self.at, self.look.pose, self.rates(q_m)
+        at, pose, rate = self.at, self.samples.pose, self.rates(q_m)
         between = (at[:, :-1] + at[:, 1:]) / 2.0
         step = (at[:, 1:] - at[:, :-1])[..., None]
         # The cubic through both poses with both rates, half way.
@@ -171,20 +169,16 @@ class _Stretch:
         q = (ends[:, 0] * (1.0 - between[..., None]) + ends[:, 1] * between[..., None]).reshape(-1, 5)
         found, miss = newton(machine, q, guess.reshape(-1, 6))
         shape = between.shape
-        seen = look(machine, margins, found, q).map(lambda column: column.reshape(*shape, *column.shape[1:]))
+        new = sample_lines(PoseSamples(machine, found, q), margins)
+        new = new.map(lambda column: column.reshape(*shape, *column.shape[1:]))
         lost = (miss.reshape(shape) > MISS_M).any(axis=1)
-        lost |= (np.sign(seen.regularity) != np.sign(self.look.regularity[:, :1])).any(axis=1)
-        merged = Look(
-            _merge(pose, seen.pose),
-            _merge(self.look.gain, seen.gain),
-            _merge(self.look.regularity, seen.regularity),
-            _merge(self.look.margin, seen.margin),
-        )
+        lost |= (np.sign(new.signed_inverse_kappa) != np.sign(self.samples.signed_inverse_kappa[:, :1])).any(axis=1)
+        merged = combine(self.samples, new, _merge)
         return _Stretch(self.line, _merge(at, between), merged), lost
 
-    def astray(self, q_m: FloatArray) -> BoolArray:
+    def may_switch_branch(self, q_m: FloatArray) -> BoolArray:
         """Tell on which parts (k,) neighbouring samples may be on different branches."""
-        pose, rate, nearness = self.look.pose, self.rates(q_m), np.abs(self.look.regularity)
+        pose, rate, nearness = self.samples.pose, self.rates(q_m), np.abs(self.samples.signed_inverse_kappa)
         step = (self.at[:, 1:] - self.at[:, :-1])[..., None]
         gap = np.abs(pose[:, 1:] - pose[:, :-1] - step / 2.0 * (rate[:, 1:] + rate[:, :-1])).max(axis=2)
         far: BoolArray = gap > _BRANCH * np.minimum(nearness[:, 1:], nearness[:, :-1])
@@ -192,7 +186,7 @@ class _Stretch:
 
     def may_break(self) -> BoolArray:
         """Tell on which parts (k,) of five samples a limit may be broken between two of them."""
-        margin = self.look.margin
+        margin = self.samples.margin
         bend = np.abs(margin[:, :-2] - 2.0 * margin[:, 1:-1] + margin[:, 2:])
         near = np.concatenate([bend[:, :1], np.maximum(bend[:, 1:], bend[:, :-1]), bend[:, -1:]], axis=1)
         least = np.minimum(margin[:, 1:], margin[:, :-1]) - near / 2.0
@@ -201,12 +195,12 @@ class _Stretch:
     def halves(self, rows: BoolArray) -> "_Stretch":
         """Cut parts of five samples in two of three."""
         pieces = [
-            (self.line[rows], self.at[rows, part], self.look.at((rows, part))) for part in (slice(3), slice(2, 5))
+            (self.line[rows], self.at[rows, part], self.samples.at((rows, part))) for part in (slice(3), slice(2, 5))
         ]
         return _Stretch(
             np.concatenate([piece[0] for piece in pieces]),
             np.concatenate([piece[1] for piece in pieces]),
-            _joined(pieces[0][2], pieces[1][2]),
+            combine(pieces[0][2], pieces[1][2], lambda a, b: np.concatenate([a, b])),
         )
 
 
@@ -216,12 +210,3 @@ def _merge(outer: FloatArray, inner: FloatArray) -> FloatArray:
     merged = np.empty((k, 2 * p - 1, *outer.shape[2:]))
     merged[:, ::2], merged[:, 1::2] = outer, inner
     return merged
-
-
-def _joined(a: Look, b: Look) -> Look:
-    return Look(
-        np.concatenate([a.pose, b.pose]),
-        np.concatenate([a.gain, b.gain]),
-        np.concatenate([a.regularity, b.regularity]),
-        np.concatenate([a.margin, b.margin]),
-    )

@@ -2,7 +2,7 @@
 
 A move needs every coordinate within one grid step (14)-(17), the working mode of every arm kept unless the
 arm is at its gate (38), windows of x within reach of each other (13), the same sign of det H, and no links
-passing through each other. The last two are cheap filters; `follow` is what a route is finally held against.
+passing through each other. The last two are cheap filters; `check` decides about the moves that a route may use.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import common_perpendicular, link_pairs
 from pipeline.machine.geometry import Machine, cart_joints, link_vectors
 from pipeline.parallel import blocks, in_parallel
-from pipeline.progress import Progress, silent
+from pipeline.progress import QUIET, Monitor, Progress, silent
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.neighbours import Cells
 from pipeline.route.regions.boxes import crossings, grown_boxes
@@ -30,9 +30,9 @@ _ROUNDING = 1e-9
 _LOW = 0xFFFF
 _SHIFT = 16
 _BLOCK = 2_048
-"""Regions whose moves are looked for at once."""
+"""Batch size of the neighbour search, in regions."""
 _CODES_BLOCK = 8_192
-"""Regions whose links are looked at at once."""
+"""Batch size of the passing codes, in regions."""
 _SAMPLE = 4_096
 """Origins the number of moves is estimated from."""
 _MOVE_BYTES = 30
@@ -71,7 +71,7 @@ class Moves:
         return csr_array((cost[self.source], target, pointer), shape=(n, n))
 
 
-def find_moves(config: Config, machine: Machine, regions: RegionTable, progress: Progress = silent) -> Moves:
+def find_moves(config: Config, machine: Machine, regions: RegionTable, monitor: Monitor = QUIET) -> Moves:
     """Find all admitted moves, from the start and between regions up to the goal, which is never left.
 
     Raises
@@ -82,7 +82,7 @@ def find_moves(config: Config, machine: Machine, regions: RegionTable, progress:
     steps = step_sizes(config.route)
     search = _Search.of(regions, steps, passing_codes(machine, regions), steps[0])
     _require_memory(config, len(regions), search.expected_moves())
-    moves = search.collect(progress)
+    moves = search.collect(monitor.progress)
     crossing = crossings(grown_boxes(config), regions, steps, moves.source, moves.target)
     return moves.take(~crossing) if crossing.any() else moves
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from pipeline.arrays import IntArray
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.moves.check import Flaw
+from pipeline.route.moves.rejections import Rejection
 
-Follow = Callable[[IntArray, IntArray], list[Flaw | None]]
-"""Follows moves between rows (m,) of the region table; what is wrong with each, None for nothing."""
+Follow = Callable[[IntArray, IntArray], list[Rejection | None]]
+"""Follows moves between rows (m,) of the region table; returns why each is rejected, None if it is not."""
 
 
 class Screen:
@@ -19,7 +19,7 @@ class Screen:
     def __init__(self, follow: Follow, regions: int) -> None:
         self._follow = follow
         self._regions = regions
-        self._known: dict[int, Flaw | None] = {}
+        self._known: dict[int, Rejection | None] = {}
 
     @property
     def followed(self) -> int:
@@ -27,16 +27,16 @@ class Screen:
         return len(self._known)
 
     @property
-    def flaws(self) -> Counter[Flaw]:
-        """How many of them are flawed, by kind."""
-        return Counter(flaw for flaw in self._known.values() if flaw is not None)
+    def rejections(self) -> Counter[Rejection]:
+        """How many of them are rejected, by reason."""
+        return Counter(found for found in self._known.values() if found is not None)
 
     @property
     def report(self) -> str:
-        """The flaws in words."""
-        return "; ".join(f"{count}: {flaw}" for flaw, count in sorted(self.flaws.items()))
+        """The reasons in words."""
+        return "; ".join(f"{count}: {reason}" for reason, count in sorted(self.rejections.items()))
 
-    def sift(self, core: Moves, moves: Moves, base: IntArray) -> Moves:
+    def screen(self, core: Moves, moves: Moves, base: IntArray) -> Moves:
         """Follow the moves of a core as far as they are not known, and leave all bad ones out of `moves`.
 
         `base` (n,) gives the row of the region table for the rows that both speak of.
@@ -48,12 +48,12 @@ class Screen:
             self._known.update(zip(unknown.tolist(), found, strict=True))
         return self.without_bad(moves, base)
 
-    def forbid(self, source: int, target: int, flaw: Flaw) -> None:
-        """Remember a flaw found otherwise."""
-        self._known[int(self._keys(np.array([source]), np.array([target]))[0])] = flaw
+    def forbid(self, source: int, target: int, rejection: Rejection) -> None:
+        """Reject a move for a reason found otherwise."""
+        self._known[int(self._keys(np.array([source]), np.array([target]))[0])] = rejection
 
     def without_bad(self, moves: Moves, base: IntArray) -> Moves:
-        """Leave out the moves known to be bad, either way; `base` as of `sift`."""
+        """Leave out the moves known to be bad, either way; `base` as of `screen`."""
         bad = self._bad
         touched = np.zeros(self._regions, dtype=bool)
         touched[bad // self._regions] = touched[bad % self._regions] = True
@@ -69,4 +69,4 @@ class Screen:
 
     @property
     def _bad(self) -> IntArray:
-        return np.array([key for key, flaw in self._known.items() if flaw is not None], dtype=np.int64)
+        return np.array([key for key, found in self._known.items() if found is not None], dtype=np.int64)

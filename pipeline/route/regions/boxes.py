@@ -1,66 +1,19 @@
-"""Boxes of controlled poses: what the TCP must not enter, and what it may be asked to visit.
+"""Boxes to avoid on the grid: regions near them, and the moves between these.
 
-x is no grid axis, so a box to avoid cuts the windows of x of the regions beside it. A move between two cut
+x is not a grid axis, so a box to avoid cuts the windows of x of the regions beside it. A move between two cut
 regions is clear when both are on the same side of the box along X, or when the line between them in y, z, rx, rz
 passes the box by: whatever x does, no pose of the line is then inside.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
-from pipeline.config import BoxConfig, Config
+from pipeline.config import Config
+from pipeline.limits.avoid import ROUNDING, Box, boxes_to_avoid
 from pipeline.route.metric import step_sizes
 from pipeline.route.regions.table import RegionTable
-
-_ROUNDING = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Box:
-    """Least and largest x, y, z, rx, rz, both (5,), in metres and radians; infinite where any value will do."""
-
-    low: FloatArray
-    high: FloatArray
-
-    @classmethod
-    def of(cls, config: BoxConfig) -> "Box":
-        """Read a box."""
-        sides = []
-        for key in ("x_m", "y_m", "z_m", "rx_deg", "rz_deg"):
-            interval = getattr(config, key) or (-np.inf, np.inf)
-            sides.append(np.deg2rad(interval) if key.endswith("deg") else np.array(interval))
-        low, high = np.array(sides, dtype=float).T
-        return cls(low, high)
-
-    def grown(self, by: FloatArray) -> "Box":
-        """The box with `by` (5,) added on every side."""
-        return Box(self.low - by, self.high + by)
-
-    def across(self) -> "Box":
-        """The box with any x."""
-        return Box(np.append(-np.inf, self.low[1:]), np.append(np.inf, self.high[1:]))
-
-    def inside(self, controlled: FloatArray) -> BoolArray:
-        """Tell which controlled poses (..., 5) are inside, the surface left out."""
-        deep: BoolArray = (controlled > self.low + _ROUNDING) & (controlled < self.high - _ROUNDING)
-        inside: BoolArray = np.asarray(deep.all(axis=-1))
-        return inside
-
-    def near(self, controlled: FloatArray, steps: FloatArray) -> BoolArray:
-        """Tell which controlled poses (..., 5) are, at whatever x, within one of `steps` (5,) of it or inside."""
-        return self.across().grown(steps * (1.0 + _ROUNDING)).inside(controlled)
-
-    def depth_m(self, controlled: FloatArray) -> FloatArray:
-        """Distance of controlled poses (..., 5) to the nearest side, in metres and radians; negative outside."""
-        depth: FloatArray = np.minimum(controlled - self.low, self.high - controlled).min(axis=-1)
-        return depth
-
-
-def boxes_to_avoid(config: Config) -> list[Box]:
-    """Read `task.avoid`: the boxes as they are, for poses known exactly."""
-    return [Box.of(box) for box in config.task.avoid]
 
 
 def grown_boxes(config: Config) -> list[Box]:
@@ -107,15 +60,15 @@ def crossings(
         near = box.near(regions.controlled, steps)
         rows = np.flatnonzero(near[source] & near[target])
         i, j = source[rows], target[rows]
-        below = np.maximum(high[i], high[j]) <= box.low[0] + _ROUNDING
-        above = np.minimum(low[i], low[j]) >= box.high[0] - _ROUNDING
+        below = np.maximum(high[i], high[j]) <= box.low[0] + ROUNDING
+        above = np.minimum(low[i], low[j]) >= box.high[0] - ROUNDING
         crossing[rows] |= ~(below | above) & _meets(box, regions.controlled[i, 1:], regions.controlled[j, 1:])
     return crossing
 
 
 def _meets(box: Box, here: FloatArray, there: FloatArray) -> BoolArray:
     """Tell which lines from `here` to `there`, both (m, 4), pass through the inside of a box: slab by slab."""
-    low, high = box.low[1:] + _ROUNDING, box.high[1:] - _ROUNDING
+    low, high = box.low[1:] + ROUNDING, box.high[1:] - ROUNDING
     change = there - here
     with np.errstate(divide="ignore", invalid="ignore"):
         first, second = (low - here) / change, (high - here) / change

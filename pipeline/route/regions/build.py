@@ -1,24 +1,25 @@
 """The region table: every admissible pose and working mode of the grid, gates, start and goal.
 
 A region is a controlled pose without x, a working mode and what follows from them; x enters only through
-cart travel, so that each region has a window of admissible x. Cheap filters come first: reach, strokes,
-travel; then clearance; kappa, the dearest, last.
+cart travel, so that each region has a window of admissible x. Reach and travel are checked first, then the limits of
+poses, cheap ones before costly ones.
 """
 
 from functools import partial
 
 import numpy as np
 
-from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
-from pipeline.machine.clearance import link_distances, link_rail_distances
+from pipeline.limits import admitted, pose_limits
+from pipeline.limits.actuators import x_windows
 from pipeline.machine.geometry import MODES, Machine
-from pipeline.machine.kinematics import InverseSolution, discriminants, inverse_kinematics
-from pipeline.machine.pose import full_pose
-from pipeline.machine.statics import condition_number, det_sign, statics_matrix
+from pipeline.machine.kinematics import discriminants, inverse_kinematics
+from pipeline.machine.pose import RY, full_pose
+from pipeline.machine.samples import PoseSamples
 from pipeline.machine.triangle import dependent_angle
 from pipeline.parallel import WORKERS, blocks, in_parallel
-from pipeline.progress import Progress, silent
+from pipeline.progress import QUIET, Monitor
 from pipeline.route.regions.endpoints import task_endpoints
 from pipeline.route.regions.grid import find_gates, grid_points
 from pipeline.route.regions.table import RegionTable
@@ -27,38 +28,38 @@ from pipeline.route.regions.task_rows import add_task_rows
 __all__ = ["RegionTable", "build_regions", "grid_regions"]
 
 _BLOCK = 4_096
-"""Grid points, or gates, that are looked at at once."""
+"""Batch size: grid points, or gates, evaluated at a time."""
 _LEAST_BLOCK = 64
 _POINT_BYTES = 16_000
-"""What a grid point takes up while its eight working modes are looked at."""
+"""Memory of a grid point while its eight working modes are evaluated."""
 
 
 def build_regions(
-    config: Config, machine: Machine, progress: Progress = silent, grid: RegionTable | None = None
+    config: Config, machine: Machine, monitor: Monitor = QUIET, grid: RegionTable | None = None
 ) -> RegionTable:
     """Compute the region table: grid, gates, then what the task adds, start and goal last.
 
-    `grid` is the result of `grid_regions`, where it is known already.
+    `grid` is the result of `grid_regions`, if it is known already.
 
     Raises
     ------
     ConfigError
-        When the machine cannot be at the start, the goal or a pose to visit.
+        If the machine cannot be at the start, the goal or a pose to visit.
     NoSolutionError
-        When no region lies in a box to visit.
+        If no region lies in a box to visit.
     """
     task_endpoints(config, machine)
-    return add_task_rows(config, machine, grid_regions(config, machine, progress) if grid is None else grid)
+    return add_task_rows(config, machine, grid_regions(config, machine, monitor) if grid is None else grid)
 
 
-def grid_regions(config: Config, machine: Machine, progress: Progress = silent) -> RegionTable:
+def grid_regions(config: Config, machine: Machine, monitor: Monitor = QUIET) -> RegionTable:
     """Compute the regions of grid and gates, which know nothing of start, goal and visits.
 
     What they depend on is `machine` (not its limits), `task.tilt_max_deg`, `task.locked_axes`, `route.grid` and
     `route.kappa_max`.
     """
     lattice = grid_points(config)
-    progress("regions: gates", 0.0)
+    monitor.progress("regions: gates", 0.0)
     controlled, modes, arms = find_gates(config, machine, lattice)
     size = _block_points(config)
     tasks = [partial(_of_points, config, machine, lattice[block]) for block in blocks(len(lattice), size)]
@@ -69,12 +70,12 @@ def grid_regions(config: Config, machine: Machine, progress: Progress = silent) 
     tables = []
     for table in in_parallel(tasks):
         tables.append(table)
-        progress(f"regions: block {len(tables):,} of {len(tasks):,}", len(tables) / len(tasks))
+        monitor.progress(f"regions: block {len(tables):,} of {len(tasks):,}", len(tables) / len(tasks))
     return RegionTable.concatenate(tables)
 
 
 def _block_points(config: Config) -> int:
-    """How many grid points to look at at once: few enough for fast memory, and for all workers' share of it."""
+    """Return the batch size: few enough points for fast memory, and for each worker's share of it."""
     share = config.route.memory_gb * 1e9 / WORKERS
     return int(np.clip(share / _POINT_BYTES, _LEAST_BLOCK, _BLOCK))
 
@@ -100,42 +101,22 @@ def _admissible(
     gates: IntArray,
     ry_rad: FloatArray | None = None,
 ) -> RegionTable:
-    """Keep of the candidates those in reach, within limits, clear of themselves and away from singularities."""
+    """Keep the candidates that are in reach, on their rails at some x, and within all limits of poses."""
     solution = inverse_kinematics(machine, controlled, modes, gates, ry_rad)
-    windows = _x_windows(machine, solution)
-    telescopes = solution.q_m[:, 3:]
-    strokes = (telescopes >= machine.strokes_m[:, 0]) & (telescopes <= machine.strokes_m[:, 1])
-    rows = np.flatnonzero(solution.reachable & strokes.all(axis=1) & (windows[:, 0] <= windows[:, 1]))
-    link_distance = link_distances(machine, solution.pose[rows], solution.q_m[rows, :3]).min(axis=1)
-    clear = link_distance >= machine.link_link_m
-    rows, link_distance = rows[clear], link_distance[clear]
-    pose, q = solution.pose[rows], solution.q_m[rows]
-    H = statics_matrix(machine, pose, q[:, :3])
-    kappa = condition_number(H)
+    windows = x_windows(machine, solution.q_m)
+    rows = np.flatnonzero(solution.reachable & (windows[:, 0] <= windows[:, 1]))
+    samples = PoseSamples(machine, solution.pose[rows], solution.q_m[rows])
+    kept, samples = admitted(pose_limits(machine, config.route.kappa_max), samples)
+    rows = rows[kept]
     return RegionTable(
         controlled=controlled[rows],
-        ry_rad=pose[:, 4],
+        ry_rad=samples.pose[:, RY],
         modes=modes[rows],
         gates=gates[rows],
-        q_m=q,
-        kappa=kappa,
-        det_sign=det_sign(H),
-        link_distance_m=link_distance,
+        q_m=samples.q_m,
+        kappa=samples.kappa,
+        det_sign=samples.det_sign,
+        link_distance_m=samples.link_distance_m,
         x_window_m=windows[rows],
         visits=np.zeros(len(rows), dtype=np.int64),
-    ).take((kappa < config.route.kappa_max) & _clear_of_rails(machine, pose, q))
-
-
-def _clear_of_rails(machine: Machine, pose: FloatArray, q_m: FloatArray) -> BoolArray:
-    if np.isnan(machine.link_rail_m):
-        return np.ones(len(q_m), dtype=bool)
-    clear: BoolArray = link_rail_distances(machine, pose, q_m[:, :3]).min(axis=1) >= machine.link_rail_m
-    return clear
-
-
-def _x_windows(machine: Machine, solution: InverseSolution) -> FloatArray:
-    """[least, largest] x for which all three carts are on their rails, for solutions at x = 0. Shape (n, 2)."""
-    carts = solution.q_m[:, :3]
-    least = (machine.travel_m[:, 0] - carts).max(axis=1)
-    largest = (machine.travel_m[:, 1] - carts).min(axis=1)
-    return np.column_stack([least, largest])
+    )

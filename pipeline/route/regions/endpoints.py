@@ -1,4 +1,4 @@
-"""Start and goal of the task: can the machine be there at all, before any search."""
+"""Start, goal and poses to visit: whether the machine can be there at all, before any search."""
 
 from dataclasses import dataclass
 
@@ -7,25 +7,42 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.config import Config, PoseConfig
 from pipeline.errors import ConfigError, ConfigIssue
-from pipeline.machine.clearance import min_distances
-from pipeline.machine.geometry import ACTUATORS, MODES, Machine
+from pipeline.limits import pose_limits
+from pipeline.limits.actuators import cart_travel
+from pipeline.limits.avoid import boxes_to_avoid
+from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
-from pipeline.machine.statics import condition_number, det_sign, statics_matrix
-from pipeline.route.metric import CONTROLLED
-from pipeline.route.regions.boxes import boxes_to_avoid, grown_boxes
+from pipeline.machine.samples import PoseSamples
+from pipeline.machine.statics import det_sign, statics_matrix
+from pipeline.route.regions.boxes import grown_boxes
 
 
 @dataclass(frozen=True, eq=False)
 class Endpoint:
-    """The machine at the start or the goal: pose (6,), actuators (5,) and what they imply."""
+    """The machine at the start or the goal, in its working mode (0 to 7); `samples` holds this one pose."""
 
     mode: int
-    pose: FloatArray
-    q_m: FloatArray
-    kappa: float
-    det_sign: float
-    link_distance_m: float
-    rail_distance_m: float
+    samples: PoseSamples
+
+    @property
+    def pose(self) -> FloatArray:
+        """x, y, z, rx, ry, rz, shape (6,)."""
+        return np.asarray(self.samples.pose[0], dtype=float)
+
+    @property
+    def q_m(self) -> FloatArray:
+        """Actuator positions, shape (5,)."""
+        return np.asarray(self.samples.q_m[0], dtype=float)
+
+    @property
+    def kappa(self) -> float:
+        """Condition number."""
+        return float(self.samples.kappa[0])
+
+    @property
+    def det_sign(self) -> float:
+        """Sign of det H."""
+        return float(self.samples.det_sign[0])
 
 
 def controlled_pose(pose: PoseConfig) -> FloatArray:
@@ -111,17 +128,12 @@ def visited_pose(config: Config, machine: Machine, index: int, pose: PoseConfig)
 def _place(config: Config, machine: Machine, key: str, pose: PoseConfig) -> tuple[Endpoint, list[ConfigIssue]]:
     mode = MODES.index(pose.mode)
     solution = inverse_kinematics(machine, controlled_pose(pose)[None], np.array([mode]))
+    end = Endpoint(mode, PoseSamples(machine, solution.pose, solution.q_m))
     if not solution.reachable[0]:
-        return _unreachable(solution.pose[0], mode), [ConfigIssue(key, _why_unreachable(solution.discriminants_m2[0]))]
-    q, full = solution.q_m[0], solution.pose[0]
-    H = statics_matrix(machine, full, q[:3])
-    link, rail = min_distances(machine, solution.pose, solution.q_m[:, :3])
-    end = Endpoint(mode, full, q, float(condition_number(H)), float(det_sign(H)), float(link[0]), float(rail[0]))
-    return end, _limit_issues(config, machine, key, end)
-
-
-def _unreachable(pose: FloatArray, mode: int) -> Endpoint:
-    return Endpoint(mode, pose, np.full(5, np.nan), np.nan, np.nan, np.nan, np.nan)
+        return end, [ConfigIssue(key, _why_unreachable(solution.discriminants_m2[0]))]
+    limits = [cart_travel(machine), *pose_limits(machine, config.route.kappa_max)]
+    broken = [ConfigIssue(key, message) for limit in limits for message in limit.violations(end.samples)]
+    return end, _box_issues(config, key, end.samples.controlled[0]) + broken
 
 
 def _why_unreachable(discriminants: FloatArray) -> str:
@@ -131,36 +143,8 @@ def _why_unreachable(discriminants: FloatArray) -> str:
     return "is out of reach: the triangle of links 3a and 3c cannot close at this pose and mode"
 
 
-def _limit_issues(config: Config, machine: Machine, key: str, end: Endpoint) -> list[ConfigIssue]:
-    issues = _box_issues(config, key, end.pose[CONTROLLED])
-    for name, value, (least, largest) in zip(ACTUATORS, end.q_m, machine.actuator_limits_m, strict=True):
-        if not least <= value <= largest:
-            issues.append(ConfigIssue(key, f"needs {name} at {value:.4f} m; allowed are {least:g} to {largest:g} m"))
-    if not end.kappa <= config.route.kappa_max:
-        issues.append(
-            ConfigIssue(key, f"has kappa {end.kappa:.1f}, above route.kappa_max ({config.route.kappa_max:g})")
-        )
-    if end.link_distance_m < machine.link_link_m:
-        issues.append(
-            ConfigIssue(
-                key,
-                f"has links {end.link_distance_m:.4f} m apart; "
-                f"machine.clearance.link_link_m asks for {machine.link_link_m:g} m",
-            )
-        )
-    if end.rail_distance_m < machine.link_rail_m:
-        issues.append(
-            ConfigIssue(
-                key,
-                f"has a link {end.rail_distance_m:.4f} m from a rail; "
-                f"machine.clearance.link_rail_m asks for {machine.link_rail_m:g} m",
-            )
-        )
-    return issues
-
-
 def _box_issues(config: Config, key: str, controlled: FloatArray) -> list[ConfigIssue]:
-    """Poses (5,) inside a box to avoid, or within its margin: no region there has a move."""
+    """Refuse a pose (5,) inside a box to avoid, or within its margin: no region there has a move."""
     if not config.task.avoid:
         return []
     issues = []

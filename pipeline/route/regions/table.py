@@ -5,6 +5,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.machine.geometry import Machine
+from pipeline.machine.pose import full_pose
+from pipeline.machine.samples import PoseSamples
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +64,11 @@ class RegionTable:
     @property
     def pose(self) -> FloatArray:
         """Poses (x, y, z, rx, ry, rz), shape (n, 6)."""
-        return np.column_stack([self.controlled[:, :4], self.ry_rad, self.controlled[:, 4]])
+        return full_pose(self.controlled, self.ry_rad)
+
+    def samples(self, machine: Machine) -> PoseSamples:
+        """Return poses and actuators as samples of the machine, with kappa and the sign of det H as they are here."""
+        return PoseSamples(machine, self.pose, self.q_m).with_known(kappa=self.kappa, det_sign=self.det_sign)
 
     def take(self, rows: IntArray | BoolArray | slice) -> "RegionTable":
         """The table with only these rows."""

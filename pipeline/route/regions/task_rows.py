@@ -6,9 +6,11 @@ import numpy as np
 
 from pipeline.config import Config, VisitConfig
 from pipeline.errors import NoSolutionError
+from pipeline.limits.avoid import Box
 from pipeline.machine.geometry import MODES, Machine
-from pipeline.route.metric import CONTROLLED, step_sizes
-from pipeline.route.regions.boxes import Box, cut_windows, grown_boxes
+from pipeline.machine.pose import RY
+from pipeline.route.metric import step_sizes
+from pipeline.route.regions.boxes import cut_windows, grown_boxes
 from pipeline.route.regions.endpoints import Endpoint, task_endpoints, visited_pose
 from pipeline.route.regions.table import RegionTable
 
@@ -74,16 +76,16 @@ def _extent(grid: RegionTable) -> str:
 
 
 def _row(end: Endpoint, visit: int = 0) -> RegionTable:
-    x = end.pose[0]
+    samples, x = end.samples, end.pose[0]
     return RegionTable(
-        controlled=end.pose[None, CONTROLLED],
-        ry_rad=end.pose[None, 4],
+        controlled=samples.controlled,
+        ry_rad=samples.pose[:, RY],
         modes=np.array([end.mode]),
         gates=np.array([0]),
-        q_m=end.q_m[None],
-        kappa=np.array([end.kappa]),
-        det_sign=np.array([end.det_sign]),
-        link_distance_m=np.array([end.link_distance_m]),
+        q_m=samples.q_m,
+        kappa=samples.kappa,
+        det_sign=samples.det_sign,
+        link_distance_m=samples.link_distance_m,
         x_window_m=np.array([[x, x]]),
         visits=np.array([visit]),
     )

@@ -67,7 +67,7 @@ def find_best(
         return None if optimum is None else Best(optimum, cap, known.optimum)
 
     def sift(core: Moves, moves: Moves) -> Moves:
-        return screen.sift(core, moves, layout.base)
+        return screen.screen(core, moves, layout.base)
 
     def solve_capped(cap: float) -> Best | None:
         moves = moves_within(screen.without_bad(layout.moves, layout.base), layout.regions.kappa, cap)

@@ -9,7 +9,8 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves.check import Flaw, check_moves
+from pipeline.route.moves.check import check_moves
+from pipeline.route.moves.rejections import Rejection
 from pipeline.route.programs.core_program import StepSequence
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.search.gate_modes import fewest_mode_changes
@@ -75,9 +76,9 @@ def _broken(config: Config, regions: RegionTable, rows: IntArray, x_m: FloatArra
     return of_the_paper + task_violations(config, regions, rows, x_m)
 
 
-def flawed_moves(config: Config, machine: Machine, placed: PlacedRoute) -> list[tuple[int, Flaw]]:
+def flawed_moves(config: Config, machine: Machine, placed: PlacedRoute) -> list[tuple[int, Rejection]]:
     """Follow every move of a sequence; give the first step of each bad one and what is wrong with it."""
     first = np.arange(len(placed.region) - 1)
     ends = np.stack([first, first + 1], axis=1)
     checks = check_moves(config, machine, placed.pose[ends], placed.q_m[ends])
-    return [(step, flaw) for step, flaw in enumerate(checks.flaw) if flaw is not None]
+    return [(step, flaw) for step, flaw in enumerate(checks.rejections) if flaw is not None]

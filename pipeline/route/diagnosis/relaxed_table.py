@@ -1,0 +1,139 @@
+"""The regions and moves of a generous value of one limit, cut down to any other of its values."""
+
+from bisect import bisect_left
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.arrays import BoolArray, IntArray
+from pipeline.config import Config, RouteConfig
+from pipeline.errors import InfeasibleError, NoSolutionError
+from pipeline.limits import RegionFilter, Relaxation
+from pipeline.machine.geometry import Machine, build_machine
+from pipeline.progress import Monitor, Progress
+from pipeline.route.bounds.shortest_paths import fewest_moves
+from pipeline.route.moves.candidates import Moves, find_moves
+from pipeline.route.planner import plan_route
+from pipeline.route.regions.build import build_regions
+from pipeline.route.regions.table import RegionTable
+from pipeline.route.result import Route
+
+_SEARCH_ROUNDS, _SEARCH_S = 30, 30.0
+"""Most rounds of a whole search, and the time limit of each of its solves."""
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class SearchOutcome:
+    """How a whole search ended.
+
+    Attributes
+    ----------
+    objective : float or None
+        Cost of the route that was found, None if none was.
+    proven : bool
+        Whether it is proven that there is none.
+    enough : int or None
+        The first value that admits all regions of the route that was found.
+    """
+
+    objective: float | None
+    proven: bool = True
+    enough: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxedTable:
+    """The table and the moves of the mildest of some values of a limit, and the filter for the others."""
+
+    relaxation: Relaxation
+    regions: RegionTable
+    moves: Moves
+    admit: RegionFilter
+    options: RouteConfig
+    progress: Progress
+
+    @classmethod
+    def build(
+        cls, machine: Machine, relaxation: Relaxation, end: int, options: RouteConfig, progress: Progress
+    ) -> "RelaxedTable":
+        """Build regions and moves for the mildest of the first `end` values.
+
+        Raises
+        ------
+        NoSolutionError
+            If they need more memory than allowed, or a visit is out of reach.
+        """
+        value = float(relaxation.levels[end - 1])
+        tell = prefixed(progress, f"{relaxation.key} {value:g}")
+        wide = relaxation.change(value)
+        wide_machine = build_machine(wide.machine)
+        regions = build_regions(wide, wide_machine, Monitor(tell))
+        moves = find_moves(wide, wide_machine, regions, Monitor(tell))
+        admit = relaxation.prepare(regions.samples(machine), regions.x_window_m)
+        return cls(relaxation, regions, moves, admit, options, tell)
+
+    def first_joined(self, begin: int, end: int) -> int:
+        """Bisect for the first of the values `begin` to `end` - 1 whose graph joins the ends; `end` if none does."""
+        if not self.joined(end - 1):
+            return end
+        return bisect_left(range(end - 1), True, lo=begin, key=self.joined)
+
+    def joined(self, index: int) -> bool:
+        """Return whether a value lets the graph join start and goal within the step budget."""
+        regions, inside = self.filtered(index)
+        i, j = self.moves.source, self.moves.target
+        low, high = regions.x_window_m.T
+        keep = inside[i] & inside[j]
+        keep &= np.maximum(low[i] - high[j], low[j] - high[i]) <= self.options.x_step_m + _ROUNDING
+        fewest = fewest_moves(regions, Moves(i[keep], j[keep]))
+        return fewest is not None and fewest + 1 <= self.options.step_budget
+
+    def filtered(self, index: int) -> tuple[RegionTable, BoolArray]:
+        """Return the regions with the x windows that a value leaves, and which of them it admits (n,)."""
+        windows, inside = self.admit(float(self.relaxation.levels[index]))
+        return replace(self.regions, x_window_m=windows), inside
+
+    def search(self, index: int) -> SearchOutcome:
+        """Search for a route with a value."""
+        config = self.relaxation.change(float(self.relaxation.levels[index]))
+        regions, inside = self.filtered(index)
+        rows = np.flatnonzero(inside)
+        found, proven = search_whole(config, build_machine(config.machine), regions.take(rows), self.progress)
+        if found is None:
+            return SearchOutcome(None, proven)
+        enough = bisect_left(range(index), True, key=lambda i: bool(self._admits(i, rows[found.region])))
+        return SearchOutcome(found.objective, enough=enough)
+
+    def _admits(self, index: int, rows: IntArray) -> bool:
+        return bool(self.filtered(index)[1][rows].all())
+
+
+def search_whole(
+    config: Config, machine: Machine, regions: RegionTable, progress: Progress
+) -> tuple[Route | None, bool]:
+    """Run `plan_route` with limited effort; also return whether a missing route is proven not to exist."""
+    options = config.route
+    effort = {
+        "formulation": "core",
+        "objective": "sum",
+        "alternative": 1,
+        "max_rounds": min(_SEARCH_ROUNDS, options.max_rounds),
+        "time_limit_s": min(_SEARCH_S, options.time_limit_s),
+    }
+    limited = config.model_copy(update={"route": options.model_copy(update=effort)})
+    try:
+        return plan_route(limited, machine, regions, Monitor(progress)), True
+    except InfeasibleError:
+        return None, True
+    except NoSolutionError:
+        return None, False
+
+
+def prefixed(progress: Progress, what: str) -> Progress:
+    """Put in front of every message which limit is being relaxed."""
+
+    def report(message: str, fraction: float | None = None) -> None:
+        progress(f"why not: {what}, {message}", fraction)
+
+    return report
