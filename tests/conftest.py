@@ -3,14 +3,15 @@
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import reduce
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from pipeline.config import Config
-from pipeline.config.file import load_config
+from pipeline.config.file import load_config, parse_config
 from pipeline.machine import Machine, build_machine
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -49,3 +50,17 @@ def quick_config() -> Config:
 def machine(agder_config: Config) -> Machine:
     """Build the reference machine."""
     return build_machine(agder_config.machine)
+
+
+@pytest.fixture(scope="session")
+def vary() -> Callable[[Config, dict[str, object]], Config]:
+    """Give a function that sets keys, written with dots, in a copy of a configuration."""
+
+    def change(config: Config, values: dict[str, object]) -> Config:
+        data = config.model_dump()
+        for path, value in values.items():
+            *sections, key = path.split(".")
+            reduce(lambda part, name: part[int(name) if name.isdigit() else name], sections, data)[key] = value
+        return parse_config(data)
+
+    return change

@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.config.file import parse_config
+from pipeline.limits.avoid import Box
 from pipeline.machine import Machine
 from pipeline.refine import Path, coarse_path, refine_path
 from pipeline.refine.coarse import move_of
@@ -12,7 +13,6 @@ from pipeline.refine.corridor import corridor, visit_parameters
 from pipeline.refine.measure import sample_path
 from pipeline.route import Route, build_regions, plan_route
 from pipeline.route.metric import CONTROLLED
-from pipeline.route.regions.boxes import Box
 
 S = np.linspace(0.0, 1.0, 101)
 

@@ -2,14 +2,12 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from pipeline.config import Config
-from pipeline.config.file import parse_config
 from pipeline.machine import Machine, build_machine
 from pipeline.route import RegionTable, Route, build_regions
 from pipeline.route.moves.candidates import Moves, find_moves
@@ -25,20 +23,6 @@ class Problem:
     machine: Machine
     regions: RegionTable
     moves: Moves
-
-
-@pytest.fixture(scope="session")
-def vary() -> Callable[[Config, dict[str, object]], Config]:
-    """Give a function that sets keys, written with dots, in a copy of a configuration."""
-
-    def change(config: Config, values: dict[str, object]) -> Config:
-        data = config.model_dump()
-        for path, value in values.items():
-            *sections, key = path.split(".")
-            reduce(lambda part, name: part[int(name) if name.isdigit() else name], sections, data)[key] = value
-        return parse_config(data)
-
-    return change
 
 
 @pytest.fixture(scope="session")

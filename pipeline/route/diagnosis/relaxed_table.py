@@ -1,6 +1,7 @@
 """The regions and moves of a generous value of one limit, cut down to any other of its values."""
 
 from bisect import bisect_left
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,12 +95,12 @@ class RelaxedTable:
         windows, inside = self.admit(float(self.relaxation.levels[index]))
         return replace(self.regions, x_window_m=windows), inside
 
-    def search(self, index: int) -> SearchOutcome:
+    def search(self, index: int, run: "WholeSearch") -> SearchOutcome:
         """Search for a route with a value."""
         config = self.relaxation.change(float(self.relaxation.levels[index]))
         regions, inside = self.filtered(index)
         rows = np.flatnonzero(inside)
-        found, proven = search_whole(config, build_machine(config.machine), regions.take(rows), self.progress)
+        found, proven = run(config, build_machine(config.machine), regions.take(rows), self.progress)
         if found is None:
             return SearchOutcome(None, proven)
         enough = bisect_left(range(index), True, key=lambda i: bool(self._admits(i, rows[found.region])))
@@ -109,8 +110,12 @@ class RelaxedTable:
         return bool(self.filtered(index)[1][rows].all())
 
 
+WholeSearch = Callable[[Config, Machine, RegionTable, Progress], tuple[Route | None, bool]]
+"""Searches for a route; also returns whether a missing one is proven not to exist."""
+
+
 def search_whole(
-    config: Config, machine: Machine, regions: RegionTable, progress: Progress
+    config: Config, machine: Machine, regions: RegionTable, progress: Progress, plan: Callable[..., Route] = plan_route
 ) -> tuple[Route | None, bool]:
     """Run `plan_route` with limited effort; also return whether a missing route is proven not to exist."""
     options = config.route
@@ -123,7 +128,7 @@ def search_whole(
     }
     limited = config.model_copy(update={"route": options.model_copy(update=effort)})
     try:
-        return plan_route(limited, machine, regions, Monitor(progress)), True
+        return plan(limited, machine, regions, Monitor(progress)), True
     except InfeasibleError:
         return None, True
     except NoSolutionError:

@@ -4,8 +4,9 @@ The graph of a table with generous limits shows by bisection below which value t
 there on the whole search, with x, step budget and moves followed, decides.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +21,7 @@ from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor, Progress
 from pipeline.route.bounds.shortest_paths import fewest_moves
 from pipeline.route.diagnosis.endpoints import end_remarks
-from pipeline.route.diagnosis.relaxed_table import RelaxedTable, SearchOutcome, prefixed, search_whole
+from pipeline.route.diagnosis.relaxed_table import RelaxedTable, SearchOutcome, WholeSearch, prefixed, search_whole
 from pipeline.route.diagnosis.result import Finding, InfeasibilityReport, Verdict
 from pipeline.route.moves.candidates import Moves, find_moves
 from pipeline.route.regions.table import RegionTable
@@ -32,26 +33,32 @@ _ROUNDING = 1e-9
 
 
 def explain_infeasibility(
-    config: Config, machine: Machine, regions: RegionTable, monitor: Monitor = QUIET
+    config: Config,
+    machine: Machine,
+    regions: RegionTable,
+    monitor: Monitor = QUIET,
+    limits: Sequence[Relaxation] | None = None,
 ) -> InfeasibilityReport:
     """Find out what prevents a route that `plan_route` could not find on `regions`.
 
-    Every finding is about one limit alone, all others as configured, on the same grid.
+    Every finding is about one limit alone, all others as configured, on the same grid; `limits` are those that are
+    relaxed, all by default.
     """
     progress = monitor.progress
+    limits = relaxations(config, machine) if limits is None else limits
     moves = find_moves(config, machine, regions, Monitor(prefixed(progress, "as configured")))
-    findings = [relax_limit(config, machine, relaxation, progress) for relaxation in relaxations(config, machine)]
+    findings = [relax_limit(config, machine, relaxation, progress) for relaxation in limits]
     if config.route.step_budget < _MOST_POSITIONS:
         findings.append(relax_step_budget(config, machine, regions, moves, progress))
     return InfeasibilityReport(
-        remarks=(*end_remarks(config, machine, regions, moves), *_not_varied(config)),
+        remarks=(*end_remarks(config, machine, regions, moves), *not_varied(config)),
         findings=tuple(findings),
         from_start=reached(moves, len(regions), regions.start),
         to_goal=reached(moves, len(regions), regions.goal, backwards=True),
     )
 
 
-def _not_varied(config: Config) -> list[str]:
+def not_varied(config: Config) -> list[str]:
     """List what else the task asks for that is not a limit varied here."""
     task = config.task
     asked = [f"task.budget.{key} {value:g}" for key, value in task.budget if value is not None]
@@ -115,7 +122,9 @@ def find_threshold(
     return threshold
 
 
-def relax_limit(config: Config, machine: Machine, relaxation: Relaxation, progress: Progress) -> Finding:
+def relax_limit(
+    config: Config, machine: Machine, relaxation: Relaxation, progress: Progress, run: WholeSearch = search_whole
+) -> Finding:
     """Relax one limit, part by part of its values, until a route exists."""
     threshold = FeasibilityThreshold(refused=0, by_graph=False)
     for begin, end in pairwise((0, *relaxation.segments)):
@@ -128,7 +137,7 @@ def relax_limit(config: Config, machine: Machine, relaxation: Relaxation, progre
         if first > begin:
             threshold = FeasibilityThreshold(refused=first - 1, by_graph=True)
         if first < end:
-            threshold = find_threshold(threshold, max(first, threshold.refused + 1), end, wide.search)
+            threshold = find_threshold(threshold, max(first, threshold.refused + 1), end, partial(wide.search, run=run))
         if threshold.opened is not None:
             break
     return _finding(relaxation.key, relaxation.configured, relaxation.levels, threshold, relaxation.locked_axes)
@@ -161,7 +170,7 @@ def relax_step_budget(
 ) -> Finding:
     """Relax the number of positions: the graph knows the fewest, x and the moves followed may need more."""
     configured = config.route.step_budget
-    fewest = _least_budget(config, regions, moves)
+    fewest = least_budget(config, regions, moves)
     last = _MOST_POSITIONS if fewest is None else min(_MOST_POSITIONS, 2 * max(fewest, configured))
     levels = np.arange(configured, last + 1, dtype=float)
     if fewest is None or fewest > last:
@@ -181,7 +190,7 @@ def relax_step_budget(
     return _finding("route.step_budget", configured, levels, threshold)
 
 
-def _least_budget(config: Config, regions: RegionTable, moves: Moves) -> int | None:
+def least_budget(config: Config, regions: RegionTable, moves: Moves) -> int | None:
     """Count the positions that no route can do with fewer of, be it for the moves or for the distance along X."""
     fewest = fewest_moves(regions, moves)
     distance_m = abs(config.task.goal.x_m - config.task.start.x_m)

@@ -80,7 +80,7 @@ def find_moves(config: Config, machine: Machine, regions: RegionTable, monitor: 
         When moves and shortest paths would take up more than `route.memory_gb`.
     """
     steps = step_sizes(config.route)
-    search = _Search.of(regions, steps, passing_codes(machine, regions), steps[0])
+    search = MoveSearch.of(regions, steps, passing_codes(machine, regions), steps[0])
     _require_memory(config, len(regions), search.expected_moves())
     moves = search.collect(monitor.progress)
     crossing = crossings(grown_boxes(config), regions, steps, moves.source, moves.target)
@@ -108,11 +108,11 @@ def _require_memory(config: Config, regions: int, moves: int) -> None:
 def rule_moves(config: Config, regions: RegionTable) -> Moves:
     """Find all moves that (14)-(17) and (38) alone would admit, whatever x, det H and the links do."""
     nothing = np.zeros(len(regions), dtype=np.int64)
-    return _Search.of(regions, step_sizes(config.route), nothing, np.inf).collect(silent)
+    return MoveSearch.of(regions, step_sizes(config.route), nothing, np.inf).collect(silent)
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
+class MoveSearch:
     """What decides which regions can be joined; `codes` as of `passing_codes`.
 
     Attributes
@@ -135,7 +135,7 @@ class _Search:
     x_step_m: float
 
     @classmethod
-    def of(cls, regions: RegionTable, steps: FloatArray, codes: IntArray, x_step_m: float) -> "_Search":
+    def of(cls, regions: RegionTable, steps: FloatArray, codes: IntArray, x_step_m: float) -> "MoveSearch":
         """Sort the regions; `x_step_m` is the largest move along X."""
         left = np.repeat(np.arange(len(regions), dtype=np.int32), np.where(regions.gates > 0, 2, 1))
         origins = left[left != regions.goal]
@@ -169,11 +169,11 @@ class _Search:
         sources.clear()
         return Moves(whole, np.concatenate(targets))
 
-    def expected_moves(self) -> int:
+    def expected_moves(self, sample: int = _SAMPLE) -> int:
         """Estimate the number of moves from a sample of origins, all of them where they are few."""
         count = len(self.origins)
-        sample = np.linspace(0, count - 1, min(count, _SAMPLE)).astype(np.int64)
-        return round(len(self.moves_from(sample)[0]) * count / max(len(sample), 1))
+        rows = np.linspace(0, count - 1, min(count, sample)).astype(np.int64)
+        return round(len(self.moves_from(rows)[0]) * count / max(len(rows), 1))
 
     def moves_from(self, block: slice | IntArray) -> tuple[IntArray, IntArray]:
         """Find the moves of a block of the origins: rows (m,) they leave and rows they arrive at."""

@@ -12,10 +12,12 @@ from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.moves.check import Flaw
+from pipeline.route.moves.rejections import Rejection
 from pipeline.route.moves.screen import Screen
 from pipeline.route.search.objective import find_best
 from pipeline.route.search.states import unexpanded_graph
+
+REJECTED = Rejection("kappa exceeds its cap")
 
 
 @settings(max_examples=100)
@@ -57,7 +59,8 @@ def test_the_bottleneck_route_is_that_of_brute_force(random_problem, cheapest, q
         None,
     )
     screen = Screen(
-        lambda source, target: [Flaw.KAPPA if flawed else None for flawed in bad[source, target]], len(regions)
+        lambda source, target: [REJECTED if is_bad else None for is_bad in bad[source, target]],
+        len(regions),
     )
     bounds = shortest_paths(regions, moves)
     best = find_best(config, unexpanded_graph(regions, moves), bounds, screen, None, silent, False)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.route.diagnosis.result import TRAVEL, Finding, InfeasibilityReport, Verdict
+from pipeline.limits.actuators import TRAVEL_KEY
+from pipeline.route.diagnosis.result import Finding, InfeasibilityReport, Verdict
 
 
 def finding(**changes: object) -> Finding:
@@ -57,7 +58,7 @@ NONE = {"value": None, "objective": None, "exact": False}
             "route.kappa_max 1000 instead of 100: no route (proven by the whole search)",
         ),
         (
-            {"key": TRAVEL, "bound": 1.0, "refused": 0.25, **NONE, "verdict": Verdict.UNDECIDED},
+            {"key": TRAVEL_KEY, "bound": 1.0, "refused": 0.25, **NONE, "verdict": Verdict.UNDECIDED},
             "every machine.rails.travel_m 1 m longer at both ends: undecided; 0.25 m is not enough (proven)",
         ),
     ],

@@ -1,4 +1,4 @@
-"""What stands in the way of a route."""
+"""What prevents a route."""
 
 import numpy as np
 import pytest
@@ -8,21 +8,22 @@ from hypothesis import strategies as st
 from pipeline.config import Config
 from pipeline.config.file import load_config
 from pipeline.errors import NoSolutionError
+from pipeline.limits import Relaxation, relaxations
 from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.shortest_paths import fewest_moves
-from pipeline.route.diagnosis import search as module
-from pipeline.route.diagnosis.relaxable_limits import RelaxableLimit, relaxable_limits
+from pipeline.route.diagnosis.relaxed_table import SearchOutcome, search_whole
 from pipeline.route.diagnosis.result import InfeasibilityReport, Verdict
 from pipeline.route.diagnosis.search import (
     FeasibilityThreshold,
-    SearchOutcome,
     explain_infeasibility,
-    fewest_positions,
     find_threshold,
+    least_budget,
+    not_varied,
     reached,
     relax_limit,
 )
+from pipeline.route.moves.candidates import find_moves
 from tests.conftest import CONFIGS
 
 
@@ -33,32 +34,26 @@ def coarse(vary) -> Config:
     return vary(load_config(CONFIGS / "tiny.yaml"), tilts)
 
 
-def explain(config: Config) -> InfeasibilityReport:
-    """Ask why there is no route, having made sure that there is none."""
+def explain(config: Config, without: str = "nothing") -> InfeasibilityReport:
+    """Ask why there is no route, having made sure that there is none; limits with a word in their key are left out."""
     machine = build_machine(config.machine)
     regions = build_regions(config, machine)
     with pytest.raises(NoSolutionError):
         plan_route(config, machine, regions)
-    return explain_infeasibility(config, machine, regions)
+    limits = [limit for limit in relaxations(config, machine) if without not in limit.key]
+    return explain_infeasibility(config, machine, regions, limits=limits)
 
 
-def obstacle_of(config: Config, key: str) -> RelaxableLimit:
-    """Pick the first obstacle with a key."""
-    return next(found for found in relaxable_limits(config, build_machine(config.machine)) if found.key == key)
+def relaxation_of(config: Config, key: str) -> Relaxation:
+    """Pick the first relaxation with a key."""
+    return next(found for found in relaxations(config, build_machine(config.machine)) if found.key == key)
 
 
 def ignore(message: str, fraction: float | None = None) -> None:
     """Listen to nothing."""
 
 
-def without_kappa(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave the cap on kappa out: singular moves are slow to follow."""
-    monkeypatch.setattr(
-        module, "find_obstacles", lambda *args: [found for found in relaxable_limits(*args) if "kappa" not in found.key]
-    )
-
-
-class TestFindEdge:
+class TestFindThreshold:
     """The bisection over whole searches."""
 
     @given(st.integers(1, 60), st.integers(0, 70), st.integers(1, 70), st.integers(0, 5))
@@ -70,28 +65,28 @@ class TestFindEdge:
             assert first <= i < end
             return SearchOutcome(float(i), enough=max(first, i - luck)) if i >= opens_at else SearchOutcome(None)
 
-        edge = find_threshold(FeasibilityThreshold(first - 1, by_graph=True), first, end, attempt, tries=100)
+        threshold = find_threshold(FeasibilityThreshold(first - 1, by_graph=True), first, end, attempt, tries=100)
         if opens_at >= end:
-            assert (edge.refused, edge.opened) == (end - 1, None)
+            assert (threshold.refused, threshold.opened) == (end - 1, None)
         else:
             least = max(first, opens_at)
-            assert (edge.refused, edge.opened, edge.objective) == (least - 1, least, float(least))
-            assert edge.by_graph == (opens_at <= first)
+            assert (threshold.refused, threshold.opened, threshold.objective) == (least - 1, least, float(least))
+            assert threshold.by_graph == (opens_at <= first)
 
     def test_tries_run_out(self) -> None:
         """Then what is proven and what was found stand apart, and both hold."""
-        edge = find_threshold(
+        threshold = find_threshold(
             FeasibilityThreshold(0, by_graph=True), 1, 1000, lambda i: SearchOutcome(1.0 if i >= 400 else None), tries=4
         )
-        assert edge.refused < 400 <= (edge.opened or 0)
-        assert edge.opened != edge.refused + 1
+        assert threshold.refused < 400 <= (threshold.opened or 0)
+        assert threshold.opened != threshold.refused + 1
 
     def test_undecided_searches_prove_nothing(self) -> None:
         """A search that was cut short moves the bisection on, not what is refused."""
-        edge = find_threshold(
+        threshold = find_threshold(
             FeasibilityThreshold(0, by_graph=True), 1, 9, lambda i: SearchOutcome(1.0 if i >= 5 else None, proven=False)
         )
-        assert (edge.refused, edge.by_graph, edge.opened) == (0, True, 5)
+        assert (threshold.refused, threshold.by_graph, threshold.opened) == (0, True, 5)
 
 
 class TestGraph:
@@ -108,13 +103,6 @@ class TestGraph:
                 found |= {j for i, j in pairs if i in found} if not backwards else {i for i, j in pairs if j in found}
             assert set(np.flatnonzero(reached(moves, len(regions), root, backwards))) == found
 
-    @pytest.mark.parametrize("seed", range(20))
-    def test_fewest_positions(self, seed: int, random_problem) -> None:
-        """One more than the moves that another search counts."""
-        regions, moves, _ = random_problem(seed)
-        hops = fewest_moves(regions, moves)
-        assert fewest_positions(regions, moves) == (None if hops is None else hops + 1)
-
 
 class TestFindings:
     """Findings on real tasks."""
@@ -123,17 +111,16 @@ class TestFindings:
     def test_least_tilt(self, coarse: Config, vary, tilt: int) -> None:
         """Without tilt there is no route; 10 degrees is the least on this grid, and the route is plan_route's own."""
         config = vary(coarse, {"task.tilt_max_deg": tilt})
-        finding = relax_limit(config, obstacle_of(config, "task.tilt_max_deg"), ignore)
+        finding = relax_limit(config, build_machine(config.machine), relaxation_of(config, "task.tilt_max_deg"), ignore)
         assert (finding.verdict, finding.configured, finding.value) == (Verdict.OPENS, tilt, 10.0)
         assert finding.exact
         machine = build_machine(coarse.machine)
         best = plan_route(coarse, machine, build_regions(coarse, machine))
         assert finding.objective == pytest.approx(best.objective)
 
-    def test_step_budget(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_step_budget(self, coarse: Config, vary) -> None:
         """Where only the step budget is too small, the least one is named, and nothing else helps."""
-        without_kappa(monkeypatch)
-        found = explain(vary(coarse, {"route.step_budget": 4}))
+        found = explain(vary(coarse, {"route.step_budget": 4}), without="kappa")
         (opening,) = found.opening
         assert (opening.key, opening.value, opening.refused, opening.exact) == ("route.step_budget", 8, 7, True)
         assert {finding.verdict for finding in found.findings} == {Verdict.OPENS, Verdict.NEVER}
@@ -145,13 +132,12 @@ class TestFindings:
         """The way along X asks for positions, too: one more than the steps it takes."""
         config = vary(coarse, {"task.start.x_m": 1.3, "task.goal.x_m": 0.75, "route.x_step_m": 0.05})
         regions, machine = build_regions(config, build_machine(config.machine)), build_machine(config.machine)
-        moves = module.find_moves(config, machine, regions)
-        assert module._least_budget(config, regions, moves) == 12
+        moves = find_moves(config, machine, regions)
+        assert least_budget(config, regions, moves) == 12
 
-    def test_ends_off_the_grid(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_ends_off_the_grid(self, coarse: Config, vary) -> None:
         """Nothing helps, proven by the graph, and the remarks say why."""
-        without_kappa(monkeypatch)
-        found = explain(vary(coarse, {"route.grid.y_m": {"min": 0.7, "max": 0.9, "step": 0.2}}))
+        found = explain(vary(coarse, {"route.grid.y_m": {"min": 0.7, "max": 0.9, "step": 0.2}}), without="kappa")
         assert {finding.verdict for finding in found.findings} == {Verdict.NEVER}
         assert all(finding.by_graph for finding in found.findings)
         assert [remark.split(" is ")[0] for remark in found.remarks] == ["task.start.y_m", "task.goal.y_m"]
@@ -161,7 +147,7 @@ class TestFindings:
         ("key", "limit", "wanted"),
         [("route.kappa_max", 24.0, "more"), ("machine.clearance.link_link_m", 0.083, "less")],
     )
-    def test_edge_of_the_graph(
+    def test_threshold_of_the_graph(
         self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch, key: str, limit: float, wanted: str
     ) -> None:
         """The value named joins the ends in the graph of a table built with it; the one refused does not."""
@@ -170,15 +156,16 @@ class TestFindings:
             config = vary(coarse, {key: value})
             machine = build_machine(config.machine)
             regions = build_regions(config, machine)
-            hops = fewest_moves(regions, module.find_moves(config, machine, regions))
+            hops = fewest_moves(regions, find_moves(config, machine, regions))
             return hops is not None and hops + 1 <= config.route.step_budget
 
         class Found:
             objective, region = 1.0, np.array([0])
 
-        monkeypatch.setattr(module, "search_whole", lambda *args: (Found, True))
         config = vary(coarse, {key: limit})
-        finding = relax_limit(config, obstacle_of(config, key), ignore)
+        finding = relax_limit(
+            config, build_machine(config.machine), relaxation_of(config, key), ignore, lambda *args: (Found, True)
+        )
         assert finding.value is not None
         assert (finding.value > limit) == (wanted == "more")
         assert finding.exact
@@ -186,26 +173,26 @@ class TestFindings:
         assert joined(finding.value)
         assert not joined(finding.refused)
 
-    def test_undecided(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_undecided(self, coarse: Config, vary) -> None:
         """Searches that run out of time open nothing and prove nothing."""
-        monkeypatch.setattr(module, "search_whole", lambda *args: (None, False))
         config = vary(coarse, {"task.tilt_max_deg": 0})
-        finding = relax_limit(config, obstacle_of(config, "task.tilt_max_deg"), ignore)
+        tilt = relaxation_of(config, "task.tilt_max_deg")
+        finding = relax_limit(config, build_machine(config.machine), tilt, ignore, lambda *args: (None, False))
         assert (finding.verdict, finding.value, finding.refused) == (Verdict.UNDECIDED, None, 0.0)
 
     def test_whole_search_without_route(self, coarse: Config, vary) -> None:
         """A search that finds nothing says whether that is proven: here the graph has no way."""
         config = vary(coarse, {"task.tilt_max_deg": 0})
         machine = build_machine(config.machine)
-        assert module.search_whole(config, machine, build_regions(config, machine), ignore) == (None, True)
+        assert search_whole(config, machine, build_regions(config, machine), ignore) == (None, True)
 
     def test_table_that_does_not_fit(self, coarse: Config, vary) -> None:
         """A generous table beyond the memory allowed leaves the limit undecided."""
         config = vary(coarse, {"task.tilt_max_deg": 0, "route.memory_gb": 1e-6})
-        finding = relax_limit(config, obstacle_of(config, "task.tilt_max_deg"), ignore)
+        finding = relax_limit(config, build_machine(config.machine), relaxation_of(config, "task.tilt_max_deg"), ignore)
         assert (finding.verdict, finding.refused) == (Verdict.UNDECIDED, 0.0)
 
-    def test_more_tilt_after_a_table_without_route(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_more_tilt_after_a_table_without_route(self, coarse: Config, vary) -> None:
         """Where the searches on one table refuse, the next larger one is looked at."""
 
         class Found:
@@ -214,37 +201,39 @@ class TestFindings:
         def search(config: Config, *args: object) -> tuple[type[Found] | None, bool]:
             return (Found, True) if config.task.tilt_max_deg >= 30.0 else (None, True)
 
-        monkeypatch.setattr(module, "search_whole", search)
         config = vary(coarse, {"task.tilt_max_deg": 0})
-        finding = relax_limit(config, obstacle_of(config, "task.tilt_max_deg"), ignore)
+        tilt = relaxation_of(config, "task.tilt_max_deg")
+        finding = relax_limit(config, build_machine(config.machine), tilt, ignore, search)
         assert (finding.value, finding.refused, finding.exact, finding.by_graph) == (30.0, 20.0, True, False)
 
     def test_unlocking_at_the_tilt_of_an_end(self, coarse: Config, vary) -> None:
         """A start tilted by as much as a step of the freed axis: that much may do, and is looked at."""
         config = vary(coarse, {"task.locked_axes": ["rx"], "task.start.rz_deg": 10.0})
-        obstacles = relaxable_limits(config, build_machine(config.machine))
-        finding = relax_limit(config, next(found for found in obstacles if found.locked_axes == ()), ignore)
+        limits = relaxations(config, build_machine(config.machine))
+        finding = relax_limit(
+            config, build_machine(config.machine), next(found for found in limits if found.locked_axes == ()), ignore
+        )
         assert (finding.value, finding.refused) == (10.0, 0.0)
         freed = vary(config, {"task.locked_axes": []})
         machine = build_machine(freed.machine)
         best = plan_route(freed, machine, build_regions(freed, machine))
         assert finding.objective == pytest.approx(best.objective)
 
-    def test_any_route_counts(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_any_route_counts(self, coarse: Config, vary) -> None:
         """Whatever alternative and objective are asked for, the best sum alone tells if there is a route."""
         seen = []
-        monkeypatch.setattr(module, "plan_route", lambda config, *args: seen.append(config.route))
         config = vary(coarse, {"route.alternative": 3, "route.objective": "bottleneck", "route.formulation": "paper"})
-        module.search_whole(config, build_machine(config.machine), None, ignore)
+        search_whole(
+            config, build_machine(config.machine), None, ignore, plan=lambda config, *args: seen.append(config.route)
+        )
         (options,) = seen
         assert (options.alternative, options.objective, options.formulation) == (1, "sum", "core")
 
-    def test_no_more_positions_than_there_may_be(self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_no_more_positions_than_there_may_be(self, coarse: Config, vary) -> None:
         """With the largest step budget there is none to try, and what else is asked for is told."""
-        monkeypatch.setattr(module, "find_obstacles", lambda *args: [])
         config = vary(coarse, {"route.step_budget": 500, "task.budget.mode_changes": 2})
         machine = build_machine(config.machine)
-        found = explain_infeasibility(config, machine, build_regions(config, machine))
+        found = explain_infeasibility(config, machine, build_regions(config, machine), limits=[])
         assert found.findings == ()
         assert found.remarks == ("also asked for, and not varied here: task.budget.mode_changes 2",)
 
@@ -257,3 +246,14 @@ class TestFindings:
         assert found.opening[-1].value == 10.0
         assert found.opening[-1].objective == pytest.approx(365.0, abs=0.1)
         assert found.opening[-1].exact
+
+
+def test_what_is_not_varied_is_reported(coarse: Config, vary) -> None:
+    """Budgets with their values, boxes and visits with their number; nothing where nothing is asked for."""
+    box = {"y_m": [0.4, 0.5]}
+    asked = {"task.budget": {"mode_changes": 3, "tilt_deg": 60}, "task.avoid": [box], "task.visit": [{"box": box}] * 2}
+    assert not_varied(coarse) == []
+    assert not_varied(vary(coarse, asked)) == [
+        "also asked for, and not varied here: task.budget.mode_changes 3, task.budget.tilt_deg 60, task.avoid (1), "
+        "task.visit (2)"
+    ]

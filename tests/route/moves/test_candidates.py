@@ -7,11 +7,11 @@ import pytest
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import link_pairs
+from pipeline.progress import Monitor, silent
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves import candidates as moves_module
-from pipeline.route.moves.candidates import find_moves, memory_gb, passing_codes, rule_moves
-from pipeline.route.moves.check import Flaw, check_moves
+from pipeline.route.moves.candidates import MoveSearch, find_moves, memory_gb, passing_codes, rule_moves
+from pipeline.route.moves.check import check_moves
 from pipeline.route.regions.build import build_regions
 
 
@@ -149,9 +149,8 @@ def tunnels(cross):
     """Find the pairs of neighbouring regions that only the filters against tunnelling keep apart."""
     table = cross.regions.take(np.flatnonzero(cross.regions.gates == 0))
     admitted = find_moves(cross.config, cross.machine, table)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(moves_module, "passing_codes", lambda machine, table: np.zeros(len(table), dtype=np.int64))
-        neighbours = find_moves(cross.config, cross.machine, table)
+    steps = step_sizes(cross.config.route)
+    neighbours = MoveSearch.of(table, steps, np.zeros(len(table), dtype=np.int64), steps[0]).collect(silent)
     codes = [moves.source.astype(np.int64) * len(table) + moves.target for moves in (neighbours, admitted)]
     pairs = np.column_stack(np.divmod(np.setdiff1d(*codes, assume_unique=True), len(table)))
     return table, pairs[(pairs < table.start).all(axis=1)]
@@ -188,24 +187,25 @@ def test_moves_on_which_links_pass_through_each_other_are_not_admitted(cross, tu
     assert table.link_distance_m[passing].min() >= cross.machine.link_link_m
     checks = _check(cross, table, passing)
     assert not checks.good.any()
-    assert Flaw.LINKS in checks.flaw
+    assert "links come too close" in map(str, checks.rejections)
 
 
 def test_progress_ends_near_one(small):
     """All neighbours are gone through, and someone who waits sees it."""
     seen = []
-    find_moves(small.config, small.machine, small.regions, lambda message, fraction=None: seen.append(fraction))
+    find_moves(
+        small.config, small.machine, small.regions, Monitor(lambda message, fraction=None: seen.append(fraction))
+    )
     assert seen == sorted(seen)
     assert 0.9 < seen[-1] <= 1.0
 
 
-def test_the_number_of_moves_is_known_beforehand(small, quick, monkeypatch):
-    """Exact where all origins are looked at, within some percent from a sample."""
-    monkeypatch.setattr(moves_module, "_SAMPLE", 2_000)
+def test_the_number_of_moves_is_known_beforehand(small, quick):
+    """Exact if all origins are counted, within some percent from a sample."""
     for problem, tolerance in ((small, 0.0), (quick, 0.03)):
         steps, codes = step_sizes(problem.config.route), passing_codes(problem.machine, problem.regions)
-        search = moves_module._Search.of(problem.regions, steps, codes, steps[0])
-        assert search.expected_moves() == pytest.approx(len(problem.moves), rel=tolerance)
+        search = MoveSearch.of(problem.regions, steps, codes, steps[0])
+        assert search.expected_moves(sample=2_000) == pytest.approx(len(problem.moves), rel=tolerance)
 
 
 def test_moves_that_would_not_fit_are_refused_before_they_are_made(quick, vary):

@@ -17,10 +17,15 @@ from pipeline.machine import (
 from pipeline.machine.clearance import link_pairs
 from pipeline.machine.kinematics import follow, newton
 from pipeline.route.bounds.shortest_paths import shortest_paths, shortest_route
-from pipeline.route.moves import check as following
 from pipeline.route.moves.candidates import passing_codes, rule_moves
-from pipeline.route.moves.check import Flaw, check_moves, check_pairs
+from pipeline.route.moves.check import check_moves, check_pairs
+from pipeline.route.moves.rejections import NO_CLOSURE, SIGN_CHANGE, WRONG_BRANCH, Rejection
 from pipeline.route.planner import plan_route
+
+KAPPA = Rejection("kappa exceeds its cap", "route.kappa_max")
+LINKS = Rejection("links come too close")
+RAILS = Rejection("a link comes too close to a rail")
+TILT = Rejection("the platform tilts too far", "task.tilt_max_deg")
 
 
 def _ends(machine, first, second, modes=("LLL", "LLL")):
@@ -51,7 +56,7 @@ def test_most_admitted_moves_are_good(cross, sample):
     """The cheap filters leave little to forbid, and good moves keep the cap all the way."""
     _, _, checks = sample
     assert 0.9 < checks.good.mean() < 1.0
-    assert checks.good.tolist() == [flaw is None for flaw in checks.flaw]
+    assert checks.good.tolist() == [flaw is None for flaw in checks.rejections]
     assert (checks.kappa_max[checks.good] <= cross.config.route.kappa_max).all()
 
 
@@ -61,8 +66,8 @@ def test_a_move_is_as_good_the_other_way(cross, sample):
     back = check_moves(cross.config, cross.machine, pose[:, ::-1], q[:, ::-1])
     np.testing.assert_array_equal(back.good, checks.good)
     np.testing.assert_allclose(back.kappa_max[checks.good], checks.kappa_max[checks.good], rtol=1e-6)
-    lost = {Flaw.LOST, Flaw.ELSEWHERE}
-    same = [a == b for a, b in zip(checks.flaw, back.flaw, strict=True) if not {a, b} & lost]
+    lost = {NO_CLOSURE, WRONG_BRANCH}
+    same = [a == b for a, b in zip(checks.rejections, back.rejections, strict=True) if not {a, b} & lost]
     assert all(same)
 
 
@@ -74,7 +79,7 @@ def test_x_makes_no_difference_to_a_move(cross, sample):
         shifted_pose[:, end, 0] += x
         shifted_q[:, end, :3] += x
     shifted = check_moves(cross.config, cross.machine, shifted_pose, shifted_q)
-    assert shifted.flaw == checks.flaw[:40]
+    assert shifted.rejections == checks.rejections[:40]
     np.testing.assert_allclose(shifted.kappa_max, checks.kappa_max[:40], rtol=1e-6)
 
 
@@ -112,11 +117,11 @@ def test_pairs_of_rows_are_followed_at_one_x(quick):
     pose[..., 0] = 0.4
     expected = check_moves(quick.config, quick.machine, pose, q)
     checks = check_pairs(quick.config, quick.machine, regions, source, target)
-    assert checks.flaw == expected.flaw
+    assert checks.rejections == expected.rejections
     np.testing.assert_allclose(checks.kappa_max, expected.kappa_max, rtol=1e-9)
 
 
-def test_pairs_may_come_in_any_order_more_than_once_and_both_ways(quick, monkeypatch):
+def test_pairs_may_come_in_any_order_more_than_once_and_both_ways(quick):
     """Each move gets its own verdict back, however the work is cut into blocks."""
     regions, moves = quick.regions, quick.moves
     picked = np.random.default_rng(2).choice(len(moves), 60)
@@ -125,9 +130,8 @@ def test_pairs_may_come_in_any_order_more_than_once_and_both_ways(quick, monkeyp
     order = np.random.default_rng(3).permutation(120) % 60
     swapped = np.arange(120) % 3 == 0
     first, second = np.where(swapped, target[order], source[order]), np.where(swapped, source[order], target[order])
-    monkeypatch.setattr(following, "_BLOCK", 7)
-    again = check_pairs(quick.config, quick.machine, regions, first, second)
-    assert again.flaw == [once.flaw[k] for k in order]
+    again = check_pairs(quick.config, quick.machine, regions, first, second, block=7)
+    assert again.rejections == [once.rejections[k] for k in order]
     np.testing.assert_allclose(again.kappa_max, once.kappa_max[order], rtol=1e-9)
 
 
@@ -135,7 +139,7 @@ def test_no_moves_have_no_flaws(quick):
     """An empty question has an empty answer."""
     none = np.empty(0, dtype=np.int64)
     checks = check_pairs(quick.config, quick.machine, quick.regions, none, none)
-    assert checks.flaw == []
+    assert checks.rejections == []
     assert checks.kappa_max.shape == checks.good.shape == (0,)
 
 
@@ -163,7 +167,7 @@ def test_links_passing_through_each_other_within_one_step_are_seen_when_followed
     assert len(rows) > 20
     config = vary(cross.config, {"task.tilt_max_deg": 85, "route.kappa_max": 1e6})
     checks = check_pairs(config, cross.machine, regions, moves.source[rows], moves.target[rows])
-    assert Flaw.LINKS in checks.flaw
+    assert LINKS in checks.rejections
     # The rest passes beyond an end of one of the two: the filter's slack.
     rest = np.column_stack([moves.source, moves.target])[rows[checks.good]]
     poses, line = _along(cross.machine, regions.pose[rest], regions.q_m[rest], 300)
@@ -177,7 +181,7 @@ def test_losing_the_solution_is_a_flaw(machine, agder_config, vary):
     pose, q = _ends(machine, [1.0, 0.3, 0.9, 0, 0], [1.0, 0.3, 0.9, 0, 0])
     q[0, 1, 4] += 0.9
     checks = check_moves(config, machine, pose, q)
-    assert checks.flaw == [Flaw.LOST]
+    assert checks.rejections == [NO_CLOSURE]
     assert not checks.good.any()
 
 
@@ -190,7 +194,7 @@ def test_ending_in_another_assembly_is_a_flaw(machine, agder_config, vary):
     others = others[(misses < 1e-10) & (np.abs(others - pose[0, 0])[:, :3].max(axis=1) > 0.1)]
     assert len(others) > 0
     pose[0, 1] = others[0]
-    assert check_moves(config, machine, pose, q).flaw == [Flaw.ELSEWHERE]
+    assert check_moves(config, machine, pose, q).rejections == [WRONG_BRANCH]
 
 
 def test_a_singularity_is_a_flaw(machine, agder_config, vary, statics):
@@ -201,10 +205,10 @@ def test_a_singularity_is_a_flaw(machine, agder_config, vary, statics):
     pose, q = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
     signs = np.sign(np.linalg.det(statics(machine, pose.reshape(-1, 6), q.reshape(-1, 5)))).reshape(-1, 2)
     assert (signs[:, 0] != signs[:, 1]).all()
-    flaws = check_moves(config, machine, pose, q).flaw
+    flaws = check_moves(config, machine, pose, q).rejections
     # At such a point solutions branch off: rounding may lead onto another one.
-    assert set(flaws) <= {Flaw.SINGULAR, Flaw.ELSEWHERE}
-    assert Flaw.SINGULAR in flaws
+    assert set(flaws) <= {SIGN_CHANGE, WRONG_BRANCH}
+    assert SIGN_CHANGE in flaws
 
 
 def _along(machine, pose, q, samples=64):
@@ -225,12 +229,12 @@ def test_kappa_beyond_its_cap_between_the_ends_is_a_flaw(cross, sample, vary):
     row = int(np.argmax(bulge))
     assert bulge[row] > 1.005
     move = slice(row, row + 1)
-    for cap, flaw in ((0.9999 * largest[row], Flaw.KAPPA), (1.0001 * largest[row], None)):
+    for cap, flaw in ((0.9999 * largest[row], KAPPA), (1.0001 * largest[row], None)):
         config = vary(cross.config, {"route.kappa_max": cap})
-        assert check_moves(config, cross.machine, pose[move], q[move]).flaw == [flaw]
+        assert check_moves(config, cross.machine, pose[move], q[move]).rejections == [flaw]
 
 
-@pytest.mark.parametrize(("limit", "flaw", "column"), [("link_link_m", Flaw.LINKS, 0), ("link_rail_m", Flaw.RAILS, 1)])
+@pytest.mark.parametrize(("limit", "flaw", "column"), [("link_link_m", LINKS, 0), ("link_rail_m", RAILS, 1)])
 def test_links_too_close_between_the_ends_are_a_flaw(cross, sample, limit, flaw, column):
     """The same for the distance of links from each other and from rails."""
     pose, q, checks = sample
@@ -244,7 +248,7 @@ def test_links_too_close_between_the_ends_are_a_flaw(cross, sample, limit, flaw,
     move, least = good[[row]], distances[row].min()
     for asked, expected in ((least + 1e-6, flaw), (least - 1e-6, None)):
         machine = replace(cross.machine, **{limit: asked})
-        assert check_moves(cross.config, machine, pose[move], q[move]).flaw == [expected]
+        assert check_moves(cross.config, machine, pose[move], q[move]).rejections == [expected]
 
 
 def test_tilt_beyond_the_limit_is_a_flaw_but_for_the_accepted_overshoot(cross, vary):
@@ -259,10 +263,10 @@ def test_tilt_beyond_the_limit_is_a_flaw_but_for_the_accepted_overshoot(cross, v
     counts = []
     for overshoot in (0.0, 0.5, 1.0, 10.0):
         config = vary(cross.config, {"route.follow.tilt_overshoot_deg": overshoot})
-        flaws = check_moves(config, cross.machine, pose, q).flaw
-        assert all(tilt[k] > 30.0 + overshoot for k, flaw in enumerate(flaws) if flaw is Flaw.TILT)
+        flaws = check_moves(config, cross.machine, pose, q).rejections
+        assert all(tilt[k] > 30.0 + overshoot for k, flaw in enumerate(flaws) if flaw == TILT)
         assert all(tilt[k] <= 30.0 + overshoot + 1e-9 for k, flaw in enumerate(flaws) if flaw is None)
-        counts.append(flaws.count(Flaw.TILT))
+        counts.append(flaws.count(TILT))
     assert counts == sorted(counts, reverse=True)
     assert counts[0] > counts[2]
     assert counts[-1] == 0
@@ -274,9 +278,9 @@ def test_the_first_reason_is_the_one_told(cross, sample, vary):
     good = np.flatnonzero(checks.good)
     tilted = good[np.abs(pose[good][:, :, [3, 5]]).max(axis=(1, 2)) > 0.1][:1]
     tight = vary(cross.config, {"route.kappa_max": 2, "task.tilt_max_deg": 1})
-    assert check_moves(tight, cross.machine, pose[tilted], q[tilted]).flaw == [Flaw.KAPPA]
+    assert check_moves(tight, cross.machine, pose[tilted], q[tilted]).rejections == [KAPPA]
     tight = vary(cross.config, {"task.tilt_max_deg": 1})
-    assert check_moves(tight, cross.machine, pose[tilted], q[tilted]).flaw == [Flaw.TILT]
+    assert check_moves(tight, cross.machine, pose[tilted], q[tilted]).rejections == [TILT]
 
 
 def test_arm_3_changes_its_mode_at_its_gates_off_the_axis_too(small_config, vary, pose_problem):
@@ -306,7 +310,7 @@ def test_two_singularities_within_one_step_are_seen_when_followed(without_tilt, 
     checks = check_moves(without_tilt.config, machine, regions.pose[ends], regions.q_m[ends])
     assert not checks.good.all()
     row = int(np.flatnonzero(~checks.good)[0])
-    assert checks.flaw[row] in (Flaw.SINGULAR, Flaw.ELSEWHERE, Flaw.KAPPA)
+    assert checks.rejections[row] in (SIGN_CHANGE, WRONG_BRANCH, KAPPA)
     assert checks.kappa_max[row] > 1000.0
     first, second = ends[row]
     assert regions.det_sign[first] == regions.det_sign[second]

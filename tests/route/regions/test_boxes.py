@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from pipeline.config import BoxConfig
 from pipeline.errors import NoSolutionError
+from pipeline.limits.avoid import Box
 from pipeline.route import build_regions, plan_route
-from pipeline.route.regions.boxes import Box, crossings, cut_windows
+from pipeline.route.regions.boxes import crossings, cut_windows
 
 STEPS = np.array([0.1, 0.1, 0.1, 0.2, 0.2])
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from pipeline.errors import ConfigError
 from pipeline.machine import build_machine, condition_number, inverse_kinematics, min_distances, statics_matrix
+from pipeline.progress import Monitor
 from pipeline.route import build_regions, grid_regions
 from pipeline.route.regions.grid import gate_bit, grid_points
 
@@ -221,7 +222,7 @@ def test_take_keeps_whole_rows(small):
 def test_progress_is_reported_with_growing_fractions(small_config, small):
     """Someone who waits sees how far it is."""
     seen = []
-    build_regions(small_config, small.machine, lambda message, fraction=None: seen.append((message, fraction)))
+    build_regions(small_config, small.machine, Monitor(lambda message, fraction=None: seen.append((message, fraction))))
     assert len(seen) >= 2
     assert all(message.startswith("regions") for message, _ in seen)
     assert [fraction for _, fraction in seen] == sorted(fraction for _, fraction in seen)

@@ -9,6 +9,7 @@ from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.errors import ConfigError
 from pipeline.machine import Machine, build_machine, inverse_kinematics
+from pipeline.machine.clearance import link_rail_distances
 from pipeline.route.regions.endpoints import controlled_pose, task_endpoints
 
 
@@ -41,7 +42,7 @@ def test_reference_task_has_its_ends(agder_config: Config, machine: Machine):
     np.testing.assert_allclose(start.q_m[3:], [1.09, 1.25], atol=1e-12)
     assert start.kappa == pytest.approx(23.1446, abs=1e-3)
     assert start.det_sign == goal.det_sign == 1.0
-    assert start.link_distance_m > machine.link_link_m
+    assert start.samples.link_distance_m[0] > machine.link_link_m
     solution = inverse_kinematics(machine, controlled_pose(agder_config.task.goal)[None], np.array([7]))
     np.testing.assert_array_equal(goal.q_m, solution.q_m[0])
 
@@ -129,7 +130,8 @@ def test_links_too_close_to_a_rail_are_told(agder_config: Config):
     assert messages[0] == "task.start: has a link 0.6041 m from a rail; machine.clearance.link_rail_m asks for 0.61 m"
     config = changed(agder_config, {"machine.clearance.link_rail_m": 0.6})
     start, _ = task_endpoints(config, build_machine(config.machine))
-    assert start.rail_distance_m == pytest.approx(0.6041, abs=1e-4)
+    distances = link_rail_distances(start.samples.machine, start.samples.pose, start.samples.carts_m)
+    assert distances.min() == pytest.approx(0.6041, abs=1e-4)
 
 
 def test_a_goal_that_is_the_start_is_refused(agder_config: Config):

@@ -1,14 +1,16 @@
-"""The limits that can stand in a route's way."""
+"""Milder values of the limits, and the regions each of them admits."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pipeline.config import Config
 from pipeline.config.file import load_config
+from pipeline.limits import Relaxation, relaxations
+from pipeline.limits.actuators import TRAVEL_KEY
 from pipeline.machine import build_machine
 from pipeline.route import build_regions
-from pipeline.route.diagnosis.relaxable_limits import RelaxableLimit, not_varied, relaxable_limits
-from pipeline.route.diagnosis.result import TRAVEL
 from tests.conftest import CONFIGS
 
 
@@ -27,9 +29,9 @@ def config(vary) -> Config:
     return vary(load_config(CONFIGS / "tiny.yaml"), changes | rails)
 
 
-def obstacles(config: Config) -> dict[str, RelaxableLimit]:
-    """Give the obstacles by key, the last of several."""
-    return {obstacle.key: obstacle for obstacle in relaxable_limits(config, build_machine(config.machine))}
+def by_key(config: Config) -> dict[str, Relaxation]:
+    """Return the relaxations by key, the last of several."""
+    return {relaxation.key: relaxation for relaxation in relaxations(config, build_machine(config.machine))}
 
 
 @pytest.mark.parametrize(
@@ -40,22 +42,23 @@ def obstacles(config: Config) -> dict[str, RelaxableLimit]:
         ("route.kappa_max", 1000.0, 130.0),
         ("machine.clearance.link_link_m", 0.0, 0.06),
         ("machine.clearance.link_rail_m", 0.0, 0.45),
-        (TRAVEL, 1.0, 0.05),
-        (TRAVEL, 1.0, 0.0),
+        (TRAVEL_KEY, 1.0, 0.05),
+        (TRAVEL_KEY, 1.0, 0.0),
     ],
 )
 def test_a_cut_table_is_the_table_built_with_the_value(config: Config, key: str, widest: float, value: float) -> None:
     """Every row and every column: the generous table cut down is what build_regions computes."""
-    obstacle = obstacles(config)[key]
-    generous = obstacle.change(widest)
+    relaxation = by_key(config)[key]
+    generous = relaxation.change(widest)
     wide = build_regions(generous, build_machine(generous.machine))
-    regions, inside = obstacle.prepare(wide)(value)
-    cut = regions.take(inside)
-    changed = obstacle.change(value)
+    samples = wide.samples(build_machine(config.machine))
+    windows, inside = relaxation.prepare(samples, wide.x_window_m)(value)
+    cut = replace(wide, x_window_m=windows).take(inside)
+    changed = relaxation.change(value)
     built = build_regions(changed, build_machine(changed.machine))
     assert len(wide) > len(built) > 0
     assert len(cut) == len(built)
-    for column in ("controlled", "ry_rad", "mode", "gate", "q_m", "kappa", "x_window_m"):
+    for column in ("controlled", "ry_rad", "modes", "gates", "q_m", "kappa", "x_window_m"):
         order = [np.lexsort((*t.controlled[:-2].T.round(9), t.modes[:-2], t.gates[:-2])) for t in (cut, built)]
         ours, theirs = (getattr(t, column)[rows] for t, rows in zip((cut, built), order, strict=True))
         np.testing.assert_allclose(ours, theirs, atol=1e-9)
@@ -64,31 +67,31 @@ def test_a_cut_table_is_the_table_built_with_the_value(config: Config, key: str,
 
 def test_values_become_milder(config: Config) -> None:
     """The first is the configured one, the others go one way up to the bound."""
-    for obstacle in obstacles(config).values():
-        assert obstacle.levels[0] == obstacle.configured
-        steps = np.diff(obstacle.levels)
-        assert (steps < 0.0).all() if "clearance" in obstacle.key else (steps > 0.0).all()
-        assert obstacle.segments[-1] == len(obstacle.levels)
-        assert list(obstacle.segments) == sorted(set(obstacle.segments))
+    for relaxation in by_key(config).values():
+        assert relaxation.levels[0] == relaxation.configured
+        steps = np.diff(relaxation.levels)
+        assert (steps < 0.0).all() if "clearance" in relaxation.key else (steps > 0.0).all()
+        assert relaxation.segments[-1] == len(relaxation.levels)
+        assert list(relaxation.segments) == sorted(set(relaxation.segments))
 
 
 def test_tilts_are_those_of_the_grid(config: Config) -> None:
     """Multiples of either tilt step above the limit, up to the bound."""
-    assert obstacles(config)["task.tilt_max_deg"].levels.tolist() == [12.0, 15.0, 20.0, 30.0, 40.0, 45.0]
+    assert by_key(config)["task.tilt_max_deg"].levels.tolist() == [12.0, 15.0, 20.0, 30.0, 40.0, 45.0]
 
 
 def test_a_locked_axis_is_unlocked(config: Config, vary) -> None:
     """Each locked axis alone, then both; tilts begin with what the ends need."""
-    both = relaxable_limits(vary(config, {"task.locked_axes": ["rx", "rz"]}), build_machine(config.machine))
-    tilts = [obstacle for obstacle in both if obstacle.key == "task.tilt_max_deg"]
-    assert [obstacle.locked_axes for obstacle in tilts] == [("rz",), ("rx",), ()]
+    both = relaxations(vary(config, {"task.locked_axes": ["rx", "rz"]}), build_machine(config.machine))
+    tilts = [relaxation for relaxation in both if relaxation.key == "task.tilt_max_deg"]
+    assert [relaxation.locked_axes for relaxation in tilts] == [("rz",), ("rx",), ()]
     assert tilts[0].levels.tolist() == [0.0, 10.0, 20.0, 30.0, 40.0]
     assert tilts[0].change(10.0).task.locked_axes == ("rz",)
-    one = relaxable_limits(
+    one = relaxations(
         vary(config, {"task.locked_axes": ["rx"], "task.start.rz_deg": 5.0}), build_machine(config.machine)
     )
-    tilts = [obstacle for obstacle in one if obstacle.key == "task.tilt_max_deg"]
-    assert [obstacle.locked_axes for obstacle in tilts] == [None, ()]
+    tilts = [relaxation for relaxation in one if relaxation.key == "task.tilt_max_deg"]
+    assert [relaxation.locked_axes for relaxation in tilts] == [None, ()]
     assert tilts[0].levels.tolist() == [12.0, 15.0, 30.0, 45.0]
     assert tilts[1].levels[:4].tolist() == [0.0, 5.0, 10.0, 15.0]
 
@@ -97,7 +100,7 @@ def test_unlocking_needs_the_tilts_of_visits(config: Config, vary) -> None:
     """No value is below the tilt of a pose to visit, but the one known not to be enough."""
     pose = {"x_m": 1.0, "y_m": 0.3, "z_m": 0.9, "rx_deg": 0.0, "rz_deg": 12.0, "mode": "LLL"}
     locked = vary(config, {"task.locked_axes": ["rx"], "task.visit": [{"pose": pose}]})
-    (freed,) = (found for found in relaxable_limits(locked, build_machine(locked.machine)) if found.locked_axes == ())
+    (freed,) = (found for found in relaxations(locked, build_machine(locked.machine)) if found.locked_axes == ())
     assert freed.levels[:3].tolist() == [0.0, 12.0, 15.0]
 
 
@@ -106,23 +109,12 @@ def test_unlocking_needs_the_tilts_of_visits(config: Config, vary) -> None:
 )
 def test_values_of_kappa_are_whole_then_geometric(config: Config, vary, configured, first, last) -> None:
     """Whole numbers up to 1,000, then a thousand per decade, up to ten times the cap however large that is."""
-    levels = obstacles(vary(config, {"route.kappa_max": configured}))["route.kappa_max"].levels
+    levels = by_key(vary(config, {"route.kappa_max": configured}))["route.kappa_max"].levels
     assert levels[1] == first or levels[1] == pytest.approx(10.0**0.001 * configured)
     assert levels[-1] == pytest.approx(last)
     assert len(levels) <= 2_001
     assert (np.diff(levels) > 0.0).all()
     assert (np.diff(levels[1:]) <= np.maximum(1.0, 0.00231 * levels[1:-1]) + 1e-9).all()
-
-
-def test_what_is_not_varied_is_told(config: Config, vary) -> None:
-    """Budgets with their values, boxes and visits with their number; nothing where nothing is asked for."""
-    box = {"y_m": [0.4, 0.5]}
-    asked = {"task.budget": {"mode_changes": 3, "tilt_deg": 60}, "task.avoid": [box], "task.visit": [{"box": box}] * 2}
-    assert not_varied(config) == []
-    assert not_varied(vary(config, asked)) == [
-        "also asked for, and not varied here: task.budget.mode_changes 3, task.budget.tilt_deg 60, task.avoid (1), "
-        "task.visit (2)"
-    ]
 
 
 def test_what_refuses_nothing_is_left_out(config: Config, vary) -> None:
@@ -132,4 +124,4 @@ def test_what_refuses_nothing_is_left_out(config: Config, vary) -> None:
         "machine.clearance.link_rail_m": None,
         "task.tilt_max_deg": 85.0,
     }
-    assert set(obstacles(vary(config, changes))) == {"route.kappa_max", TRAVEL}
+    assert set(by_key(vary(config, changes))) == {"route.kappa_max", TRAVEL_KEY}
