@@ -90,6 +90,9 @@ class LimitsConfig(Section):
     link_force_n: float | None = Field(
         None, gt=0.0, le=1_000_000.0, description="axial force in any link, pushed or pulled; null: not limited"
     )
+    holding_fraction: float = Field(
+        1.0, gt=0.0, le=10.0, description="part of the force limits that holding the machine against gravity may take"
+    )
     tcp: TcpLimitsConfig = Field(default_factory=lambda: TcpLimitsConfig())
 
     def of_forces(self) -> list[str]:

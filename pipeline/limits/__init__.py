@@ -13,13 +13,25 @@ from pipeline.limits.kinds import (
     pose_limits,
     relaxations,
 )
-from pipeline.limits.limit import Curve, Limit, NodeLimit, ProvenLimit, ShownLimit, Wording, admits, admitted
+from pipeline.limits.limit import (
+    Curve,
+    DirectedLimit,
+    Limit,
+    NodeLimit,
+    ProvenLimit,
+    ShownLimit,
+    Wording,
+    admits,
+    admitted,
+    applying,
+)
 from pipeline.limits.measures import Measure
 from pipeline.limits.relaxation import RegionFilter, Relaxation
 
 __all__ = [
     "KINDS",
     "Curve",
+    "DirectedLimit",
     "Limit",
     "LimitKind",
     "Measure",
@@ -31,6 +43,7 @@ __all__ = [
     "Wording",
     "admits",
     "admitted",
+    "applying",
     "measures",
     "move_limits",
     "path_limits",

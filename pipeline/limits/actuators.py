@@ -67,8 +67,8 @@ class ActuatorRange:
         return np.concatenate([q - self.range_m[:, 0], self.range_m[:, 1] - q], axis=1)
 
     def excess(self, samples: PoseSamples) -> FloatArray:
-        """By how many metres the worst actuator is out of its range, shape (n,)."""
-        return np.asarray(-self.margins(samples).min(axis=1), dtype=float)
+        """By how many metres actuators are out of their ranges, shape (n, 2 m)."""
+        return -self.margins(samples)
 
     def violations(self, samples: PoseSamples) -> list[str]:
         """State every actuator that is out of its range."""

@@ -90,8 +90,8 @@ class AvoidedBox:
         return -self.box.depth_m(samples.controlled)[:, None]
 
     def excess(self, samples: PoseSamples) -> FloatArray:
-        """By how many metres or radians poses are inside, shape (n,)."""
-        return self.box.depth_m(samples.controlled)
+        """By how many metres or radians poses are inside, shape (n, 1)."""
+        return self.box.depth_m(samples.controlled)[:, None]
 
     def violations(self, samples: PoseSamples) -> list[str]:
         """State that the pose is inside."""

@@ -60,8 +60,8 @@ class AxisDistance:
         return self.values(samples) - self.least
 
     def excess(self, samples: PoseSamples) -> FloatArray:
-        """By how many metres the nearest pair is too close, shape (n,)."""
-        return np.asarray(self.least - self.values(samples).min(axis=1), dtype=float)
+        """By how many metres each pair is too close, shape (n, pairs)."""
+        return self.least - self.values(samples)
 
     def violations(self, samples: PoseSamples) -> list[str]:
         """State the nearest pair if it is too close."""

@@ -57,8 +57,8 @@ class KappaCap:
         return np.abs(samples.signed_inverse_kappa)[:, None] - 1.0 / self.cap
 
     def excess(self, samples: PoseSamples) -> FloatArray:
-        """Compute kappa - cap, shape (n,)."""
-        return samples.kappa - self.cap
+        """Compute kappa - cap, shape (n, 1)."""
+        return np.asarray(samples.kappa[:, None] - self.cap, dtype=float)
 
     def violations(self, samples: PoseSamples) -> list[str]:
         """State a kappa above the cap."""

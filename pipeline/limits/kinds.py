@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from pipeline.config import Config
-from pipeline.limits import actuators, avoid, kappa, link_link, link_rail, tilt
+from pipeline.limits import actuators, avoid, holding_force, kappa, link_link, link_rail, tilt
 from pipeline.limits.limit import Limit
 from pipeline.limits.measures import Measure
 from pipeline.limits.relaxation import Relaxation
@@ -28,7 +28,7 @@ class LimitKind(Protocol):
         """Return milder values of the limit, for finding out what prevents a route."""
 
 
-KINDS: tuple[LimitKind, ...] = (kappa, link_link, link_rail, tilt, avoid, actuators)
+KINDS: tuple[LimitKind, ...] = (kappa, link_link, link_rail, holding_force, tilt, avoid, actuators)
 """All kinds, in the order in which messages name them."""
 
 

@@ -18,6 +18,8 @@ class Nodes:
         Poses and actuator positions as unknowns.
     guess : PoseSamples
         The k nodes at the initial guess. The first and the last are given and keep what they have.
+    directions : (k, 5)
+        Signs of the actuators' velocities at the guess; zero for one that stands still.
     clearance_margin_m : float
         `refine.clearance_margin_m`, kept on top of distances.
     reach_m : float
@@ -27,6 +29,7 @@ class Nodes:
     pose: ca.MX
     q: ca.MX
     guess: PoseSamples
+    directions: FloatArray
     clearance_margin_m: float
     reach_m: float
 

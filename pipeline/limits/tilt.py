@@ -62,8 +62,8 @@ class TiltLimit:
         return np.concatenate([self.largest_rad - tilt, self.largest_rad + tilt], axis=1)
 
     def excess(self, samples: PoseSamples) -> FloatArray:
-        """By how many degrees the platform tilts too far, shape (n,)."""
-        return np.asarray(-np.rad2deg(self.margins(samples).min(axis=1)), dtype=float)
+        """By how many degrees the platform tilts too far, shape (n, 4)."""
+        return np.asarray(-np.rad2deg(self.margins(samples)), dtype=float)
 
     def violations(self, samples: PoseSamples) -> list[str]:
         """State every tilt beyond its limit."""

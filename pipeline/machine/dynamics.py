@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine, cross, link_vectors, rotation, rotation_x
+from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine, cross, rotation, rotation_x
 from pipeline.machine.masses import Masses, lumped_platform
 from pipeline.machine.statics import statics_matrix
 
@@ -65,13 +65,41 @@ def inverse_dynamics(
     M = cross(r, F) + _times(inertia, alpha) + cross(omega, _times(inertia, omega))
     H = statics_matrix(machine, pose, carts_m)
     link = np.linalg.solve(H, np.concatenate([F, M], axis=1)[..., None])[..., 0]
-    vectors = link_vectors(machine, pose, carts_m)
-    along_x = link * vectors[..., 0] / np.linalg.norm(vectors, axis=-1)
-    drive = np.empty((len(pose), 5))
-    drive[:, :3] = carried_cart_masses(masses) * cart_acceleration_mps2
-    np.add.at(drive.T, ARM_OF_LINK, along_x.T)
-    drive[:, 3:] = link[:, TELESCOPES]
+    drive = _drive_forces(H, link)
+    drive[:, :3] += carried_cart_masses(masses) * cart_acceleration_mps2
     return Forces(drive, link)
+
+
+def holding_forces(masses: Masses, platform_points_m: FloatArray, pose: FloatArray, H: FloatArray) -> Forces:
+    """Compute the forces that hold the machine against gravity, without friction: `inverse_dynamics` at rest.
+
+    H f = (F, r x F) with F = -m g. Infinite where H is singular.
+
+    Parameters
+    ----------
+    platform_points_m : (6, 3)
+        Joints of the links in the platform frame.
+    pose, H : (n, 6), (n, 6, 6)
+        Poses and their statics matrices (1)-(2).
+    """
+    body = lumped_platform(masses, platform_points_m)
+    F = np.broadcast_to(-body.mass_kg * masses.gravity_mps2, (len(pose), 3))
+    r = rotation(pose[:, 3], pose[:, 4], pose[:, 5]) @ body.centre_m
+    wrench = np.concatenate([F, cross(r, F)], axis=1)
+    link = np.full((len(pose), 6), np.inf)
+    regular = np.linalg.det(H) != 0.0
+    link[regular] = np.linalg.solve(H[regular], wrench[regular][..., None])[..., 0]
+    drive = np.full((len(pose), 5), np.inf)
+    drive[regular] = _drive_forces(H[regular], link[regular])
+    return Forces(drive, link)
+
+
+def _drive_forces(H: FloatArray, link_n: FloatArray) -> FloatArray:
+    """Forces of drives that keep carts still, for links' forces (n, 6): row 0 of H holds u_l . e_x. Shape (n, 5)."""
+    drive = np.zeros((len(H), 5))
+    np.add.at(drive.T, ARM_OF_LINK, (link_n * H[:, 0]).T)
+    drive[:, 3:] = link_n[:, TELESCOPES]
+    return drive
 
 
 def angular_motion(

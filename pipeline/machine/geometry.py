@@ -52,6 +52,8 @@ class Machine:
         Limits of the actuators; infinite where there is none.
     link_force_n, tcp_speed_mps, tcp_acceleration_mps2 : float
         Limits of the axial force in a link and of the tool centre point; infinite where there is none.
+    holding_fraction : float
+        Part of the force limits that holding the machine against gravity may take.
     masses : Masses or None
         What forces follow from; None where the configuration gives no masses.
     """
@@ -72,6 +74,7 @@ class Machine:
     link_force_n: float = np.inf
     tcp_speed_mps: float = np.inf
     tcp_acceleration_mps2: float = np.inf
+    holding_fraction: float = 1.0
     masses: Masses | None = None
 
     @property
@@ -109,6 +112,7 @@ def build_machine(config: MachineConfig) -> Machine:
         link_force_n=_or_infinite(config.limits.link_force_n),
         tcp_speed_mps=_or_infinite(config.limits.tcp.speed_mps),
         tcp_acceleration_mps2=_or_infinite(config.limits.tcp.acceleration_mps2),
+        holding_fraction=config.limits.holding_fraction,
         masses=None if config.dynamics is None else build_masses(config.dynamics),
     )
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.machine.clearance import link_distances
+from pipeline.machine.dynamics import holding_forces
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import closure_residual
 from pipeline.machine.pose import CONTROLLED
@@ -83,6 +84,21 @@ class PoseSamples:
     def reach_m(self) -> FloatArray:
         """C_x - A_x of the primary links: positive in mode R, negative in mode L. Shape (n, 3)."""
         return reach_along_rails(self.machine, self.pose, self.carts_m)
+
+    @cached_property
+    def holding_forces_n(self) -> FloatArray:
+        """Forces of the five drives and along the six links that hold the machine, without friction. Shape (n, 11).
+
+        Raises
+        ------
+        ValueError
+            For a machine without masses.
+        """
+        masses = self.machine.masses
+        if masses is None:
+            raise ValueError("without masses there are no forces")
+        forces = holding_forces(masses, self.machine.platform_points_m, self.pose, self.H)
+        return np.concatenate([forces.drive_n, forces.link_n], axis=1)
 
     def with_known(self, **values: FloatArray) -> Self:
         """Return the samples with known quantities, by their names here, so that they are not recomputed."""

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
+from pipeline.machine.masses import lumped_platform
 
 
 def closure_function(machine: Machine) -> ca.Function:
@@ -63,6 +64,30 @@ def statics_terms_function(machine: Machine) -> ca.Function:
     curvature, _ = ca.hessian(ca.dot(W, entries), z)
     terms = [ca.densify(ca.jacobian(entries, z)), ca.densify(curvature)]
     return ca.Function("statics_terms", [z, W], terms, ["z", "W"], ["by_z", "twice_by_z"])
+
+
+def holding_function(machine: Machine) -> ca.Function:
+    """Build (pose, q, f) -> H f - w, (6,), and the forces of the drives, (5,), for forces f along the links, (6,).
+
+    w is the wrench that holds the platform against gravity (`dynamics.holding_forces`).
+
+    Raises
+    ------
+    ValueError
+        For a machine without masses.
+    """
+    if machine.masses is None:
+        raise ValueError("without masses there are no forces")
+    body = lumped_platform(machine.masses, machine.platform_points_m)
+    pose, q = _variables()
+    f = ca.SX.sym("f", 6)
+    F = ca.DM(-body.mass_kg * machine.masses.gravity_mps2)
+    r = _rotation(pose[3], pose[4], pose[5]) @ ca.DM(body.centre_m)
+    H = _statics(machine, pose, q)
+    along_x = f * H[0, :].T
+    carts = [ca.sum1(along_x[np.flatnonzero(arm == ARM_OF_LINK).tolist()]) for arm in range(3)]
+    drives = ca.vertcat(*carts, f[TELESCOPES.tolist()])
+    return ca.Function("holding", [pose, q, f], [H @ f - ca.vertcat(F, ca.cross(r, F)), drives])
 
 
 def _variables() -> tuple[ca.SX, ca.SX]:

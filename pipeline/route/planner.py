@@ -11,7 +11,8 @@ from pipeline.route.bounds.budgets import budgets
 from pipeline.route.bounds.shortest_paths import Bounds, fewest_moves, least_use, shortest_route
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves, find_moves
-from pipeline.route.moves.check import check_pairs
+from pipeline.limits import move_limits
+from pipeline.route.moves.check import check_pairs, is_directed
 from pipeline.route.moves.screen import Screen
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route, Search
@@ -69,7 +70,9 @@ def plan_routes(
     """
     moves = find_moves(config, machine, regions, Monitor(progress, verbose))
     screen = Screen(
-        lambda source, target: check_pairs(config, machine, regions, source, target).rejections, len(regions)
+        lambda source, target: check_pairs(config, machine, regions, source, target).rejections,
+        len(regions),
+        directed=is_directed(move_limits(config, machine)),
     )
     routes: list[Route] = []
     for rank in range(1, count + 1):

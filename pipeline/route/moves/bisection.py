@@ -102,9 +102,12 @@ def _rates(samples: PoseSamples) -> FloatArray:
     return rates
 
 
-def bisect(machine: Machine, margins: Margins, q_m: FloatArray, ends: LineSamples, max_samples: int) -> BisectionResult:
+def bisect(
+    machine: Machine, margins: Margins, applies: BoolArray, q_m: FloatArray, ends: LineSamples, max_samples: int
+) -> BisectionResult:
     """Follow lines between actuator positions (n, 2, 5) whose ends (n, 2) are known.
 
+    `applies` (n, m) tells which margins count on which line.
     Where samples 1/max_samples apart still leave it open whether a limit is kept between them, it counts as kept;
     where they leave it open whether they are on one branch, the line is doubtful.
     """
@@ -112,7 +115,7 @@ def bisect(machine: Machine, margins: Margins, q_m: FloatArray, ends: LineSample
     doubtful: BoolArray = open_ends | (
         np.sign(ends.signed_inverse_kappa[:, 0]) != np.sign(ends.signed_inverse_kappa[:, 1])
     )
-    broken = np.asarray((ends.margin < -ROUNDING).any(axis=1))
+    broken = np.asarray((ends.margin < -ROUNDING).any(axis=1)) & applies
     weakest = np.abs(ends.signed_inverse_kappa).min(axis=1)
     lines = np.flatnonzero(~doubtful)
     stretch = _Stretch(lines, np.tile([0.0, 1.0], (len(lines), 1)), ends.at(lines))
@@ -122,13 +125,13 @@ def bisect(machine: Machine, margins: Margins, q_m: FloatArray, ends: LineSample
         stretch, lost = stretch.refined(machine, margins, q_m)
         line = stretch.line
         doubtful[line[lost]] = True
-        np.logical_or.at(broken, line, (stretch.samples.margin < -ROUNDING).any(axis=1))
+        np.logical_or.at(broken, line, (stretch.samples.margin < -ROUNDING).any(axis=1) & applies[line])
         np.minimum.at(weakest, line, np.abs(stretch.samples.signed_inverse_kappa).min(axis=1))
         lost_branch = stretch.may_switch_branch(q_m)
         if (stretch.at[0, 1] - stretch.at[0, 0]) * max_samples <= 1.0:
             doubtful[line[lost_branch]] = True
             break
-        open_ = lost_branch | (stretch.may_break() & ~broken[line].any(axis=1))
+        open_ = lost_branch | (stretch.may_break(applies) & ~broken[line].any(axis=1))
         stretch = stretch.halves(open_ & ~doubtful[line])
     with np.errstate(divide="ignore"):
         return BisectionResult(doubtful, broken, 1.0 / weakest)
@@ -184,13 +187,13 @@ class _Stretch:
         far: BoolArray = gap > _BRANCH * np.minimum(nearness[:, 1:], nearness[:, :-1])
         return np.asarray(far.any(axis=1))
 
-    def may_break(self) -> BoolArray:
-        """Tell on which parts (k,) of five samples a limit may be broken between two of them."""
+    def may_break(self, applies: BoolArray) -> BoolArray:
+        """Tell on which parts (k,) of five samples a limit that applies may be broken between two of them."""
         margin = self.samples.margin
         bend = np.abs(margin[:, :-2] - 2.0 * margin[:, 1:-1] + margin[:, 2:])
         near = np.concatenate([bend[:, :1], np.maximum(bend[:, 1:], bend[:, :-1]), bend[:, -1:]], axis=1)
         least = np.minimum(margin[:, 1:], margin[:, :-1]) - near / 2.0
-        return np.asarray((least < -ROUNDING).any(axis=(1, 2)))
+        return np.asarray(((least < -ROUNDING).any(axis=1) & applies[self.line]).any(axis=1))
 
     def halves(self, rows: BoolArray) -> "_Stretch":
         """Cut parts of five samples in two of three."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
-from pipeline.limits import Limit, move_limits
+from pipeline.limits import DirectedLimit, Limit, applying, move_limits
 from pipeline.limits.avoid import AvoidedBox, boxes_to_avoid
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import follow
@@ -27,6 +27,8 @@ from pipeline.route.regions.table import RegionTable
 
 _ARRIVAL = 1e-6
 """How far, in metres and radians, the marched pose may end from the region's: rounding, or another branch."""
+_STILL_M = 1e-9
+"""An actuator that moves no farther stands still."""
 _BLOCK = 2048
 """Moves followed at a time."""
 _MARCHED_BLOCK = 64
@@ -84,15 +86,17 @@ def check_pairs(
 ) -> MoveChecks:
     """Follow the moves between rows (n,) of the region table, whatever x of their windows they are made at.
 
-    A move and its reverse are one line, which is followed once; memory is bounded by working in blocks.
+    A move and its reverse are one line, which is followed once unless limits depend on the direction; memory is
+    bounded by working in blocks.
     """
     without_x = [limit for limit in move_limits(config, machine) if not isinstance(limit, AvoidedBox)]
     follower = _Follower.of(config, machine, without_x)
     pose, q = regions.pose, regions.q_m.copy()
     q[:, :3] -= pose[:, :1]
     pose[:, 0] = 0.0
-    low, high = np.minimum(source, target).astype(np.int64), np.maximum(source, target).astype(np.int64)
-    lines, line = np.unique(low * len(regions) + high, return_inverse=True)
+    lines, line = np.unique(
+        line_keys(source, target, len(regions), directed=is_directed(without_x)), return_inverse=True
+    )
     ends = np.column_stack(np.divmod(lines, len(regions)))
     results = []
     for begin in range(0, len(ends), block):
@@ -105,6 +109,21 @@ def check_pairs(
         for k in np.flatnonzero(entering):
             checks.rejections[k] = checks.rejections[k] or Rejection.of(limit)
     return MoveChecks([checks.rejections[k] for k in line.tolist()], checks.kappa_max[line])
+
+
+def is_directed(limits: Sequence[Limit]) -> bool:
+    """Tell whether a move may be admitted while its reverse is not."""
+    one_way = np.zeros((1, 5))
+    return any(isinstance(limit, DirectedLimit) and not limit.applies(one_way).all() for limit in limits)
+
+
+def line_keys(source: IntArray, target: IntArray, regions: int, *, directed: bool) -> IntArray:
+    """Number the lines between rows (n,) of a table: a move and its reverse alike, unless directed. Shape (n,)."""
+    first, last = source.astype(np.int64), target.astype(np.int64)
+    if not directed:
+        first, last = np.minimum(first, last), np.maximum(first, last)
+    keys: IntArray = first * regions + last
+    return keys
 
 
 def _boxes_entered(
@@ -137,19 +156,24 @@ def _boxes_entered(
 
 @dataclass(frozen=True, eq=False)
 class _Follower:
-    """Follows moves of one machine; `rejections` (m,) names the reason behind each margin."""
+    """Follows moves of one machine; `counts` holds the number of margins of each limit."""
 
     machine: Machine
     limits: Sequence[Limit]
-    rejections: list[Rejection]
+    counts: list[int]
     max_samples: int
 
     @classmethod
     def of(cls, config: Config, machine: Machine, limits: Sequence[Limit]) -> "_Follower":
         no_poses = PoseSamples(machine, np.empty((0, 6)), np.empty((0, 5)))
         counts = [limit.margins(no_poses).shape[1] for limit in limits]
-        rejections = [Rejection.of(limit) for limit, count in zip(limits, counts, strict=True) for _ in range(count)]
-        return cls(machine, limits, rejections, config.route.follow.max_samples)
+        return cls(machine, limits, counts, config.route.follow.max_samples)
+
+    @property
+    def rejections(self) -> list[Rejection]:
+        """The reasons behind the margins, m of them."""
+        rows = zip(self.limits, self.counts, strict=True)
+        return [Rejection.of(limit) for limit, count in rows for _ in range(count)]
 
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute all margins of n poses. Shape (n, m)."""
@@ -161,7 +185,14 @@ class _Follower:
 
     def bisect(self, q_m: FloatArray, ends: LineSamples) -> BisectionResult:
         """Follow lines between actuator positions (n, 2, 5) whose ends (n, 2) are known."""
-        return bisect(self.machine, self.margins, q_m, ends, self.max_samples)
+        return bisect(self.machine, self.margins, self._applies(q_m), q_m, ends, self.max_samples)
+
+    def _applies(self, q_m: FloatArray) -> BoolArray:
+        """Tell which margins count on lines between actuator positions (n, 2, 5). Shape (n, m)."""
+        change = q_m[:, 1] - q_m[:, 0]
+        directions = np.where(np.abs(change) > _STILL_M, np.sign(change), 0.0)
+        parts = [applying(limit, directions, count) for limit, count in zip(self.limits, self.counts, strict=True)]
+        return np.concatenate(parts, axis=1)
 
     def verdict(
         self,
@@ -193,7 +224,7 @@ class _Follower:
         q = np.take_along_axis(q, at[..., None], axis=1)
         samples = PoseSamples(self.machine, marched.reshape(-1, 6), q.reshape(-1, 5))
         inverse_kappa = samples.signed_inverse_kappa.reshape(shape)
-        broken = (self.margins(samples) < -ROUNDING).reshape(*shape, -1).any(axis=1)
+        broken = (self.margins(samples) < -ROUNDING).reshape(*shape, -1).any(axis=1) & self._applies(q_m)
         signs = np.sign(inverse_kappa)
         of_branch = [
             ~held.all(axis=1),

@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.arrays import IntArray
 from pipeline.route.moves.candidates import Moves
+from pipeline.route.moves.check import line_keys
 from pipeline.route.moves.rejections import Rejection
 
 Follow = Callable[[IntArray, IntArray], list[Rejection | None]]
@@ -14,11 +15,15 @@ Follow = Callable[[IntArray, IntArray], list[Rejection | None]]
 
 
 class Screen:
-    """What is known of moves followed so far, by rows of the region table; a move is as good as its reverse."""
+    """What is known of moves followed so far, by rows of the region table.
 
-    def __init__(self, follow: Follow, regions: int) -> None:
+    A move is as good as its reverse unless limits depend on the direction (`directed`).
+    """
+
+    def __init__(self, follow: Follow, regions: int, *, directed: bool = False) -> None:
         self._follow = follow
         self._regions = regions
+        self._directed = directed
         self._known: dict[int, Rejection | None] = {}
 
     @property
@@ -53,7 +58,7 @@ class Screen:
         self._known[int(self._keys(np.array([source]), np.array([target]))[0])] = rejection
 
     def without_bad(self, moves: Moves, base: IntArray) -> Moves:
-        """Leave out the moves known to be bad, either way; `base` as of `screen`."""
+        """Leave out the moves known to be bad; `base` as of `screen`."""
         bad = self._bad
         touched = np.zeros(self._regions, dtype=bool)
         touched[bad // self._regions] = touched[bad % self._regions] = True
@@ -63,9 +68,7 @@ class Screen:
         return moves if keep.all() else moves.take(keep)
 
     def _keys(self, source: IntArray, target: IntArray) -> IntArray:
-        low, high = np.minimum(source, target).astype(np.int64), np.maximum(source, target)
-        keys: IntArray = low * self._regions + high
-        return keys
+        return line_keys(source, target, self._regions, directed=self._directed)
 
     @property
     def _bad(self) -> IntArray:

@@ -1,0 +1,207 @@
+"""The forces that hold the machine against gravity, with its load, within a fraction of the force limits.
+
+At rest, dry friction of a drive carries part of the force; in motion it has to be overcome. With F for the force without
+friction (positive along the drive), R for friction and L for the limit of the force,
+
+    |F| <= holding_fraction L + R     at rest, and necessary in motion
+     F  <= holding_fraction L - R     while the actuator moves in the positive direction
+    -F  <= holding_fraction L - R     while it moves in the negative direction
+
+Links have no friction. Regions, start, goal and the workspace are judged at rest. Moves between regions leave the
+directions of the carts open, because x is still free: the strokes alone decide there; a path has all directions.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.config import Config
+from pipeline.limits.limit import Curve, Limit, Wording
+from pipeline.limits.measures import Measure
+from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.machine.geometry import ACTUATORS, LINKS, Machine
+from pipeline.machine.samples import PoseSamples
+
+if TYPE_CHECKING:
+    from pipeline.limits.rows import Nodes, ProgramPart
+
+_KEY = "machine.limits.holding_fraction"
+_SUBJECTS = (*ACTUATORS, *(f"link {link}" for link in LINKS))
+_NODE_MARGIN = 0.005
+"""Part of a force limit that nodes keep on top, for what happens between them."""
+_FRACTION_STEP, _LARGEST_FRACTION = 0.01, 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class HoldingForce:
+    """Every drive and link holds the machine with the force it may take.
+
+    Forces come in columns: the magnitude at rest for every subject with a limit, then the force in the positive and
+    that in the negative direction for every actuator of `moving`.
+
+    Attributes
+    ----------
+    limit_n, friction_n : (11,)
+        Force limits, infinite where there is none, and dry friction: of c1, c2, c3, l2b, l3b and of the six links.
+    fraction : float
+        Part of the limits that holding may take.
+    moving : (k,)
+        Actuators whose friction counts against their motion.
+    """
+
+    limit_n: FloatArray
+    friction_n: FloatArray
+    fraction: float
+    moving: IntArray
+    cost: int = 4
+    rounding: float = 1e-9
+    slack: float = 0.001
+    least: float = 0.0
+
+    @property
+    def wording(self) -> Wording:
+        """How the limit is named in messages."""
+        return Wording(
+            name="holding force",
+            key=_KEY,
+            rejected_move="a drive or link cannot hold the machine",
+            refused_points="take more force to hold than machine.limits and holding_fraction allow",
+            broken_path="force to hold or move the machine too large, newtons",
+            path_advice="Raise refine.nodes, machine.limits or holding_fraction, or lighten machine.dynamics.",
+            proof_advice="Raise machine.limits or holding_fraction, or lighten machine.dynamics.",
+            raise_key=_KEY,
+        )
+
+    @property
+    def column_subjects(self) -> IntArray:
+        """Number of the subject of each column, shape (m,)."""
+        limited = np.flatnonzero(np.isfinite(self.limit_n))
+        return np.concatenate([limited, self.moving, self.moving])
+
+    @property
+    def column_limits_n(self) -> FloatArray:
+        """Force limit of each column, shape (m,)."""
+        return self.limit_n[self.column_subjects]
+
+    @property
+    def allowed_n(self) -> FloatArray:
+        """Largest force of each column, friction counted in, shape (m,)."""
+        subjects, directed = self.column_subjects, 2 * len(self.moving)
+        sign = np.ones(len(subjects))
+        sign[len(subjects) - directed :] = -1.0
+        return self.fraction * self.limit_n[subjects] + sign * self.friction_n[subjects]
+
+    def _forces_n(self, samples: PoseSamples) -> FloatArray:
+        """Forces of the columns, shape (n, m)."""
+        forces, directed = samples.holding_forces_n, samples.holding_forces_n[:, self.moving]
+        at_rest = np.abs(forces[:, np.isfinite(self.limit_n)])
+        return np.concatenate([at_rest, directed, -directed], axis=1)
+
+    def applies(self, directions: FloatArray) -> BoolArray:
+        """Tell which columns count for poses passed with actuators moving in `directions` (n, 5): signs. (n, m)."""
+        moving = directions[:, self.moving]
+        at_rest = np.ones((len(directions), len(self.column_subjects) - 2 * len(self.moving)), dtype=bool)
+        return np.concatenate([at_rest, moving > 0.0, moving < 0.0], axis=1)
+
+    def margins(self, samples: PoseSamples) -> FloatArray:
+        """Compute (allowed - F) / (L + F), F >= 0: continuous, and -1 at a Type-II singularity. Shape (n, m)."""
+        limit, force = self.column_limits_n, np.maximum(self._forces_n(samples), 0.0)
+        return np.asarray((self.allowed_n + limit) / (limit + force) - 1.0, dtype=float)
+
+    def values(self, samples: PoseSamples) -> FloatArray:
+        """Compute (allowed - F) / L, shape (n, m)."""
+        return np.asarray((self.allowed_n - self._forces_n(samples)) / self.column_limits_n, dtype=float)
+
+    def excess(self, samples: PoseSamples) -> FloatArray:
+        """By how many newtons each column's force is too large, shape (n, m)."""
+        return np.asarray(self._forces_n(samples) - self.allowed_n, dtype=float)
+
+    def violations(self, samples: PoseSamples) -> list[str]:
+        """State every drive and link that cannot hold the machine."""
+        broken = self.column_subjects[self.margins(samples)[0] < 0.0]
+        return [self._violation(int(k), float(abs(samples.holding_forces_n[0, k]))) for k in dict.fromkeys(broken)]
+
+    def _violation(self, subject: int, force_n: float) -> str:
+        friction = f" and {self.friction_n[subject]:g} N of dry friction" if self.friction_n[subject] > 0.0 else ""
+        part = f"{self.fraction:g} times " if self.fraction != 1.0 else ""
+        return (
+            f"needs {force_n:.0f} N from {_SUBJECTS[subject]} to hold the machine; {_KEY} allows "
+            f"{part}its limit of {self.limit_n[subject]:g} N{friction}"
+        )
+
+    def curves(self, samples: PoseSamples) -> Sequence[Curve]:
+        """Return the largest part of any limit that holding takes, less what friction carries."""
+        taken = self.fraction - self.values(samples)[:, : len(self.column_subjects) - 2 * len(self.moving)].min(axis=1)
+        return (Curve("force to hold, part of its limit", "", taken, -np.inf, self.fraction),)
+
+    def node_margin(self, clearance_margin_m: float) -> float:
+        """Return what nodes keep on top, as part of the force limit."""
+        return _NODE_MARGIN
+
+    def program_part(self, nodes: "Nodes") -> "ProgramPart":
+        """Write H f = w with the links' forces f as unknowns, at inner nodes near a limit, and bound all forces."""
+        from pipeline.limits.holding_rows import holding_part
+
+        return holding_part(self, _NODE_MARGIN, nodes)
+
+
+def _holding(machine: Machine, moving: Sequence[int]) -> HoldingForce | None:
+    """Build the limit with friction against the motion of some actuators; None without masses or force limits."""
+    limit = np.concatenate([machine.force_n, np.full(len(LINKS), machine.link_force_n)])
+    if machine.masses is None or np.isinf(limit).all():
+        return None
+    friction = np.append(machine.masses.friction_n, np.zeros(len(LINKS)))
+    counts = [k for k in moving if friction[k] > 0.0 and np.isfinite(limit[k])]
+    return HoldingForce(limit, friction, machine.holding_fraction, np.array(counts, dtype=np.int64))
+
+
+def _limits(machine: Machine, moving: Sequence[int]) -> list[Limit]:
+    limit = _holding(machine, moving)
+    return [] if limit is None else [limit]
+
+
+def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
+    """Return the limit at rest; none without masses or force limits."""
+    return _limits(machine, ())
+
+
+def for_moves(config: Config, machine: Machine) -> list[Limit]:
+    """Return the limit with the telescopes in motion."""
+    return _limits(machine, (3, 4))
+
+
+def for_path(config: Config, machine: Machine) -> list[Limit]:
+    """Return the limit with all actuators in motion."""
+    return _limits(machine, range(len(ACTUATORS)))
+
+
+def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
+    """Return larger fractions, a hundredth apart: above 1, as if the force limits were higher."""
+    limit, configured = _holding(machine, ()), machine.holding_fraction
+    if limit is None:
+        return []
+    first, last = int(np.floor(configured / _FRACTION_STEP + 1e-9)) + 1, round(_LARGEST_FRACTION / _FRACTION_STEP)
+    levels = np.array([configured, *(_FRACTION_STEP * np.arange(first, last + 1)).round(9)])
+
+    def change(value: float) -> Config:
+        limits = config.machine.limits.model_copy(update={"holding_fraction": value})
+        return with_values(config, "machine", limits=limits)
+
+    return [
+        Relaxation(
+            key=_KEY,
+            configured=configured,
+            levels=levels,
+            segments=(len(levels),),
+            change=change,
+            prepare=lambda samples, windows_m: threshold_filter(
+                configured - limit.values(samples).min(axis=1), windows_m
+            ),
+        )
+    ]
+
+
+MEASURES: tuple[Measure, ...] = ()

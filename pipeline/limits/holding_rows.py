@@ -1,0 +1,53 @@
+"""Holding forces in the nonlinear program: the links' forces as unknowns, tied to the pose by equilibrium.
+
+With the forces as unknowns all rows are products of smooth functions; solved for the forces they would be quotients by
+det H.
+"""
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from pipeline.limits.rows import Nodes, ProgramPart, Row, Unknowns
+from pipeline.machine.geometry import LINKS
+from pipeline.machine.symbolic import holding_function
+
+if TYPE_CHECKING:
+    from pipeline.limits.holding_force import HoldingForce
+
+_NEAR = 0.25
+"""Nodes at which a force comes within this part of its limit get rows."""
+
+
+def holding_part(limit: "HoldingForce", margin: float, nodes: Nodes) -> ProgramPart:
+    """Write H f = w and the bounds of all forces at the inner nodes that come near a limit, less a margin.
+
+    The directions of motion are those at the initial guess.
+    """
+    applies = limit.applies(nodes.directions)
+    near = ((limit.values(nodes.guess) < _NEAR) & applies).any(axis=1)
+    near[[0, -1]] = False
+    rows = np.flatnonzero(near)
+    if len(rows) == 0:
+        return ProgramPart(unknowns=(), rows=())
+    guess, k = nodes.guess.take(rows), len(rows)
+    scale = max(float(np.abs(guess.holding_forces_n).max()), 1.0)
+    part = ca.MX.sym("f", len(LINKS), k)
+    at = rows.tolist()
+    residual, drives = holding_function(guess.machine).map(k)(nodes.pose[:, at], nodes.q[:, at], scale * part)
+    forces = ca.vertcat(drives / scale, part)
+    free = np.full((k, len(LINKS)), np.inf)
+    found = [Row(f"{limit.wording.name} (equilibrium)", ca.vec(residual / scale), 0.0, 0.0)]
+    allowed = (limit.allowed_n - margin * limit.column_limits_n) / scale
+    at_rest = len(limit.column_subjects) - 2 * len(limit.moving)
+    for column, subject in enumerate(limit.column_subjects.tolist()):
+        counts = np.flatnonzero(applies[rows, column]).tolist()
+        low, high = -allowed[column], allowed[column]
+        if column >= at_rest + len(limit.moving):
+            high = np.inf
+        elif column >= at_rest:
+            low = -np.inf
+        if counts:
+            found.append(Row(limit.wording.name, forces[subject, counts].T, low, high))
+    return ProgramPart((Unknowns(part, guess.holding_forces_n[:, 5:] / scale, -free, free),), tuple(found))
