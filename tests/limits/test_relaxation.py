@@ -42,6 +42,7 @@ def by_key(config: Config) -> dict[str, Relaxation]:
         ("route.kappa_max", 1000.0, 130.0),
         ("machine.clearance.link_link_m", 0.0, 0.06),
         ("machine.clearance.link_rail_m", 0.0, 0.45),
+        ("machine.limits.holding_fraction", 1.0, 0.45),
         (TRAVEL_KEY, 1.0, 0.05),
         (TRAVEL_KEY, 1.0, 0.0),
     ],
@@ -123,5 +124,8 @@ def test_what_refuses_nothing_is_left_out(config: Config, vary) -> None:
         "machine.clearance.link_link_m": 0.0,
         "machine.clearance.link_rail_m": None,
         "task.tilt_max_deg": 85.0,
+        "machine.limits.carts.force_n": None,
+        "machine.limits.telescopes.force_n": None,
+        "machine.limits.link_force_n": None,
     }
     assert set(by_key(vary(config, changes))) == {"route.kappa_max", TRAVEL_KEY}
