@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
-from pipeline.retime.quantities import kind_named
+from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
 from pipeline.summary.wording import key_figures
 
@@ -72,9 +72,9 @@ def used_limits(section: Mapping[str, Any]) -> tuple[UsedLimit, ...]:
     used = []
     for name, parts in section.get("usage", {}).items():
         if not isinstance(parts, str):
-            kind = kind_named(name)
-            part, subject = max(zip(_numbers(parts), kind.subjects, strict=True))
-            used.append(UsedLimit(kind.words, subject, part))
+            quantity = quantity_named(name)
+            part, subject = max(zip(_numbers(parts), quantity.subjects, strict=True))
+            used.append(UsedLimit(quantity.words, subject, part))
     return tuple(used)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
-from pipeline.progress import Progress
+from pipeline.progress import Monitor, Progress
 from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
 from pipeline.summary.sections import Section
@@ -187,7 +187,7 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
     from pipeline.summary.sections import trajectory_section
 
     config, machine = results.config, results.machine
-    trajectory = results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
+    trajectory = results.trajectory = retime_path(config, results.refinement.path, Monitor(progress, verbose))
     progress("sampling the trajectory")
     samples = sample_trajectory(trajectory, config.retime.period_s)
     figures = measure_trajectory(trajectory, samples)
@@ -206,7 +206,7 @@ def _way_back(results: Results, progress: Progress, verbose: bool) -> Product:
     config, machine = results.config, results.machine
     progress("timing the way back")
     try:
-        back = way_back(config, results.trajectory, progress, verbose)
+        back = way_back(config, results.trajectory, Monitor(progress, verbose))
     except NoSolutionError as error:
         return Product({}, failure_section(error.reason, error.advice))
     samples = sample_trajectory(back, config.retime.period_s)

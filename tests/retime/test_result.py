@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from pipeline.refine.result import Path
 from pipeline.retime import Trajectory, stretched
-from pipeline.retime.toppra import plan
+from pipeline.retime.fastest import plan
 
 
 @pytest.fixture(scope="module")

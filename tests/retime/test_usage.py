@@ -17,7 +17,7 @@ from pipeline.retime import (
     stretched,
     time_reversed,
 )
-from pipeline.retime.toppra import plan
+from pipeline.retime.fastest import plan
 
 
 @pytest.fixture(scope="module")
@@ -33,10 +33,10 @@ def test_usage_agrees_with_brute_force(planned: Trajectory) -> None:
     usage = measure_usage(planned)
     velocity = np.abs(planned.q(t, 1) / machine.velocity_mps).max(axis=0)
     acceleration = np.abs(planned.q(t, 2) / machine.acceleration_mps2).max(axis=0)
-    assert velocity == pytest.approx(usage.velocity, rel=2e-5)
-    assert acceleration == pytest.approx(usage.acceleration, rel=1e-3)
-    assert np.all(velocity <= usage.velocity + 1e-6)
-    assert np.all(acceleration <= usage.acceleration + 1e-5)
+    assert velocity == pytest.approx(usage.fractions["velocity"], rel=2e-5)
+    assert acceleration == pytest.approx(usage.fractions["acceleration"], rel=1e-3)
+    assert np.all(velocity <= usage.fractions["velocity"] + 1e-6)
+    assert np.all(acceleration <= usage.fractions["acceleration"] + 1e-5)
 
 
 def test_both_sides_of_a_jump_are_looked_at(line) -> None:
@@ -50,8 +50,8 @@ def test_both_sides_of_a_jump_are_looked_at(line) -> None:
         path, t, s / s[-1], np.array([0.0, 2.0 * sdd, 0.0]) / s[-1], np.array([sdd, -2.0 * sdd, 0.0]) / s[-1]
     )
     expected = 0.9 * 2.0 * sdd / s[-1] / path.machine.acceleration_mps2[:3]
-    assert measure_usage(law).acceleration[:3] == pytest.approx(expected)
-    assert measure_usage(law).acceleration[3:] == pytest.approx(0.0, abs=1e-9)
+    assert measure_usage(law).fractions["acceleration"][:3] == pytest.approx(expected)
+    assert measure_usage(law).fractions["acceleration"][3:] == pytest.approx(0.0, abs=1e-9)
 
 
 @settings(max_examples=25)
@@ -59,16 +59,16 @@ def test_both_sides_of_a_jump_are_looked_at(line) -> None:
 def test_usage_follows_the_stretch(planned: Trajectory, factor: float) -> None:
     """In f times the time, velocity usage is divided by f and acceleration usage by f^2."""
     before, after = measure_usage(planned), measure_usage(stretched(planned, planned.duration_s * factor))
-    assert after.velocity * factor == pytest.approx(before.velocity, rel=1e-9)
-    assert after.acceleration * factor**2 == pytest.approx(before.acceleration, rel=1e-9)
+    assert after.fractions["velocity"] * factor == pytest.approx(before.fractions["velocity"], rel=1e-9)
+    assert after.fractions["acceleration"] * factor**2 == pytest.approx(before.fractions["acceleration"], rel=1e-9)
 
 
 @given(st.lists(st.floats(0.0, 4.0), min_size=10, max_size=10))
 def test_the_stretch_is_the_least_that_makes_all_limits_hold(fractions: list[float]) -> None:
     """After it no fraction is above one; without need it is one; where it is more, a limit is just reached."""
-    usage = Usage(np.array(fractions[:5]), np.array(fractions[5:]))
+    usage = Usage({"velocity": np.array(fractions[:5]), "acceleration": np.array(fractions[5:])})
     f = usage.stretch
-    after = max((usage.velocity / f).max(), (usage.acceleration / f**2).max())
+    after = max((usage.fractions["velocity"] / f).max(), (usage.fractions["acceleration"] / f**2).max())
     assert after <= 1.0 + 1e-12
     assert f == 1.0 or after == pytest.approx(1.0)
 
