@@ -13,7 +13,7 @@ import numpy.typing as npt
 from scipy.interpolate import BSpline, PPoly
 
 from pipeline.errors import UsageError
-from pipeline.export.columns import PER_ACTUATOR
+from pipeline.export.columns import POSITIONS
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import TimingReport, Trajectory
@@ -25,7 +25,7 @@ Arrays = Mapping[str, npt.NDArray[Any]]
 
 CONTROLLED = ("x_m", "y_m", "z_m", "rx_rad", "rz_rad")
 """Columns of a controlled pose."""
-Q_COLUMNS = PER_ACTUATOR[0].names
+Q_COLUMNS = POSITIONS
 """Columns of the actuator positions."""
 
 

@@ -1,11 +1,12 @@
-"""The sidecar `trajectory.json`: all that a program or a person needs to use `trajectory.csv` rightly."""
+"""The sidecar `trajectory.json`: all that a program or a person needs to use `trajectory.csv` correctly."""
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
-from pipeline.export.columns import PER_ACTUATOR, trajectory_meanings
+from pipeline.export.columns import POSITIONS, TRAJECTORY_COLUMNS, TrajectoryColumn
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.retime.quantities import Quantities
 from pipeline.retime.result import TrajectorySamples
@@ -21,12 +22,17 @@ _CONVENTIONS = (
 )
 
 
-def sidecar(config: Config, machine: Machine, samples: TrajectorySamples, usage: Usage) -> dict[str, Any]:
-    """Describe a sampled trajectory: columns, period, duration, limits and how much of them is used.
+def sidecar(
+    config: Config,
+    machine: Machine,
+    samples: TrajectorySamples,
+    usage: Usage,
+    columns: Iterable[TrajectoryColumn] = TRAJECTORY_COLUMNS,
+) -> dict[str, Any]:
+    """Describe a sampled trajectory: columns, period, duration, limits and their usage.
 
-    Usage is the largest fraction of each limit, a list in the order of the actuators (forces of links: of the links),
-    null where there is none. All values are plain
-    (dictionaries, lists, texts, numbers), ready to be written as JSON.
+    Usage is the largest fraction of each limit, a list in the order of the actuators (of the links for their forces),
+    null where there is no limit. All values are plain (dictionaries, lists, texts, numbers), ready for JSON.
     """
     return {
         "name": config.name,
@@ -35,7 +41,7 @@ def sidecar(config: Config, machine: Machine, samples: TrajectorySamples, usage:
         "duration_s": samples.duration_s,
         "samples": len(samples),
         "conventions": list(_CONVENTIONS),
-        "columns": [meaning._asdict() for meaning in trajectory_meanings()],
+        "columns": [{"name": row.name, "unit": row.unit, "meaning": row.meaning} for row in columns],
         "limits": _limits(machine, usage.quantities),
         "shared_limits": {
             quantity.key: _or_null(quantity.limit(machine)[0])
@@ -59,7 +65,7 @@ def _limits(machine: Machine, quantities: Quantities) -> dict[str, dict[str, Any
             **{key: _or_null(limit[k]) for key, limit in own.items()},
         }
         for k, (actuator, column, position) in enumerate(
-            zip(ACTUATORS, PER_ACTUATOR[0].names, machine.actuator_limits_m.tolist(), strict=True)
+            zip(ACTUATORS, POSITIONS, machine.actuator_limits_m.tolist(), strict=True)
         )
     }
 
