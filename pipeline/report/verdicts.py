@@ -1,4 +1,4 @@
-"""What people look for first: how the run ended, what is proven, how good it is, and what of the limits is used."""
+"""The key statements of a report: how the run ended, what is proven, how good it is, and how much of limits is used."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,14 +13,14 @@ CERTIFIED, SKIPPED = "certified", "skipped"
 _ROUNDING = 1e-6
 _NOT_RUN = "not run"
 _SHOWN = tuple(stage for stage in Stage if stage is not Stage.FIGURES)
-"""The stages that are told of: the report is part of the last one."""
+"""The stages in the report, which is itself part of the last one."""
 
 
 @dataclass(frozen=True)
 class StageFacts:
-    """How a stage ended: whether it failed, its part of the summary, hashes of its files by name.
+    """How a stage ended: whether it failed, its section of the summary, and the hashes of its files by name.
 
-    Seconds are no part of it: the same results make the same report.
+    The page does not show seconds: the same results make the same report.
     """
 
     failed: bool
@@ -32,7 +32,7 @@ Facts = Mapping[Stage, StageFacts]
 
 
 def headline(facts: Facts) -> Verdict:
-    """Say in one line what a reader may rely on."""
+    """State in one line what a reader can rely on."""
     topic = "Verdict"
     for stage in _SHOWN:
         if stage in facts and facts[stage].failed:
@@ -48,8 +48,8 @@ def headline(facts: Facts) -> Verdict:
 
 
 def verdicts(facts: Facts) -> tuple[Verdict, ...]:
-    """Answer the questions of whoever decides on the motion, one by one."""
-    tellers = (
+    """Answer the questions of whoever decides on the motion."""
+    statements = (
         (Stage.CERTIFY, _certificate),
         (Stage.ROUTE, _route),
         (Stage.REFINE, _path),
@@ -58,17 +58,17 @@ def verdicts(facts: Facts) -> tuple[Verdict, ...]:
         (Stage.RETIME, _limits),
         (Stage.CERTIFY, _tolerances),
     )
-    told = [tell(facts[stage].section) for stage, tell in tellers if stage in facts and not facts[stage].failed]
-    return (_run(facts), *told)
+    done = [state(facts[stage].section) for stage, state in statements if stage in facts and not facts[stage].failed]
+    return (_run(facts), *done)
 
 
 def stage_rows(facts: Facts) -> tuple[StageRow, ...]:
-    """Tell of every stage how it went; a failed one says why and what to change."""
+    """Report how each stage ended; for a failed one, why and what to change."""
     return tuple(_stage_row(stage, facts.get(stage)) for stage in _SHOWN)
 
 
 def used_limits(section: Mapping[str, Any]) -> tuple[UsedLimit, ...]:
-    """Pick from each kind of limit the subject that uses most of it."""
+    """Find, for each limited quantity, the subject that uses most of its limit."""
     used = []
     for name, parts in section.get("usage", {}).items():
         if not isinstance(parts, str):
@@ -79,12 +79,12 @@ def used_limits(section: Mapping[str, Any]) -> tuple[UsedLimit, ...]:
 
 
 def _sentence(text: str) -> str:
-    """Begin with a capital and end with a full stop, as statements do."""
+    """Capitalise the first letter, and end with a full stop."""
     return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
 
 
 def _numbers(parts: Sequence[float | None]) -> list[float]:
-    """Where a subject has no limit, it uses none of it."""
+    """Convert fractions to numbers; a subject without a limit uses none of it."""
     return [0.0 if part is None else float(part) for part in parts]
 
 

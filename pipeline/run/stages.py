@@ -222,7 +222,7 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     from pipeline.artifacts.layout import REPORT
     from pipeline.artifacts.results import figure_files
     from pipeline.artifacts.state import State
-    from pipeline.figures import all_figures
+    from pipeline.figures import RunData, all_figures
     from pipeline.retime import sample_trajectory
     from pipeline.run.reporting import report_page
 
@@ -230,15 +230,17 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     coarse, refined = results.samples
     samples = sample_trajectory(results.trajectory, results.config.retime.period_s)
     figures = all_figures(
-        results.config,
-        results.machine,
-        results.route,
-        coarse,
-        refined,
-        samples,
-        results.trajectory,
-        results.regions,
-        results.profile,
+        RunData(
+            results.config,
+            results.machine,
+            results.route,
+            regions=results.regions,
+            coarse=coarse,
+            refined=refined,
+            kappa_profile=results.profile,
+            trajectory=results.trajectory,
+            trajectory_samples=samples,
+        )
     )
     files = figure_files(figures)
     progress("writing the report")

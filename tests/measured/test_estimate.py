@@ -10,8 +10,8 @@ from scipy.optimize import least_squares
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
+from pipeline.machine.pose import CONTROLLED
 from pipeline.measured import Reflectors, estimate_poses, reflector_positions
-from pipeline.measured.estimate import CONTROLLED
 
 POINTS = np.array([[0.0, 0.10, 0.05], [0.0, 0.40, 0.05]])
 SLANTED = np.array([[0.08, 0.05, -0.04], [-0.10, 0.35, 0.12]])
@@ -113,7 +113,11 @@ def test_angles_are_known_as_well_as_the_reflectors_are_apart() -> None:
 
 @pytest.mark.parametrize(
     ("second", "expected"),
-    [((0.0, 0.1, 0.05), "in one place"), ((0.3, 0.1, 0.05), "do not tell rz"), ((0.0, 0.1, 0.35), "do not tell rz")],
+    [
+        ((0.0, 0.1, 0.05), "in one place"),
+        ((0.3, 0.1, 0.05), "do not determine rz"),
+        ((0.0, 0.1, 0.35), "do not determine rz"),
+    ],
 )
 def test_reflectors_that_tell_nothing(second: tuple[float, ...], expected: str) -> None:
     """In one place, or along the platform's x or z axis without tilt, reflectors are refused with the reason."""
@@ -128,7 +132,7 @@ def test_reflectors_that_tell_nothing(second: tuple[float, ...], expected: str) 
     [
         (lambda positions: 1e3 * positions, "300 m apart"),
         (lambda positions: positions[:, [0, 0]], "0 m apart"),
-        (lambda positions: positions[:, ::-1], "other way round"),
+        (lambda positions: positions[:, ::-1], "points the wrong way"),
     ],
     ids=["millimetres", "the same twice", "exchanged"],
 )

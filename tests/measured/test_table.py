@@ -43,8 +43,8 @@ def test_reflectors_go_before_a_pose() -> None:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"t_s": None}, "no measurement"),
-        ({"x2_m": None}, "no measurement"),
+        ({"t_s": None}, "not a measurement"),
+        ({"x2_m": None}, "not a measurement"),
         ({"y1_m": np.array(["1", "2", "far"])}, "y1_m"),
         ({"z1_m": np.array([0.0, np.nan, 1.0])}, "z1_m"),
         ({"t_s": np.array([0.0, 0.5, 0.5])}, "must increase"),

@@ -1,4 +1,4 @@
-"""The phase plane: path speed along the path, under the curve that no motion can cross."""
+"""The phase plane: path speed along the path, below the maximum-velocity curve."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,10 +14,10 @@ _HEADROOM = 1.35
 
 @style.styled
 def phase_figure(trajectory: Trajectory) -> Figure:
-    """Draw sd over s, the maximum-velocity curve, and what velocity limits alone would allow.
+    """Draw sd over s, the maximum-velocity curve, and the caps of the velocity limits alone.
 
-    Below the maximum-velocity curve some path acceleration keeps accelerations and forces within their limits; limits
-    of jerk are not in it.
+    Below the maximum-velocity curve some path acceleration keeps accelerations and forces within their limits; jerk is
+    not considered.
     """
     s = grid(_PLACES)
     rows = limit_rows(tabulate_dynamics(trajectory.path, s).grid)
