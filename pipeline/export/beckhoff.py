@@ -35,7 +35,7 @@ def read_beckhoff(text: str) -> Motion:
     Raises
     ------
     ValueError
-        When lines do not end with CRLF, or the columns are not those of the dialect.
+        When lines do not end with CRLF, or the columns are not those of this dialect.
     """
     head, *lines = text.removesuffix("\r\n").split("\r\n")
     names = head.split(";")

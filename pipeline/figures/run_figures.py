@@ -27,12 +27,12 @@ from pipeline.route.result import Route
 
 @dataclass(frozen=True, eq=False)
 class RunData:
-    """Results of a run that its figures are drawn from; None for what there is not.
+    """Results of a run that its figures are drawn from; None for what is missing.
 
     Attributes
     ----------
     config, machine, route
-        What every run with figures has.
+        Present in every run with figures.
     regions : RegionTable or None
         The regions that the route was chosen from.
     coarse, refined : PathSamples or None

@@ -37,13 +37,15 @@ def headline(facts: Facts) -> Verdict:
     for stage in _SHOWN:
         if stage in facts and facts[stage].failed:
             if stage is Stage.CERTIFY:
-                return Verdict(topic, "Not certified", "The proof broke: the path must not be driven.", "bad")
+                return Verdict(topic, "Not certified", "The proof failed: do not drive this path.", "bad")
             return Verdict(topic, f"Failed at {stage}", _sentence(facts[stage].section.get("reason", "")), "bad")
     missing = [stage for stage in _SHOWN if stage not in facts]
     if missing:
-        return Verdict(topic, "Not complete", f"{missing[0].capitalize()} and what follows have not been run.", "open")
+        return Verdict(
+            topic, "Not complete", f"{missing[0].capitalize()} and the stages after it have not been run.", "open"
+        )
     if _verdict(facts) != CERTIFIED:
-        return Verdict(topic, "Not certified", "Sampled densely, but no proof was asked for.", "open")
+        return Verdict(topic, "Not certified", "Checked at dense samples, but no proof was requested.", "open")
     return Verdict(topic, "Certified", "One motion, proven free of singularities and within every limit.", "good")
 
 
@@ -116,7 +118,7 @@ def _run(facts: Facts) -> Verdict:
 
 def _certificate(section: Mapping[str, Any]) -> Verdict:
     if section["verdict"] != CERTIFIED:
-        return Verdict("Certificate", str(section["verdict"]).capitalize(), "No proof was asked for.", "open")
+        return Verdict("Certificate", str(section["verdict"]).capitalize(), "No proof was requested.", "open")
     distance = section["min_distance_bound_m"]
     axes = "" if distance is None else f"; link axes at least {1e3 * distance:.1f} mm apart"
     detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{axes}."
@@ -158,7 +160,7 @@ def _duration(section: Mapping[str, Any]) -> Verdict:
 def _limits(section: Mapping[str, Any]) -> Verdict:
     used = used_limits(section)
     if not used:
-        return Verdict("Limits", "None", "Nothing that moves is limited.", "open")
+        return Verdict("Limits", "None", "Nothing in motion has a limit.", "open")
     most = max(used, key=lambda one: one.part)
     kept = most.part <= 1.0 + _ROUNDING
     detail = f"Most used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
@@ -168,6 +170,11 @@ def _limits(section: Mapping[str, Any]) -> Verdict:
 def _tolerances(section: Mapping[str, Any]) -> Verdict:
     lengths, coordinates = section.get("tolerance_m"), section.get("coordinates_tolerance_m")
     if lengths is None or coordinates is None:
-        return Verdict("Calibration", "Not searched", "certify --tolerance finds the errors the proof bears.", "open")
-    detail = f"Link lengths may be wrong by that much; every coordinate by ±{1e3 * coordinates:.3f} mm. Proven."
+        return Verdict(
+            "Calibration",
+            "Not searched",
+            "certify --tolerance finds the geometric errors that the proof allows.",
+            "open",
+        )
+    detail = f"Proven for link lengths off by this much, or every coordinate off by ±{1e3 * coordinates:.3f} mm."
     return Verdict("Calibration", f"±{1e3 * lengths:.2f} mm", detail, "good")

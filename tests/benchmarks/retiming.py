@@ -12,7 +12,6 @@ import typer
 
 from pipeline.artifacts import json_bytes, write_whole
 from pipeline.config.file import load_config
-from pipeline.progress import silent
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage, retime_path
 from pipeline.retime.constraints import limit_rows
@@ -50,7 +49,7 @@ def benchmark(
     found = study(results.refinement.path, results.route.q_m)
     found["host"] = describe_host()
     began = time.perf_counter()
-    whole = retime_path(results.config, results.refinement.path, silent)
+    whole = retime_path(results.config, results.refinement.path)
     found["stage"] = {
         "seconds": time.perf_counter() - began,
         "duration_s": whole.duration_s,

@@ -1,4 +1,4 @@
-"""All figures of a run at once."""
+"""All figures of a run, by the results there are."""
 
 import io
 from dataclasses import fields, replace

@@ -27,7 +27,7 @@ def noisy(noise_m: float) -> MeasurementComparison:
 
 
 def test_noise_alone_is_about_its_error_bar() -> None:
-    """Where the machine does what it is told, root mean square errors are those of the noise."""
+    """Where the machine follows its commands, root mean square errors are those of the noise."""
     for row in error_rows(noisy(1e-4)):
         assert row.standardised_rms == pytest.approx(1.0, abs=5.0 / np.sqrt(2.0 * len(T)))
         assert row.error_bar is not None

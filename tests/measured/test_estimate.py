@@ -32,7 +32,7 @@ def estimate(points: FloatArray, positions: FloatArray, pose: FloatArray, noise_
 def test_without_noise_the_pose_comes_back(
     first: tuple[float, ...], second: tuple[float, ...], pose: tuple[float, ...]
 ) -> None:
-    """Wherever two reflectors are that tell rz at all, all five coordinates are recovered to 1e-9."""
+    """Wherever two reflectors determine rz at all, all five coordinates are recovered to 1e-9."""
     points, true = np.array([first, second]), np.array([pose])
     assume(np.linalg.norm(points[1] - points[0]) > 0.05)
     try:
@@ -119,7 +119,7 @@ def test_angles_are_known_as_well_as_the_reflectors_are_apart() -> None:
         ((0.0, 0.1, 0.35), "do not determine rz"),
     ],
 )
-def test_reflectors_that_tell_nothing(second: tuple[float, ...], expected: str) -> None:
+def test_reflectors_that_determine_nothing(second: tuple[float, ...], expected: str) -> None:
     """In one place, or along the platform's x or z axis without tilt, reflectors are refused with the reason."""
     points = np.array([(0.0, 0.1, 0.05), second])
     flat = np.array([[1.0, 0.3, 0.9, 0.0, 0.0, 0.0]])
@@ -137,7 +137,7 @@ def test_reflectors_that_tell_nothing(second: tuple[float, ...], expected: str) 
     ids=["millimetres", "the same twice", "exchanged"],
 )
 def test_what_cannot_have_been_seen_is_refused(seen: Callable[[FloatArray], FloatArray], said: str) -> None:
-    """Positions in another unit, the same reflector twice, and exchanged reflectors are told from noise."""
+    """Positions in another unit, the same reflector twice, and swapped reflectors are distinguished from noise."""
     positions = seen(reflector_positions(POINTS, POSE))
     with pytest.raises(UsageError, match=said):
         estimate(POINTS, positions, POSE)

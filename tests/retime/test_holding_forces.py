@@ -1,4 +1,4 @@
-"""Whether the machine can be held and moved at all: told with the pose, and with advice that can help there."""
+"""Whether the machine can be held and moved at all: reported with the pose, and with advice that can help there."""
 
 from dataclasses import replace
 
@@ -45,8 +45,8 @@ def test_a_load_too_heavy_for_an_end_asks_for_another_end(path: Path, places: li
     require_ends_held(replace(machine, force_n=np.full(5, np.inf)), path.pose(s), path.q(s)[:, :3])
 
 
-def test_on_the_way_the_place_is_told_along_the_way_there(path: Path) -> None:
-    """Forth and back, the force is too large at the same pose: so s is the same, too."""
+def test_on_the_way_back_the_place_is_that_along_the_way_there(path: Path) -> None:
+    """There and back, the force is too large at the same pose, so that s is the same, too."""
     c = np.abs(evaluate_dynamics(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0)
     ends = np.abs(evaluate_dynamics(path, np.array([0.0, 1.0])).c[:, :5]).max(axis=0)
     drive = int(np.argmax(c / ends))

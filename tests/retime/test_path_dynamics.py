@@ -33,7 +33,7 @@ def test_without_masses_and_tcp_limits_no_pose_is_needed(path: Path) -> None:
 
 
 def test_friction_acts_against_the_motion_and_not_at_rest(path: Path) -> None:
-    """Its force has the sign of q', and is no part of what a standing machine needs."""
+    """Its force has the sign of q', and a machine at rest does not need it."""
     rubbing = replace(
         path, machine=replace(path.machine, masses=replace(path.machine.masses, friction_n=np.full(5, 20.0)))
     )

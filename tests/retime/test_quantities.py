@@ -56,7 +56,7 @@ def test_quantities_are_those_of_the_motion(tight: Path) -> None:
 
 
 def test_limits_are_optional(machine: Machine) -> None:
-    """What has no limit is infinite, is not looked at, and has no rows; forces are looked at with masses only."""
+    """What has no limit is infinite and not limited; forces are limited only with masses."""
     assert limited(machine) == ("velocity", "acceleration", "jerk", "force", "link_force")
     assert limited(replace(machine, masses=None)) == ("velocity", "acceleration", "jerk")
     bare = replace(machine, jerk_mps3=np.full(5, np.inf), force_n=np.full(5, np.inf), link_force_n=np.inf)
@@ -88,7 +88,7 @@ def test_time_stretched_by_two_takes_a_quarter(dynamics: PathDynamics) -> None:
 
 
 def test_without_room_or_without_a_limit(dynamics: PathDynamics) -> None:
-    """Where rest takes all there is, the share of any motion is infinite; where there is no limit it is zero."""
+    """Where rest uses up the limit, the share of any motion is infinite; without a limit it is zero."""
     v, w = np.full(60, 0.3), np.full(60, 0.7)
     values = evaluate(dynamics, v, w, 0.0 * v)
     force = np.array([1e-6, np.inf, np.inf, np.inf, np.inf])

@@ -91,7 +91,7 @@ def test_a_path_with_corners_is_refused(agder_config: Config, path: Path, degree
 
 
 def test_a_threefold_knot_is_fine_and_a_fourfold_one_is_not(without_jerk: Config, path: Path) -> None:
-    """Degree less multiplicity tells the smoothness: two derivatives are needed."""
+    """Degree minus multiplicity is the smoothness: two derivatives are needed."""
 
     def with_knot(times: int) -> Path:
         return replace(path, spline=path.spline.insert_knot(0.5, m=times))
@@ -101,7 +101,7 @@ def test_a_threefold_knot_is_fine_and_a_fourfold_one_is_not(without_jerk: Config
         retime_path(without_jerk, with_knot(4))
 
 
-def test_jerk_is_limited_by_default_and_what_it_costs_is_told(agder_config: Config, path: Path) -> None:
+def test_jerk_is_limited_by_default_and_what_it_costs_is_reported(agder_config: Config, path: Path) -> None:
     """All limits hold at every tenth of a period; the gap without jerk is below half a percent."""
     trajectory = retime_path(agder_config, path)
     usage = measure_usage(trajectory, agder_config.retime.period_s)

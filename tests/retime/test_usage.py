@@ -27,7 +27,7 @@ def planned(path: Path) -> Trajectory:
 
 
 def test_usage_agrees_with_brute_force(planned: Trajectory) -> None:
-    """Looking at a hundred thousand instants finds no more, and hardly less."""
+    """Evaluating a hundred thousand instants finds no more, and hardly less."""
     t = np.linspace(0.0, planned.duration_s, 100_001)
     machine = planned.path.machine
     usage = measure_usage(planned)
@@ -39,7 +39,7 @@ def test_usage_agrees_with_brute_force(planned: Trajectory) -> None:
     assert np.all(acceleration <= usage.fractions["acceleration"] + 1e-5)
 
 
-def test_both_sides_of_a_jump_are_looked_at(line) -> None:
+def test_both_sides_of_a_jump_are_evaluated(line) -> None:
     """A law that brakes harder than it accelerates shows it, though the evaluation takes jumps from the right."""
     path = line(0.9)
     # Speeding up for two thirds of the time, braking twice as hard for the last third.
@@ -79,7 +79,7 @@ def test_a_planned_law_passes(planned: Trajectory) -> None:
 
 
 @pytest.mark.parametrize("factor", [0.9, 0.5])
-def test_an_exceeded_acceleration_is_told(planned: Trajectory, factor: float) -> None:
+def test_an_exceeded_acceleration_is_reported(planned: Trajectory, factor: float) -> None:
     """Who, what, how much of what, and where; the place named is where it happens."""
     fast = stretched(planned, planned.duration_s * factor)
     with pytest.raises(NoSolutionError, match=r"of its acceleration limit of .* at s = .*, t = ") as caught:
@@ -91,7 +91,7 @@ def test_an_exceeded_acceleration_is_told(planned: Trajectory, factor: float) ->
     assert "smoother path" in caught.value.advice
 
 
-def test_an_exceeded_velocity_is_told(line) -> None:
+def test_an_exceeded_velocity_is_reported(line) -> None:
     """On a slow long line with gentle acceleration it is the velocity that is named, of the cart that has it."""
     path = line(2.0)
     law = Trajectory.from_breakpoints(

@@ -41,10 +41,10 @@ def _weak(path: Path, needed: dict[str, np.ndarray], part: float) -> tuple[Path,
     return _rubbing(path, force), drive
 
 
-def test_an_impossible_way_back_is_told_as_such(
+def test_an_impossible_way_back_is_reported_as_such(
     agder_config: Config, path: Path, needed: dict[str, np.ndarray]
 ) -> None:
-    """There it goes; of the way back is told that it is that, s along the way there, and that it is not holding."""
+    """The way there works; the error names the way back, with s along the way there, and does not mention holding."""
     weak, drive = _weak(path, needed, 0.5)
     config = _config(agder_config)
     there = retime_path(config, weak)
