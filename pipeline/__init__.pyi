@@ -144,6 +144,7 @@ from .figures.maps.kappa_map import (
     kappa_map as kappa_map,
 )
 from .figures import (
+    RunData as RunData,
     all_figures as all_figures,
     clearance_figure as clearance_figure,
     kappa_figure as kappa_figure,

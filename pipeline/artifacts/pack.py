@@ -13,10 +13,10 @@ import numpy.typing as npt
 from scipy.interpolate import BSpline, PPoly
 
 from pipeline.errors import UsageError
-from pipeline.export.columns import PER_ACTUATOR
+from pipeline.export.columns import POSITIONS
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path, Refinement
-from pipeline.retime.result import Quality, Trajectory
+from pipeline.retime.result import TimingReport, Trajectory
 from pipeline.route.regions.build import RegionTable
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
@@ -25,7 +25,7 @@ Arrays = Mapping[str, npt.NDArray[Any]]
 
 CONTROLLED = ("x_m", "y_m", "z_m", "rx_rad", "rz_rad")
 """Columns of a controlled pose."""
-Q_COLUMNS = PER_ACTUATOR[0].names
+Q_COLUMNS = POSITIONS
 """Columns of the actuator positions."""
 
 
@@ -158,10 +158,10 @@ def pack_trajectory(trajectory: Trajectory) -> dict[str, object]:
 
     The path it runs along is saved with the refinement.
     """
-    quality = trajectory.quality
-    how = {} if quality is None else {f"quality_{name}": value for name, value in asdict(quality).items()}
-    law = trajectory.time_law
-    return {"t_s": law.x, "coefficients": law.c, "dwell_s": trajectory.dwell_s, **how}
+    report = {} if trajectory.timing is None else asdict(trajectory.timing)
+    how = {f"quality_{name}": value for name, value in report.items()}
+    time_law = trajectory.time_law
+    return {"t_s": time_law.x, "coefficients": time_law.c, "dwell_s": trajectory.dwell_s, **how}
 
 
 def unpack_trajectory(arrays: Arrays, path: Path) -> Trajectory:
@@ -169,7 +169,7 @@ def unpack_trajectory(arrays: Arrays, path: Path) -> Trajectory:
     how = {name.removeprefix("quality_"): array.item() for name, array in arrays.items() if name.startswith("quality_")}
     start, goal = arrays["dwell_s"].tolist()
     law = PPoly(arrays["coefficients"], arrays["t_s"])
-    return Trajectory(path, law, (start, goal), Quality(**how) if how else None)
+    return Trajectory(path, law, (start, goal), TimingReport(**how) if how else None)
 
 
 def pack_path(path: Path, prefix: str) -> dict[str, object]:

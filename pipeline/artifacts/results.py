@@ -39,9 +39,9 @@ from pipeline.artifacts.pack import (
     unpack_route,
     unpack_trajectory,
 )
-from pipeline.export.columns import POSE
-from pipeline.export.csv import DECIMALS, format_csv, trajectory_columns
-from pipeline.export.motion import needed_decimals
+from pipeline.export.columns import POSE, trajectory_columns
+from pipeline.export.csv import DECIMALS, format_csv
+from pipeline.export.request import needed_decimals
 from pipeline.machine.geometry import Machine
 from pipeline.machine.working_modes import mode_names, working_modes
 from pipeline.refine.measure import PathSamples

@@ -7,15 +7,16 @@ from matplotlib.figure import Figure
 from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.machine.geometry import Machine
+from pipeline.machine.pose import TILT_COLUMNS
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
 
 
 @style.styled
 def clearance_figure(config: Config, machine: Machine, coarse: PathSamples, refined: PathSamples) -> Figure:
-    """Draw the least distances between axes and the tilts over the length, with their limits dashed.
+    """Draw the least distances between axes, and the tilts, over the path length, with dashed limits.
 
-    Distances to rails are shown where the configuration asks for them.
+    Distances to rails are shown if the configuration limits them.
     """
     steps = step_sizes(config.route)
     rails = bool(np.isfinite(machine.link_rail_m))
@@ -26,7 +27,7 @@ def clearance_figure(config: Config, machine: Machine, coarse: PathSamples, refi
         (refined, style.REFINED, "refined path"),
     ):
         length = arc_length(samples.pose, steps)
-        curves = [samples.link_distance_m, *np.rad2deg(samples.pose[:, [3, 5]]).T]
+        curves = [samples.link_distance_m, *np.rad2deg(samples.pose[:, TILT_COLUMNS]).T]
         if rails:
             curves.insert(1, samples.rail_distance_m)
         for axes, curve in zip(panels, curves, strict=True):

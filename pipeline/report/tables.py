@@ -28,7 +28,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def comparison_table(rows: list[ComparisonRow]) -> Table:
-    """Put coarse and refined beside each other, the better one named."""
+    """Tabulate coarse against refined, naming the better one."""
     cells = tuple((row[0], _unit(row[1]), *(cell.replace("-", "−") for cell in row[2:])) for row in table_cells(rows))
     return Table(TABLE_HEADER, cells, words=(0, 1, 6))
 
@@ -38,7 +38,7 @@ def _unit(text: str) -> str:
 
 
 def workspace_part(machine: Machine) -> tuple[Table, str]:
-    """Compute what every working mode can use without tilt, and all of them together; and draw it, a PNG in base64."""
+    """Tabulate the usable workspace of all working modes without tilt, and draw it (a PNG in base64)."""
     setting = WorkspaceSetting(step_m=_WORKSPACE_STEP_M)
     fine, coarse = at_two_steps(machine, setting)
     rows = workspace_rows(fine, coarse)
@@ -54,7 +54,7 @@ def workspace_part(machine: Machine) -> tuple[Table, str]:
 
 
 def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
-    """Put what is proven for every point of the path beside what is allowed."""
+    """Tabulate what is proven for every point of the path, and what is allowed."""
     rows = [
         ("κ", f"at most {bounds.kappa:.3f}", f"at most {kappa_cap(config):g}"),
         ("sign of det H", f"{bounds.det_sign:+d} everywhere".replace("-", "−"), "never changes"),
@@ -71,7 +71,7 @@ def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
 
 
 def distances_table(machine: Machine, bounds: Bounds) -> Table:
-    """Put the proven distance of every pair of axes beside what is allowed, the nearest first."""
+    """Tabulate the proven distance of every pair of axes, the nearest first, and what is allowed."""
     order = np.argsort(bounds.distances_m).tolist()
     rows = tuple((bounds.pairs[i], *_distance(machine, bounds, i)) for i in order)
     return Table(("axes of", "proven for the whole path", "allowed"), rows, words=(0, 1, 2))
@@ -83,13 +83,13 @@ def _distance(machine: Machine, bounds: Bounds, pair: int) -> tuple[str, str]:
 
 
 def _power(value: float) -> str:
-    """Write a very small number as people do: 1.1·10⁻¹¹."""
+    """Format a very small number as 1.1·10⁻¹¹."""
     mantissa, exponent = f"{value:.1e}".split("e")
     return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPT)}"
 
 
 def build_proof(config: Config, refined: PathSamples, profile: KappaProfile) -> Proof:
-    """Put the bound over each box above the sampled kappa; the curve is thinned, the comparison is of all samples."""
+    """Compare the bound over each box with the sampled kappa, at all samples; the curve to draw is thinned."""
     length = arc_length(refined.pose, step_sizes(config.route))
     shown = np.linspace(0, len(length) - 1, min(_PROOF_SAMPLES, len(length))).round().astype(np.int64)
     shown = np.unique(np.append(shown, np.argmax(refined.kappa)))

@@ -189,7 +189,7 @@ def make_trajectory(results: Results, progress: Progress, verbose: bool) -> Prod
     from pipeline.summary.sections import trajectory_section
 
     config, machine = results.config, results.machine
-    trajectory = results.trajectory = retime_path(config, results.refinement.path, progress, verbose)
+    trajectory = results.trajectory = retime_path(config, results.refinement.path, Monitor(progress, verbose))
     progress("sampling the trajectory")
     samples = sample_trajectory(trajectory, config.retime.period_s)
     figures = measure_trajectory(trajectory, samples)
@@ -208,7 +208,7 @@ def _way_back(results: Results, progress: Progress, verbose: bool) -> Product:
     config, machine = results.config, results.machine
     progress("timing the way back")
     try:
-        back = way_back(config, results.trajectory, progress, verbose)
+        back = way_back(config, results.trajectory, Monitor(progress, verbose))
     except NoSolutionError as error:
         return Product({}, failure_section(error.reason, error.advice))
     samples = sample_trajectory(back, config.retime.period_s)
@@ -224,7 +224,7 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     from pipeline.artifacts.layout import REPORT
     from pipeline.artifacts.results import figure_files
     from pipeline.artifacts.state import State
-    from pipeline.figures import all_figures
+    from pipeline.figures import RunData, all_figures
     from pipeline.retime import sample_trajectory
     from pipeline.run.reporting import report_page
 
@@ -232,15 +232,17 @@ def make_figures(results: Results, progress: Progress, verbose: bool) -> Product
     coarse, refined = results.samples
     samples = sample_trajectory(results.trajectory, results.config.retime.period_s)
     figures = all_figures(
-        results.config,
-        results.machine,
-        results.route,
-        coarse,
-        refined,
-        samples,
-        results.trajectory,
-        results.regions,
-        results.profile,
+        RunData(
+            results.config,
+            results.machine,
+            results.route,
+            regions=results.regions,
+            coarse=coarse,
+            refined=refined,
+            kappa_profile=results.profile,
+            trajectory=results.trajectory,
+            trajectory_samples=samples,
+        )
     )
     files = figure_files(figures)
     progress("writing the report")

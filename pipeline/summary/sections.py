@@ -165,30 +165,28 @@ def trajectory_section(figures: "TrajectoryFigures") -> Section:
     `usage` has a number per actuator (link forces: per link; TCP: one), `peak` the largest magnitudes in SI units
     whether or not there is a limit; "skipped" stands where there is no limit, or no masses to compute forces from.
     """
-    # Not above: a help text must not wait for stage three to load.
-    from pipeline.retime.quantities import KINDS
-
+    usage = figures.usage
     section = {
         "status": "done",
         "duration_s": figures.duration_s,
         "period_s": figures.period_s,
         "samples": figures.samples,
         "dwell_s": figures.dwell_s,
-        "usage": _usage(figures.usage),
-        "peak": {kind.name: figures.usage.peaks.get(kind.name, SKIPPED) for kind in KINDS},
+        "usage": _usage(usage),
+        "peak": {quantity.name: usage.peaks.get(quantity.name, SKIPPED) for quantity in usage.quantities},
     }
-    if (quality := figures.quality) is not None:
+    if (timing := figures.timing) is not None:
         section |= {
-            "jerk": "limited" if quality.jerk_limited else "not limited",
-            "motion_s": quality.motion_s,
-            "duration_without_jerk_s": quality.fastest_s,
-            "duration_bound_s": quality.bound_s,
-            "gap": quality.gap,
-            "jerk_cost": quality.jerk_cost,
-            "grid_points": quality.grid_points,
-            "jerk_pieces": quality.pieces,
-            "jerk_rounds": quality.rounds,
-            "jerk_iterations": quality.iterations,
+            "jerk": "limited" if timing.jerk_limited else "not limited",
+            "motion_s": timing.motion_s,
+            "duration_without_jerk_s": timing.fastest_s,
+            "duration_bound_s": timing.bound_s,
+            "gap": timing.gap,
+            "jerk_cost": timing.jerk_cost,
+            "grid_points": timing.grid_points,
+            "jerk_pieces": timing.pieces,
+            "jerk_rounds": timing.rounds,
+            "jerk_iterations": timing.iterations,
         }
     return section
 
@@ -210,10 +208,7 @@ def failed_part(section: Section) -> Section | None:
 
 
 def _usage(usage: "Usage") -> Section:
-    from pipeline.retime.quantities import KINDS
-
-    values = {kind.name: getattr(usage, kind.name) for kind in KINDS}
-    return {name: SKIPPED if value is None else value for name, value in values.items()}
+    return {quantity.name: usage.fractions.get(quantity.name, SKIPPED) for quantity in usage.quantities}
 
 
 def failure_section(reason: str, advice: str, status: str = "failed") -> Section:

@@ -80,7 +80,7 @@ def test_lower_kappa_is_better_and_counts_negative() -> None:
     ],
 )
 def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, better: str) -> None:
-    """Distances are better when larger, all else when smaller; rounding in the closure is no difference."""
+    """Distances are better when larger, all else when smaller; rounding in the closure does not count."""
     row = by_name(compare_paths(COARSE, REFINED))[figure]
     assert row.per_cent == pytest.approx(per_cent)
     assert row.better == better

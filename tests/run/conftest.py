@@ -17,7 +17,7 @@ from pipeline.config.file import parse_config
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import CERTAIN, of_everything, of_lengths
 from pipeline.machine import Machine, inverse_kinematics
-from pipeline.progress import Progress, silent
+from pipeline.progress import QUIET, Monitor, Progress, silent
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory
 from pipeline.route.regions.build import RegionTable
@@ -222,8 +222,8 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
         fake.proofs.append(config.certify.what)
         return make_certificate(path)
 
-    def retime_path(config: Config, path: Path, progress: Progress = silent, verbose: bool = False) -> Trajectory:
-        fake.enter("retime", progress)
+    def retime_path(config: Config, path: Path, monitor: Monitor = QUIET) -> Trajectory:
+        fake.enter("retime", monitor.progress)
         return make_trajectory(path)
 
     def all_figures(*results: object) -> dict[str, Figure]:

@@ -14,8 +14,10 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine import Machine
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage
-from pipeline.retime import toppra as plan_module
-from pipeline.retime.toppra import grid, plan
+from pipeline.retime.constraints import limit_rows
+from pipeline.retime.fastest import plan, plan_rows
+from pipeline.retime.path_dynamics import evaluate_dynamics, grid
+from pipeline.solvers.topp_ra import SpeedProfile
 
 
 def _with_limits(path: Path, velocity: float = 1.0, acceleration: float = 1.0, travel: float = 1.0) -> Path:
@@ -104,7 +106,9 @@ def test_either_limit_may_dominate_by_far(path: Path, velocity: float, accelerat
     """With only one kind of limit that matters, the other is used little and the first wholly."""
     usage = measure_usage(plan(_with_limits(path, velocity, acceleration), 1_000))
     assert usage.largest == pytest.approx(1.0, abs=2e-3)
-    assert min(usage.velocity.max(), usage.acceleration.max()) < (1.0 if velocity == acceleration else 0.2)
+    assert min(usage.fractions["velocity"].max(), usage.fractions["acceleration"].max()) < (
+        1.0 if velocity == acceleration else 0.2
+    )
 
 
 def test_finer_grids_converge(path: Path) -> None:
@@ -172,27 +176,29 @@ def test_a_path_that_stops_fails_with_a_place_and_nothing_is_printed(line, waves
     assert (logging.getLogger("toppra").level, logging.getLogger("toppra").propagate) == before
 
 
+_STUCK = np.r_[0.0, np.full(39, 1.0), np.full(60, np.nan)]
+_STOPS = np.r_[0.0, np.full(59, 1.0), 0.0, np.full(38, 1.0), 0.0]
+_NONE = np.full(100, np.nan)
+_REACHABLE = np.tile([0.0, 1.0], (100, 1))
+
+
 @pytest.mark.parametrize(
-    ("outcome", "place", "reason"),
+    ("sd", "controllable", "place", "reason"),
     [
-        ((None, None, None, np.array([[0.0, 1.0]] * 30 + [[np.nan, np.nan]] + [[0.0, 1.0]] * 69)), 30, "no velocity"),
-        ((None, None, None, np.array([[0.0, 1.0]] * 100)), 0, "no velocity"),
-        ((None, np.r_[0.0, np.full(39, 1.0), np.full(60, np.nan)], None, None), 40, "no way on"),
-        ((None, np.r_[0.0, np.full(59, 1.0), 0.0, np.full(38, 1.0), 0.0], None, None), 60, "no way on"),
-        ((None, np.r_[0.0, np.full(98, 1.0), np.nan], None, None), 99, "no way on"),
+        (_NONE, np.where(np.arange(100)[:, None] == 30, np.nan, _REACHABLE), 30, "no velocity"),
+        (_NONE, _REACHABLE, 0, "no velocity"),
+        (_STUCK, _REACHABLE, 40, "no way on"),
+        (_STOPS, _REACHABLE, 60, "no way on"),
+        (np.r_[0.0, np.full(98, 1.0), np.nan], _REACHABLE, 99, "no way on"),
     ],
 )
-def test_every_way_the_planner_can_fail_is_told(path: Path, monkeypatch, outcome, place: int, reason: str) -> None:
+def test_every_way_the_planner_can_fail_is_reported(
+    path: Path, sd: np.ndarray, controllable: np.ndarray, place: int, reason: str
+) -> None:
     """No controllable velocity, a velocity that is not a number, a stop on the way: an error with the place."""
-
-    class Failing:
-        def __init__(self, *_: object, **__: object) -> None:
-            pass
-
-        def compute_parameterization(self, *_: object, **__: object) -> object:
-            return outcome
-
-    monkeypatch.setattr(plan_module, "TOPPRA", Failing)
+    s = grid(100)
+    profile = SpeedProfile(sd, controllable, ("solver said so",))
     with pytest.raises(NoSolutionError, match=reason) as caught:
-        plan(path, 100)
-    assert caught.value.diagnosis["s"] == grid(100)[place]
+        plan_rows(path, s, limit_rows(evaluate_dynamics(path, s)), lambda *_: profile)
+    assert caught.value.diagnosis["s"] == s[place]
+    assert caught.value.diagnosis["solver_messages"] == ("solver said so",)
