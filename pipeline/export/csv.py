@@ -3,13 +3,15 @@
 import csv
 import io
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from pipeline.export.columns import PER_ACTUATOR, POSE
-from pipeline.retime.result import TrajectorySamples
+
+if TYPE_CHECKING:
+    from pipeline.retime.result import TrajectorySamples
 
 DECIMALS = 12
 """At a period of 1 ms, differencing twice multiplies rounding by up to 4e6: twelve decimals leave 2e-6 m/s^2 of it,
@@ -18,7 +20,7 @@ six would leave 2 m/s^2, as much as the machine's limit. Shorter periods need mo
 Column = npt.NDArray[Any]
 
 
-def trajectory_columns(samples: TrajectorySamples) -> dict[str, Column]:
+def trajectory_columns(samples: "TrajectorySamples") -> dict[str, Column]:
     """Name the columns of `trajectory.csv`: time, the actuators' q, qd and qdd, the pose, kappa."""
     columns: dict[str, Column] = {"t_s": samples.t_s}
     for (names, _, _), values in zip(PER_ACTUATOR, (samples.q_m, samples.qd_mps, samples.qdd_mps2), strict=True):
