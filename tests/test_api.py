@@ -15,9 +15,11 @@ import pipeline
 PROJECT = Path(__file__).parents[1]
 
 NAMES = """
-CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format InverseSolution
+CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format InfeasibleError
+InverseSolution
 KappaMap KappaProfile MODES Machine MeasuredPath Measurement MeasurementComparison MotionFigures NoSolutionError Path
-PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunData RunReport RunsRow
+PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunData RunOptions RunReport
+RunsRow
 SimulationSetting Stage Trajectory TrajectoryFigures TrajectorySamples UsageError Workspace WorkspaceRow
 WorkspaceSetting all_figures blended build_machine build_regions certify_path clearance_figure compare_measurement
 compare_paths compare_runs condition_number det_sign dump_config error_rows format_samples forward_kinematics

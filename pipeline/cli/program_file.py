@@ -7,17 +7,18 @@ import numpy as np
 from rich.console import Console
 
 from pipeline.config import Config
+from pipeline.config.choices import Formulation, RouteObjective
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import build_machine
 
 
 def write_program(config: Config, target: Path, console: Console) -> None:
-    """Write the program over all regions, visits made and admitted moves; says its exact size before it is built.
+    """Write the program over all regions, visits and admitted moves; report its exact size first.
 
     Raises
     ------
     UsageError
-        When the task takes more than one program, or the file has no known ending.
+        When the task needs more than one program, or the file has no known ending.
     """
     _check(config, target)
     from pipeline.route.bounds.budgets import budgets
@@ -42,10 +43,10 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         f"{count:,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} "
         f"of them boolean), {size.rows:,} rows, {size.entries:,} entries"
     )
-    build = build_paper_model if config.route.formulation == "paper" else build_compact_model
+    build = build_paper_model if config.route.formulation == Formulation.PAPER else build_compact_model
     with console.status(f"writing {target}"):
         model = build(layout.regions, exclusions, step_sizes(config.route), N, budgets(config))
-        # Written beside the target and renamed, so that a file that is there is whole.
+        # Written beside the target and renamed, so that the target is always complete.
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             beside = Path(folder) / f"program{target.suffix}"
             write_model(model, beside)
@@ -54,13 +55,13 @@ def write_program(config: Config, target: Path, console: Console) -> None:
 
 
 def _check(config: Config, target: Path) -> None:
-    """Refuse what is not one program, and endings that no solver reads."""
-    if config.route.formulation == "core":
+    """Refuse tasks that are not a single program, and endings that no solver reads."""
+    if config.route.formulation == Formulation.CORE:
         raise UsageError("--write-mps goes with --formulation paper or --formulation compact")
-    if config.route.objective != "sum":
-        raise UsageError(f"--write-mps goes with route.objective sum: {config.route.objective} takes several programs")
+    if config.route.objective != RouteObjective.SUM:
+        raise UsageError(f"--write-mps goes with route.objective sum: {config.route.objective} needs several programs")
     if config.route.alternative > 1:
         rank = config.route.alternative
-        raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} takes the better routes first")
+        raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} needs the better routes first")
     if target.suffix not in (".mps", ".lp"):
-        raise UsageError(f"--write-mps {target}: the file's name has to end in .mps (or .lp)")
+        raise UsageError(f"--write-mps {target}: the name of the file must end in .mps (or .lp)")

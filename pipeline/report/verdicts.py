@@ -7,7 +7,6 @@ from typing import Any
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
 from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
-from pipeline.summary.wording import key_figures
 
 CERTIFIED, SKIPPED = "certified", "skipped"
 _ROUNDING = 1e-6
@@ -18,7 +17,7 @@ _SHOWN = tuple(stage for stage in Stage if stage is not Stage.FIGURES)
 
 @dataclass(frozen=True)
 class StageFacts:
-    """How a stage ended: whether it failed, its section of the summary, and the hashes of its files by name.
+    """How a stage ended: whether it failed, its part of the summary, hashes of its files by name, key figures in words.
 
     The page does not show seconds: the same results make the same report.
     """
@@ -26,6 +25,7 @@ class StageFacts:
     failed: bool
     section: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
+    words: str = ""
 
 
 Facts = Mapping[Stage, StageFacts]
@@ -99,7 +99,7 @@ def _stage_row(stage: Stage, facts: StageFacts | None) -> StageRow:
         return StageRow(stage, "failed", "bad", reason, advice)
     status = str(section["status"])
     mood: Mood = "open" if status == SKIPPED else "good"
-    return StageRow(stage, status, mood, key_figures(stage, dict(section)))
+    return StageRow(stage, status, mood, facts.words)
 
 
 def _verdict(facts: Facts) -> str:

@@ -19,7 +19,7 @@ from pipeline.retime.duration_bound import duration_bound
 from pipeline.retime.fastest import plan_rows
 from pipeline.retime.jerk.solve import limit_jerk
 from pipeline.retime.path_dynamics import evaluate_dynamics, grid, tabulate_dynamics
-from pipeline.run import run_pipeline
+from pipeline.run import RunOptions, run_pipeline
 from pipeline.run.reading import open_results
 from pipeline.stage import Stage
 from tests.benchmarks.alternatives import ALTERNATIVES
@@ -44,7 +44,7 @@ def benchmark(
     / "benchmarks",
 ) -> None:
     """Measure stage three on the refined path of a task."""
-    run_pipeline(load_config(config), run, last=Stage.REFINE)
+    run_pipeline(load_config(config), run, RunOptions(last=Stage.REFINE))
     results = open_results(run, Stage.REFINE)
     found = study(results.refinement.path, results.route.q_m)
     found["host"] = describe_host()

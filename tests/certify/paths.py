@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from pipeline.artifacts.certificate import chains
+from pipeline.artifacts.results.certificate import chains
 from pipeline.certify import Certificate
 from pipeline.certify.chain import close_chain, examine_nothing
 from pipeline.certify.limits import Limits

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.artifacts.certificate import certificate_bytes, read_certificate
+from pipeline.artifacts.results.certificate import certificate_bytes, read_certificate
 from pipeline.certify import Certificate, certify_path, premises_sha256
 from pipeline.certify.limits import build_limits
 from pipeline.certify.recheck import verify
