@@ -1,4 +1,4 @@
-"""The certificate as a file: what people read of it first, then the boxes with which it can be verified again."""
+"""The certificate as a file: first what people read, then the boxes with which it can be verified again."""
 
 import json
 import pathlib
@@ -9,30 +9,24 @@ from typing import Any, NoReturn
 import numpy as np
 from pydantic import ValidationError
 
-from pipeline.artifacts.certificate_shape import (
-    FORMAT,
-    BoundsShape,
-    CertificateShape,
-    ChainShape,
-    ToleranceShape,
-    explain,
-)
+from pipeline.artifacts.certificate_bounds import read_bounds, state_bounds
+from pipeline.artifacts.certificate_shape import FORMAT, ChainShape, ToleranceShape, certificate_shape, explain
 from pipeline.artifacts.files import plain
 from pipeline.certify.guess import point_box
 from pipeline.certify.recheck import StatedTolerance, Statement
-from pipeline.certify.result import NOT_CERTIFIED, Bounds, Certificate, ProvenChain, Tolerance
+from pipeline.certify.result import NOT_CERTIFIED, Certificate, ProvenChain, Tolerance
 from pipeline.errors import UsageError
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
-from pipeline.machine.geometry import ACTUATORS
+from pipeline.limits import certificate_keys
 
 _ADVICE = "\n  What to change: certify the path again: gantry-tau certify CONFIG --force"
 _SHOWN = 5
-"""A file that is damaged may have thousands of faults."""
+"""A damaged file may have thousands of faults."""
 
 
 def certificate_bytes(certificate: Certificate, facts: Mapping[str, Any]) -> bytes:
-    """Write a certificate: the facts a line each, every chain on one line."""
+    """Write a certificate, each fact and each chain on a line of its own."""
     value = plain(certificate_dict(certificate, facts))
     proofs = ",\n    ".join(json.dumps(chain, allow_nan=False) for chain in value.pop("chains"))
     head = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False).removesuffix("\n}")
@@ -40,17 +34,17 @@ def certificate_bytes(certificate: Certificate, facts: Mapping[str, Any]) -> byt
 
 
 def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict[str, Any]:
-    """Arrange a certificate for its file; `facts` are settings, versions and seconds that it knows nothing of."""
+    """Arrange a certificate for its file; `facts` are settings, versions and seconds."""
     broken, link_length, coordinates = certificate.broken, certificate.link_length, certificate.coordinates
     return {
         "format": FORMAT,
         "verdict": certificate.verdict,
         "refused_at_s": None if broken is None else broken.s,
-        "refused_because": None if broken is None else broken.why,
+        "refused_because": None if broken is None else broken.reason.text,
         "boxes": len(certificate.chain.boxes),
         "path_sha256": certificate.path_sha256,
         "premises_sha256": certificate.premises_sha256,
-        "bounds": None if certificate.bounds is None else bounds_dict(certificate.bounds),
+        "bounds": None if certificate.bounds is None else state_bounds(certificate.bounds, certificate_keys()),
         "tolerance_m": None if link_length is None else link_length.eps_m,
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "tolerances": {
@@ -64,24 +58,10 @@ def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict
 
 
 def chains(certificate: Certificate) -> list[ProvenChain]:
-    """All chains a certificate stands on: of the machine as configured, and of the uncertain ones."""
+    """Return all chains of a certificate: that of the machine as configured, then those of its tolerances."""
     tolerances = (certificate.link_length, certificate.coordinates)
     uncertain = [tolerance.chain for tolerance in tolerances if tolerance is not None]
     return [certificate.chain, *(chain for chain in uncertain if chain is not None)]
-
-
-def bounds_dict(bounds: Bounds) -> dict[str, Any]:
-    """Arrange the bounds, each named with its unit."""
-    return {
-        "kappa": bounds.kappa,
-        "kappa_s": bounds.kappa_s,
-        "det_sign": bounds.det_sign,
-        "distance_m": dict(zip(bounds.pairs, bounds.distances_m.tolist(), strict=True)),
-        "actuators_m": dict(zip(ACTUATORS, bounds.actuators_m.tolist(), strict=True)),
-        "tilt_deg": dict(zip(("rx", "rz"), np.rad2deg(bounds.tilt_rad).tolist(), strict=True)),
-        "start_miss": bounds.start_miss,
-        "goal_miss": bounds.goal_miss,
-    }
 
 
 def read_certificate(file: pathlib.Path) -> Statement:
@@ -90,7 +70,7 @@ def read_certificate(file: pathlib.Path) -> Statement:
     Raises
     ------
     UsageError
-        When the file does not exist, is damaged or of another format, or the path it speaks of is not certified.
+        If the file does not exist, is damaged or of another format, or its path is not certified.
     """
     data = _read_json(file)
     if (version := data.get("format")) != FORMAT:
@@ -99,17 +79,17 @@ def read_certificate(file: pathlib.Path) -> Statement:
     if (verdict := data.get("verdict")) == NOT_CERTIFIED:
         raise UsageError(f"{file} says that the path is {verdict}: there is nothing to verify.{_ADVICE}")
     try:
-        shape = CertificateShape.model_validate(data)
+        shape = certificate_shape(certificate_keys()).model_validate(data)
     except ValidationError as error:
         wrong = [explain(one) for one in error.errors(include_url=False)]
         more = [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
         lines = "\n  ".join(["", *wrong[:_SHOWN], *more])
-        raise UsageError(f"{file} is no certificate that can be verified:{lines}{_ADVICE}") from None
+        raise UsageError(f"{file} is not a certificate that can be verified:{lines}{_ADVICE}") from None
     return Statement(
         path_sha256=shape.path_sha256,
         premises_sha256=shape.premises_sha256,
         boxes=shape.boxes,
-        bounds=_bounds(shape.bounds),
+        bounds=read_bounds(shape.bounds.model_dump(exclude_unset=True), certificate_keys()),
         link_length=_stated(shape.tolerances.link_length),
         coordinates=_stated(shape.tolerances.coordinates),
         chains=tuple(_chain(chain) for chain in shape.chains),
@@ -117,10 +97,10 @@ def read_certificate(file: pathlib.Path) -> Statement:
 
 
 def _read_json(file: pathlib.Path) -> dict[str, Any]:
-    """Read an object of JSON in which every number is one, and no key is there twice."""
+    """Read a JSON object, refusing NaN, infinities and duplicate keys."""
 
     def no_number(text: str) -> NoReturn:
-        raise UsageError(f"{file} holds {text} where a number has to be.{_ADVICE}")
+        raise UsageError(f"{file} holds {text} where a number is expected.{_ADVICE}")
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         section = dict(pairs)
@@ -136,26 +116,12 @@ def _read_json(file: pathlib.Path) -> dict[str, Any]:
         raise UsageError(f"{file} does not exist.\n  What to change: name a certificate.json of a run.") from None
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, column {error.colno}"
-        raise UsageError(f"{file} is damaged: it is no JSON from {place} on.{_ADVICE}") from None
+        raise UsageError(f"{file} is damaged: it is not JSON from {place} on.{_ADVICE}") from None
     except (ValueError, RecursionError):
-        raise UsageError(f"{file} is damaged: it is no JSON.{_ADVICE}") from None
+        raise UsageError(f"{file} is damaged: it is not JSON.{_ADVICE}") from None
     if not isinstance(data, dict):
-        raise UsageError(f"{file} is no certificate: it has no keys.{_ADVICE}")
+        raise UsageError(f"{file} is not a certificate: it has no keys.{_ADVICE}")
     return data
-
-
-def _bounds(shape: BoundsShape) -> Bounds:
-    return Bounds(
-        kappa=shape.kappa,
-        kappa_s=shape.kappa_s,
-        det_sign=shape.det_sign,
-        pairs=tuple(shape.distance_m),
-        distances_m=np.array(list(shape.distance_m.values())),
-        actuators_m=np.array([getattr(shape.actuators_m, name) for name in ACTUATORS]),
-        tilt_rad=np.deg2rad([shape.tilt_deg.rx, shape.tilt_deg.rz]),
-        start_miss=shape.start_miss,
-        goal_miss=shape.goal_miss,
-    )
 
 
 def _stated(shape: ToleranceShape | None) -> StatedTolerance | None:

@@ -1,15 +1,17 @@
-"""The shape of a certificate's file: which keys it has, and which values each of them may have."""
+"""The shape of a certificate's file: its keys, and the values that each may have."""
 
 import json
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from pipeline.config.messages import key_path
+from pipeline.limits import CertificateKey, Side
 
 FORMAT = 2
-"""Of the file; raised when its meaning changes."""
+"""Of the file; raised if its meaning changes."""
 
 _Number = Annotated[float, Field(ge=0.0)]
 _PartOfPath = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -22,20 +24,20 @@ _Hash = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
 
 class _Part(BaseModel):
-    """Every number is finite, no key is unknown, and nothing is converted."""
+    """A section: every number is finite, no key is unknown, and nothing is converted."""
 
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, frozen=True)
 
 
 class UncertaintyShape(_Part):
-    """What may be wrong about the machine of a chain."""
+    """How far the machine of a chain may be from its configuration."""
 
     length_m: _Number
     coordinate_m: _Number
 
 
 class ChainShape(_Part):
-    """A chain: n boxes between n + 1 values of s, at each of which there is a joint."""
+    """A chain: n boxes between n + 1 values of s, with a joint at each."""
 
     uncertainty: UncertaintyShape
     s: Annotated[list[_PartOfPath], Field(min_length=2)]
@@ -54,32 +56,10 @@ class ChainShape(_Part):
         return self
 
 
-class ActuatorsShape(_Part):
-    """Bounds below and above of every actuator."""
-
-    c1: _Range
-    c2: _Range
-    c3: _Range
-    l2b: _Range
-    l3b: _Range
-
-
-class TiltsShape(_Part):
-    """Bounds of both tilts."""
-
-    rx: _Number
-    rz: _Number
-
-
 class BoundsShape(_Part):
-    """What is proven for every s."""
+    """What is proven for every s, apart from the bounds of limits."""
 
-    kappa: _Number
     kappa_s: _PartOfPath
-    det_sign: Literal[-1, 1]
-    distance_m: dict[str, _Number]
-    actuators_m: ActuatorsShape
-    tilt_deg: TiltsShape
     start_miss: _Number
     goal_miss: _Number
 
@@ -101,7 +81,7 @@ class TolerancesShape(_Part):
 
 
 class CertificateShape(_Part):
-    """The whole file; `settings`, `versions` and `seconds` say how it came about."""
+    """The whole file; `settings`, `versions` and `seconds` document how it was made."""
 
     format: Literal[2]
     verdict: Literal["certified"]
@@ -132,15 +112,32 @@ class CertificateShape(_Part):
         return self
 
 
+def certificate_shape(keys: Iterable[CertificateKey]) -> type[CertificateShape]:
+    """Return the shape of a certificate that states the bounds of these keys, and no others."""
+    fields: dict[str, Any] = {key.name: (_shape_of(key), None if key.optional else ...) for key in keys}
+    bounds = create_model("BoundsShape", __base__=BoundsShape, **fields)
+    return create_model("CertificateShape", __base__=CertificateShape, bounds=(bounds, ...))
+
+
+def _shape_of(key: CertificateKey) -> Any:
+    value = _VALUES[key.side]
+    if key.subjects is None:
+        return dict[str, value]  # type: ignore[valid-type]
+    if not key.subjects:
+        return value
+    subjects: dict[str, Any] = dict.fromkeys(key.subjects, (value, ...))
+    return create_model(key.name, __base__=_Part, **subjects)
+
+
 def explain(error: ErrorDetails) -> str:
-    """Turn an error of pydantic's into a key's path, what is there, and what has to be."""
+    """Turn a validation error into a key's path, the value found there, and what is expected."""
     location, context = error["loc"], error.get("ctx", {})
     if error["type"] == "certificate":
         return f"{key_path((*location, context['key']))}: {context['message']}"
     if error["type"] in _WITHOUT_VALUE:
         return f"{key_path(location)}: {_WITHOUT_VALUE[error['type']]}"
     wanted = _WANTED.get(error["type"], "something else").format(**context)
-    return f"{key_path(location)}: is {_shown(error['input'])}; there has to be {wanted}"
+    return f"{key_path(location)}: is {_shown(error['input'])}; expected {wanted}"
 
 
 def _wrong(key: str, message: str) -> PydanticCustomError:
@@ -148,7 +145,7 @@ def _wrong(key: str, message: str) -> PydanticCustomError:
 
 
 def _shown(value: object) -> str:
-    """Show a value as JSON has it, lists and sections by their size alone."""
+    """Show a value as in JSON, lists and sections by their size alone."""
     if isinstance(value, dict):
         return f"a section of {len(value)} keys"
     if isinstance(value, list):
@@ -157,6 +154,12 @@ def _shown(value: object) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
+_VALUES: dict[Side, Any] = {
+    Side.BOTH: _Range,
+    Side.LARGEST: _Number,
+    Side.LEAST: _Number,
+    Side.SIGN: Literal[-1, 1],
+}
 _WITHOUT_VALUE = {"missing": "is missing", "extra_forbidden": "is not a key of this format"}
 _WANTED = {
     "float_type": "a number",

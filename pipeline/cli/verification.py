@@ -22,8 +22,6 @@ def verify_file(file: Path, console: Console) -> None:
     from pipeline.artifacts.certificate import read_certificate
     from pipeline.artifacts.layout import CERTIFICATE_JSON
     from pipeline.artifacts.results import load_refinement
-    from pipeline.certify import premises_sha256
-    from pipeline.certify.limits import build_limits
     from pipeline.certify.recheck import verify
     from pipeline.route.regions.endpoints import task_endpoints
     from pipeline.run.reading import open_results
@@ -35,8 +33,7 @@ def verify_file(file: Path, console: Console) -> None:
     config, machine = results.config, results.machine
     path = load_refinement(file.parent, machine).path
     began = time.perf_counter()
-    limits, ends = build_limits(config, machine, 0.0), task_endpoints(config, machine)
-    claims = verify(machine, path, limits, ends, premises_sha256(config), stated)
+    claims = verify(config, machine, path, task_endpoints(config, machine), stated)
     seconds = time.perf_counter() - began
     table = Table(title=f"{file}: verified again in {seconds:.2f} s", title_justify="left")
     for heading in ("claim", "verified", "found"):

@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
-from pipeline.progress import Progress
+from pipeline.progress import Monitor, Progress
 from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
 from pipeline.summary.sections import Section
@@ -171,7 +171,7 @@ def make_certificate(results: Results, progress: Progress, verbose: bool) -> Pro
     if config.certify.what == "nothing":
         return Product({}, skipped_certificate())
     began = time.perf_counter()
-    certificate = certify_path(config, results.machine, results.refinement.path, progress)
+    certificate = certify_path(config, results.machine, results.refinement.path, Monitor(progress, verbose))
     facts = certificate_facts(config, time.perf_counter() - began)
     return Product(certificate_files(certificate, facts), certificate_section(certificate))
 

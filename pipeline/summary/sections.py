@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
 
@@ -131,7 +129,7 @@ def certificate_section(certificate: "Certificate") -> Section:
         "kappa_bound": bounds.kappa,
         "det_sign": bounds.det_sign,
         "min_distance_bound_m": min(bounds.distances_m.tolist(), default=None),
-        "max_tilt_bound_deg": float(np.rad2deg(bounds.tilt_rad.max())),
+        "max_tilt_bound_deg": float(bounds.tilt_deg.max()),
         "goal_miss": bounds.goal_miss,
         "tolerance_m": None if lengths is None else lengths.eps_m,
         "tolerance_fails_m": None if lengths is None else lengths.fails_m,

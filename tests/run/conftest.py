@@ -10,19 +10,20 @@ import pytest
 from matplotlib.figure import Figure
 from scipy.interpolate import make_interp_spline
 
-from pipeline.certify import Bounds, Certificate, ProvenChain, Tolerance, path_sha256
+from pipeline.certify import Certificate, ProvenChain, Tolerance, path_sha256
 from pipeline.certify.guess import point_box
 from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import CERTAIN, of_everything, of_lengths
 from pipeline.machine import Machine, inverse_kinematics
-from pipeline.progress import Progress, silent
+from pipeline.progress import QUIET, Monitor, Progress, silent
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory
 from pipeline.route.regions.build import RegionTable
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
+from tests.certify.paths import bounds_of
 
 NODES = 21
 
@@ -127,23 +128,12 @@ def make_certificate(path: Path) -> Certificate:
     box = Box(0.0, 1.0, np.vstack([pose[1], pose[2] - pose[0], np.zeros((2, 6))]), np.full(6, 0.1))
     joints = (point_box(0.0, pose[0]), point_box(1.0, pose[2]))
     proofs = [ProvenChain(given, (box,), joints) for given in (CERTAIN, of_lengths(1e-4), of_everything(1e-4))]
-    bounds = Bounds(
-        kappa=31.0,
-        kappa_s=0.5,
-        det_sign=1,
-        pairs=("links 1 and 2a",),
-        distances_m=np.array([0.1]),
-        actuators_m=np.array([[0.5, 1.5]] * 5),
-        tilt_rad=np.array([0.1, 0.05]),
-        start_miss=1e-11,
-        goal_miss=2e-11,
-    )
     return Certificate(
         path_sha256=path_sha256(path),
         premises_sha256="0" * 64,
         precision_bits=64,
         chain=proofs[0],
-        bounds=bounds,
+        bounds=bounds_of(),
         broken=None,
         link_length=Tolerance(1e-4, 1.1e-4, np.inf, proofs[1]),
         coordinates=Tolerance(1e-4, 1.1e-4, np.inf, proofs[2]),
@@ -217,8 +207,8 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
         fake.enter("refine", progress)
         return make_refinement(machine)
 
-    def certify_path(config: Config, machine: Machine, path: Path, progress: Progress = silent) -> Certificate:
-        fake.enter("certify", progress)
+    def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor = QUIET) -> Certificate:
+        fake.enter("certify", monitor.progress)
         fake.proofs.append(config.certify.what)
         return make_certificate(path)
 
