@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import arb, arb_mat
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.inclusion.closure import Geometry
 from pipeline.inclusion.condition import below, norm
 from pipeline.inclusion.krawczyk import Piecewise, ball_matrix
@@ -32,8 +32,8 @@ class AxisPairs:
         y and z of the rails.
     """
 
-    first: FloatArray
-    second: FloatArray
+    first: IntArray
+    second: IntArray
     from_rail: bool
     rails_m: FloatArray
 
@@ -122,5 +122,4 @@ def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
         a = np.clip(np.where(uu > 0.0, (uv * b - ur) / uu, 0.0), 0.0, 1.0)
     between = r + a[..., None] * u - b[..., None] * v
     length = np.linalg.norm(between, axis=-1, keepdims=True)
-    directions: FloatArray = np.divide(between, length, out=np.zeros_like(between), where=length > 0.0)
-    return directions
+    return np.asarray(np.divide(between, length, out=np.zeros_like(between), where=length > 0.0), dtype=float)

@@ -7,33 +7,42 @@ A new kind of limit is a module with the functions of `LimitKind`, its entry in 
 from pipeline.limits.kinds import (
     KINDS,
     LimitKind,
+    certificate_keys,
     measures,
     move_limits,
     path_limits,
     pose_limits,
+    proven_limits,
     relaxations,
 )
 from pipeline.limits.limit import Curve, Limit, NodeLimit, ProvenLimit, ShownLimit, Wording, admits, admitted
 from pipeline.limits.measures import Measure
+from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.relaxation import RegionFilter, Relaxation
 
 __all__ = [
     "KINDS",
+    "CertificateEntry",
+    "CertificateKey",
     "Curve",
     "Limit",
     "LimitKind",
     "Measure",
     "NodeLimit",
     "ProvenLimit",
+    "ProvenQuantity",
     "RegionFilter",
     "Relaxation",
     "ShownLimit",
+    "Side",
     "Wording",
     "admits",
     "admitted",
+    "certificate_keys",
     "measures",
     "move_limits",
     "path_limits",
     "pose_limits",
+    "proven_limits",
     "relaxations",
 ]

@@ -8,6 +8,7 @@ from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import BoxConfig, Config
 from pipeline.limits.limit import Limit, Wording
 from pipeline.limits.measures import Measure
+from pipeline.limits.proof import CertificateEntry
 from pipeline.limits.relaxation import Relaxation
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
@@ -123,4 +124,5 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     return []
 
 
+CERTIFICATE = CertificateEntry()
 MEASURES: tuple[Measure, ...] = ()

@@ -9,6 +9,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.limits.limit import Limit, Wording
 from pipeline.limits.measures import Measure
+from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 PROOF_MARGIN = 3e-4
 """Relative slack of proven bounds of kappa, so that other arithmetic can verify them."""
+KAPPA = CertificateKey("kappa", Side.LARGEST, label="κ")
+DET_SIGN = CertificateKey("det_sign", Side.SIGN, label="sign of det H")
 _LARGEST_CAP, _CAPS_PER_DECADE = 1_000.0, 1_000
 
 
@@ -66,16 +69,19 @@ class KappaCap:
         return [] if self.margins(samples)[0, 0] >= 0.0 else [f"has kappa {kappa:.1f}, above {self.key} ({self.cap:g})"]
 
     @property
-    def subjects(self) -> tuple[str, ...]:
-        """Names of the bounded quantities."""
-        return ("kappa", "det_sign")
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """Kappa, and the sign of det H."""
+        return (
+            ProvenQuantity(KAPPA, KAPPA.name, (-np.inf, self.cap)),
+            ProvenQuantity(DET_SIGN, DET_SIGN.name, (-1.0, 1.0)),
+        )
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound kappa and the sign of det H over a proven box, shape (2, 2)."""
         from pipeline.inclusion.condition import kappa_bound
 
         found = kappa_bound(box.balls, box.series, box.inclusion.image)
-        return np.array([[1.0, found.kappa * (1.0 + PROOF_MARGIN)], [found.det_sign, found.det_sign]])
+        return np.array([[-np.inf, found.kappa * (1.0 + PROOF_MARGIN)], [found.det_sign, found.det_sign]])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State that kappa is not proven below its cap."""
@@ -123,4 +129,5 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     ]
 
 
+CERTIFICATE = CertificateEntry((KAPPA, DET_SIGN), lambda config: {"kappa_max": path_cap(config)})
 MEASURES: tuple[Measure, ...] = ()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.limits.proof import ProvenQuantity
 from pipeline.machine.samples import PoseSamples
 
 if TYPE_CHECKING:
@@ -130,15 +131,19 @@ class NodeLimit(Protocol):
 
 
 @runtime_checkable
-class ProvenLimit(Protocol):
+class ProvenLimit(Limit, Protocol):
     """A limit that the certificate bounds over every box."""
 
     @property
-    def subjects(self) -> tuple[str, ...]:
-        """Names of the bounded quantities, m of them."""
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """The bounded quantities, m of them."""
 
     def bound(self, box: "ProvenBox") -> FloatArray:
-        """Bound every quantity over a proven box from below and above, shape (m, 2)."""
+        """Bound every quantity over a proven box from below and above, infinite on a side without a bound.
+
+        In the units of their certificate keys; shape (m, 2). Bounds of several boxes are combined by taking the least
+        lower and the largest upper ones.
+        """
 
     def unproven(self, bounds: FloatArray) -> str:
         """State which bound (m, 2) does not keep the limit; empty if all do."""

@@ -10,6 +10,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.limits.limit import Curve, Limit, Wording
 from pipeline.limits.measures import Measure
+from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_AXES, TILT_COLUMNS
@@ -22,6 +23,7 @@ PROOF_SLACK_RAD = 1e-5
 """What proven bounds are weakened by, so that other arithmetic can verify them."""
 PROOF_ROUNDING_RAD = 1e-6
 """By how much a bound may pass a limit that the path was made to touch."""
+_TILT = CertificateKey("tilt_deg", Side.LARGEST, TILT_AXES, "|{}|", "°", 2)
 _LOCK_SHARE = 0.8
 """Part of a locked axis' tolerance allowed at nodes; the rest is for what happens between them."""
 _BOUND_DEG, _LARGEST_DEG = 45.0, 85.0
@@ -78,24 +80,25 @@ class TiltLimit:
         return tuple(Curve(axis, "deg", values, -limit, limit) for axis, values, limit in rows)
 
     @property
-    def subjects(self) -> tuple[str, ...]:
-        """Names of the tilts."""
-        return TILT_AXES
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """|rx| and |rz|."""
+        largest = zip(TILT_AXES, np.rad2deg(self.largest_rad).tolist(), strict=True)
+        return tuple(ProvenQuantity(_TILT, axis, (-np.inf, limit)) for axis, limit in largest)
 
     def bound(self, box: "ProvenBox") -> FloatArray:
-        """Bound the tilts over a proven box, the same on both sides, shape (2, 2)."""
+        """Bound |rx| and |rz| over a proven box from above, in degrees, shape (2, 2)."""
         from pipeline.inclusion.bounds import tilt_magnitudes
 
-        largest = tilt_magnitudes(box) + PROOF_SLACK_RAD
-        return np.column_stack([-largest, largest])
+        largest = np.rad2deg(tilt_magnitudes(box) + PROOF_SLACK_RAD)
+        return np.column_stack([np.full(2, -np.inf), largest])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State the tilt that is not proven to stay within its limit."""
-        excess = bounds[:, 1] - self.largest_rad
-        if excess.max() <= PROOF_ROUNDING_RAD + PROOF_SLACK_RAD:
+        excess = bounds[:, 1] - np.rad2deg(self.largest_rad)
+        if excess.max() <= np.rad2deg(PROOF_ROUNDING_RAD + PROOF_SLACK_RAD):
             return ""
-        worst, name = float(np.rad2deg(excess.max())), TILT_AXES[int(excess.argmax())]
-        return f"{name} is not proven to stay within its limit (beyond by {worst:.3g} degrees)"
+        worst = int(excess.argmax())
+        return f"{TILT_AXES[worst]} is not proven to stay within its limit (beyond by {excess[worst]:.3g} degrees)"
 
 
 def path_limits_deg(config: Config) -> tuple[float, ...]:
@@ -169,6 +172,7 @@ def _doubling(count: int) -> tuple[int, ...]:
     return (*ends, count)
 
 
+CERTIFICATE = CertificateEntry((_TILT,), lambda config: {"tilt_deg": path_limits_deg(config)})
 MEASURES: tuple[Measure, ...] = (
     Measure(
         key="max_tilt_deg",

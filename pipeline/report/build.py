@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck import KappaProfile
-from pipeline.certify.result import Bounds
 from pipeline.compare.blend import TOLERANCE_M, blended
 from pipeline.compare.criteria import MeasuredPath
 from pipeline.compare.metrics import compare_paths
@@ -86,7 +86,7 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         workspace=workspace,
         workspace_picture=picture,
         bounds=None if run.bounds is None else bounds_table(config, machine, run.bounds),
-        distances=None if run.bounds is None else distances_table(machine, run.bounds),
+        distances=None if run.bounds is None else distances_table(config, machine, run.bounds),
         proof=_proof(run),
         motions=_motions(run, coarse),
         motion_note=_why_still(run.facts) if run.trajectory is None else coarse.note,

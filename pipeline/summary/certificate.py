@@ -2,8 +2,6 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pipeline.config import Config
 from pipeline.summary.section import SKIPPED, Section
 from pipeline.summary.versions import versions
@@ -23,7 +21,7 @@ def certificate_section(certificate: "Certificate") -> Section:
         "kappa_bound": bounds.kappa,
         "det_sign": bounds.det_sign,
         "min_distance_bound_m": min(bounds.distances_m.tolist(), default=None),
-        "max_tilt_bound_deg": float(np.rad2deg(bounds.tilt_rad.max())),
+        "max_tilt_bound_deg": float(bounds.tilt_deg.max()),
         "goal_miss": bounds.goal_miss,
         "tolerance_m": None if lengths is None else lengths.eps_m,
         "tolerance_fails_m": None if lengths is None else lengths.fails_m,

@@ -14,13 +14,13 @@ from pipeline.artifacts.npz import npz_bytes
 from pipeline.artifacts.results.certificate import certificate_bytes
 from pipeline.artifacts.results.path import pack_refinement
 from pipeline.certify import Certificate, Tolerance
-from pipeline.certify.chain import close_chain, examine_nothing
+from pipeline.certify.chain import close_chain
+from pipeline.certify.problem import build_problem
 from pipeline.certify.result import proven_chain
 from pipeline.cli import app
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config
-from pipeline.inclusion.closure import geometry, working_precision
-from pipeline.inclusion.pieces import pieces
+from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.refine import Path
 from pipeline.refine.result import Refinement
@@ -43,7 +43,7 @@ def write_run(folder: pathlib.Path, config: Config, path: Path, certificate: Cer
 def bear(path: Path, uncertainty: Uncertainty) -> Tolerance:
     """Prove one calibration error to be borne."""
     with working_precision(64):
-        chain = close_chain(geometry(path.machine), path, pieces(path.spline), 1e-4, examine_nothing, uncertainty)
+        chain = close_chain(build_problem(path.machine, path, 1e-4, uncertainty))
     assert chain.broken is None
     return Tolerance(uncertainty.length_m, 2.0 * uncertainty.length_m, np.inf, proven_chain(chain, uncertainty))
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.artifacts.results.certificate import certificate_bytes, read_certificate
-from pipeline.certify import Certificate, certify_path, premises_sha256
-from pipeline.certify.limits import build_limits
+from pipeline.certify import Certificate, certify_path
 from pipeline.certify.recheck import verify
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError, UsageError
@@ -65,8 +64,7 @@ def test_a_certificate_is_read_as_it_was_written(
         assert (box.first, box.last) == (read.first, read.last)
         np.testing.assert_array_equal(box.pose, read.pose)
         np.testing.assert_array_equal(box.radius, read.radius)
-    limits, ends = build_limits(own_task, machine, 0.0), task_endpoints(own_task, machine)
-    claims = verify(machine, own_path, limits, ends, premises_sha256(own_task), stored)
+    claims = verify(own_task, machine, own_path, task_endpoints(own_task, machine), stored)
     assert all(claim.verified for claim in claims)
 
 
@@ -84,4 +82,4 @@ def test_the_wrong_branch_at_an_end_is_told(machine: Machine, line: Path, prove:
     """A machine that is assembled the other way round cannot be at the start of this path."""
     certificate = prove(replace(machine, triangle_sign=-machine.triangle_sign), line)
     assert certificate.broken is not None
-    assert "triangle" in certificate.broken.why
+    assert "triangle" in certificate.broken.reason.text

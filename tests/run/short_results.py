@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from pipeline.certify import Bounds, Certificate, ProvenChain, Tolerance, path_sha256
+from pipeline.certify import Certificate, ProvenChain, Tolerance, path_sha256
 from pipeline.certify.guess import point_box
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import CERTAIN, of_everything, of_lengths
@@ -13,6 +13,7 @@ from pipeline.retime.result import Trajectory
 from pipeline.route.regions.build import RegionTable
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
+from tests.certify.paths import bounds_of
 
 NODES = 21
 
@@ -86,23 +87,12 @@ def make_certificate(path: Path) -> Certificate:
     box = Box(0.0, 1.0, np.vstack([pose[1], pose[2] - pose[0], np.zeros((2, 6))]), np.full(6, 0.1))
     joints = (point_box(0.0, pose[0]), point_box(1.0, pose[2]))
     proofs = [ProvenChain(given, (box,), joints) for given in (CERTAIN, of_lengths(1e-4), of_everything(1e-4))]
-    bounds = Bounds(
-        kappa=31.0,
-        kappa_s=0.5,
-        det_sign=1,
-        pairs=("links 1 and 2a",),
-        distances_m=np.array([0.1]),
-        actuators_m=np.array([[0.5, 1.5]] * 5),
-        tilt_rad=np.array([0.1, 0.05]),
-        start_miss=1e-11,
-        goal_miss=2e-11,
-    )
     return Certificate(
         path_sha256=path_sha256(path),
         premises_sha256="0" * 64,
         precision_bits=64,
         chain=proofs[0],
-        bounds=bounds,
+        bounds=bounds_of(),
         broken=None,
         link_length=Tolerance(1e-4, 1.1e-4, np.inf, proofs[1]),
         coordinates=Tolerance(1e-4, 1.1e-4, np.inf, proofs[2]),

@@ -11,22 +11,16 @@ from pydantic import ValidationError
 
 from pipeline.artifacts.files import jsonable
 from pipeline.artifacts.layout import CERTIFICATE_JSON
-from pipeline.artifacts.results.certificate_shape import (
-    FORMAT,
-    BoundsShape,
-    CertificateShape,
-    ChainShape,
-    ToleranceShape,
-    explain,
-)
+from pipeline.artifacts.results.certificate_bounds import read_bounds, state_bounds
+from pipeline.artifacts.results.certificate_shape import FORMAT, ChainShape, ToleranceShape, certificate_shape, explain
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.certify.guess import point_box
 from pipeline.certify.recheck import StatedTolerance, Statement
-from pipeline.certify.result import NOT_CERTIFIED, Bounds, Certificate, ProvenChain, Tolerance
+from pipeline.certify.result import NOT_CERTIFIED, Certificate, ProvenChain, Tolerance
 from pipeline.errors import UsageError
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
-from pipeline.machine.geometry import ACTUATORS
+from pipeline.limits import certificate_keys
 
 _ADVICE = "\n  What to change: certify the path again: gantry-tau certify CONFIG --force"
 _SHOWN = 5
@@ -58,11 +52,11 @@ def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict
         "format": FORMAT,
         "verdict": certificate.verdict,
         "refused_at_s": None if broken is None else broken.s,
-        "refused_because": None if broken is None else broken.why,
+        "refused_because": None if broken is None else broken.reason.text,
         "boxes": len(certificate.chain.boxes),
         "path_sha256": certificate.path_sha256,
         "premises_sha256": certificate.premises_sha256,
-        "bounds": None if certificate.bounds is None else bounds_dict(certificate.bounds),
+        "bounds": None if certificate.bounds is None else state_bounds(certificate.bounds, certificate_keys()),
         "tolerance_m": None if link_length is None else link_length.eps_m,
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "tolerances": {
@@ -82,20 +76,6 @@ def chains(certificate: Certificate) -> list[ProvenChain]:
     return [certificate.chain, *(chain for chain in uncertain if chain is not None)]
 
 
-def bounds_dict(bounds: Bounds) -> dict[str, Any]:
-    """Arrange the bounds, each named with its unit."""
-    return {
-        "kappa": bounds.kappa,
-        "kappa_s": bounds.kappa_s,
-        "det_sign": bounds.det_sign,
-        "distance_m": dict(zip(bounds.pairs, bounds.distances_m.tolist(), strict=True)),
-        "actuators_m": dict(zip(ACTUATORS, bounds.actuators_m.tolist(), strict=True)),
-        "tilt_deg": dict(zip(("rx", "rz"), np.rad2deg(bounds.tilt_rad).tolist(), strict=True)),
-        "start_miss": bounds.start_miss,
-        "goal_miss": bounds.goal_miss,
-    }
-
-
 def read_certificate(file: pathlib.Path) -> Statement:
     """Read what can be verified of a certificate.
 
@@ -111,7 +91,7 @@ def read_certificate(file: pathlib.Path) -> Statement:
     if (verdict := data.get("verdict")) == NOT_CERTIFIED:
         raise UsageError(f"{file} says that the path is {verdict}: there is nothing to verify.{_ADVICE}")
     try:
-        shape = CertificateShape.model_validate(data)
+        shape = certificate_shape(certificate_keys()).model_validate(data)
     except ValidationError as error:
         wrong = [explain(one) for one in error.errors(include_url=False)]
         more = [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
@@ -121,7 +101,7 @@ def read_certificate(file: pathlib.Path) -> Statement:
         path_sha256=shape.path_sha256,
         premises_sha256=shape.premises_sha256,
         boxes=shape.boxes,
-        bounds=_bounds(shape.bounds),
+        bounds=read_bounds(shape.bounds.model_dump(exclude_unset=True), certificate_keys()),
         link_length=_stated(shape.tolerances.link_length),
         coordinates=_stated(shape.tolerances.coordinates),
         chains=tuple(_chain(chain) for chain in shape.chains),
@@ -154,20 +134,6 @@ def _read_json(file: pathlib.Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise UsageError(f"{file} is not a certificate: it has no keys.{_ADVICE}")
     return data
-
-
-def _bounds(shape: BoundsShape) -> Bounds:
-    return Bounds(
-        kappa=shape.kappa,
-        kappa_s=shape.kappa_s,
-        det_sign=shape.det_sign,
-        pairs=tuple(shape.distance_m),
-        distances_m=np.array(list(shape.distance_m.values())),
-        actuators_m=np.array([getattr(shape.actuators_m, name) for name in ACTUATORS]),
-        tilt_rad=np.deg2rad([shape.tilt_deg.rx, shape.tilt_deg.rz]),
-        start_miss=shape.start_miss,
-        goal_miss=shape.goal_miss,
-    )
 
 
 def _stated(shape: ToleranceShape | None) -> StatedTolerance | None:

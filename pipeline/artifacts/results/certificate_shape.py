@@ -1,12 +1,14 @@
 """The shape of a certificate file: its keys, and the values allowed for each."""
 
 import json
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from pipeline.config.messages import key_path
+from pipeline.limits import CertificateKey, Side
 
 FORMAT = 2
 """Version of the file format, increased when its meaning changes."""
@@ -22,7 +24,7 @@ _Hash = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
 
 class _Part(BaseModel):
-    """Every number is finite, no key is unknown, and nothing is converted."""
+    """A section: every number is finite, no key is unknown, and nothing is converted."""
 
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, frozen=True)
 
@@ -35,7 +37,7 @@ class UncertaintyShape(_Part):
 
 
 class ChainShape(_Part):
-    """A chain: n boxes between n + 1 values of s, at each of which there is a joint."""
+    """A chain: n boxes between n + 1 values of s, with a joint at each."""
 
     uncertainty: UncertaintyShape
     s: Annotated[list[_PartOfPath], Field(min_length=2)]
@@ -54,32 +56,10 @@ class ChainShape(_Part):
         return self
 
 
-class ActuatorsShape(_Part):
-    """Bounds below and above of every actuator."""
-
-    c1: _Range
-    c2: _Range
-    c3: _Range
-    l2b: _Range
-    l3b: _Range
-
-
-class TiltsShape(_Part):
-    """Bounds of both tilts."""
-
-    rx: _Number
-    rz: _Number
-
-
 class BoundsShape(_Part):
-    """What is proven for every s."""
+    """What is proven for every s, apart from the bounds of limits."""
 
-    kappa: _Number
     kappa_s: _PartOfPath
-    det_sign: Literal[-1, 1]
-    distance_m: dict[str, _Number]
-    actuators_m: ActuatorsShape
-    tilt_deg: TiltsShape
     start_miss: _Number
     goal_miss: _Number
 
@@ -132,6 +112,23 @@ class CertificateShape(_Part):
         return self
 
 
+def certificate_shape(keys: Iterable[CertificateKey]) -> type[CertificateShape]:
+    """Return the shape of a certificate that states the bounds of these keys, and no others."""
+    fields: dict[str, Any] = {key.name: (_shape_of(key), None if key.optional else ...) for key in keys}
+    bounds = create_model("BoundsShape", __base__=BoundsShape, **fields)
+    return create_model("CertificateShape", __base__=CertificateShape, bounds=(bounds, ...))
+
+
+def _shape_of(key: CertificateKey) -> Any:
+    value = _VALUES[key.side]
+    if key.subjects is None:
+        return dict[str, value]  # type: ignore[valid-type]
+    if not key.subjects:
+        return value
+    subjects: dict[str, Any] = dict.fromkeys(key.subjects, (value, ...))
+    return create_model(key.name, __base__=_Part, **subjects)
+
+
 def explain(error: ErrorDetails) -> str:
     """Turn an error of pydantic into a key's path, the value found and the value expected."""
     location, context = error["loc"], error.get("ctx", {})
@@ -157,6 +154,12 @@ def _shown(value: object) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
+_VALUES: dict[Side, Any] = {
+    Side.BOTH: _Range,
+    Side.LARGEST: _Number,
+    Side.LEAST: _Number,
+    Side.SIGN: Literal[-1, 1],
+}
 _WITHOUT_VALUE = {"missing": "is missing", "extra_forbidden": "is not a key of this format"}
 _WANTED = {
     "float_type": "a number",

@@ -65,8 +65,6 @@ def verify_file(file: Path) -> None:
     """
     from pipeline.artifacts.layout import CERTIFICATE_JSON
     from pipeline.artifacts.results.certificate import read_certificate
-    from pipeline.certify import premises_sha256
-    from pipeline.certify.limits import build_limits
     from pipeline.certify.recheck import verify
     from pipeline.route.regions.endpoints import task_endpoints
     from pipeline.run.reading import open_results
@@ -76,8 +74,7 @@ def verify_file(file: Path) -> None:
     results = open_results(file.parent)
     config, machine, path = results.config, results.machine, results.refinement.path
     began = time.perf_counter()
-    limits, ends = build_limits(config, machine, 0.0), task_endpoints(config, machine)
-    claims = verify(machine, path, limits, ends, premises_sha256(config), stated)
+    claims = verify(config, machine, path, task_endpoints(config, machine), stated)
     seconds = time.perf_counter() - began
     rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in claims]
     header = ("claim", "verified", "found")

@@ -21,7 +21,7 @@ def make_certificate(results: "Results", monitor: Monitor) -> Product:
     if config.certify.what == Proof.NOTHING:
         return no_certificate()
     began = time.perf_counter()
-    certificate = certify_path(config, results.machine, results.refinement.path, monitor.progress)
+    certificate = certify_path(config, results.machine, results.refinement.path, monitor)
     return certificate_product(config, certificate, time.perf_counter() - began)
 
 

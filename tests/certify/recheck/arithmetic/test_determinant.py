@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.certify.recheck.determinant import det_signs
+from pipeline.certify.recheck.arithmetic.determinant import det_signs
 
 
 def determinant(rows: list[list[Fraction]]) -> Fraction:

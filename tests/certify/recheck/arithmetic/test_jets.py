@@ -6,11 +6,9 @@ from math import factorial
 import numpy as np
 import pytest
 from flint import arb, arb_series, ctx
-from scipy.interpolate import BSpline, make_interp_spline
 
-from pipeline.certify.recheck.enclosure import Enclosure, exactly, within
-from pipeline.certify.recheck.jets import TERMS, _horner, moved, sine_cosine, spline_taylor
-from pipeline.inclusion.pieces import pieces
+from pipeline.certify.recheck.arithmetic.enclosure import exactly, within
+from pipeline.certify.recheck.arithmetic.jets import TERMS, _horner, moved, sine_cosine
 
 
 @pytest.mark.parametrize("angle", [-3.9, -1.0, 0.0, 1e-9, 0.7, 3.2])
@@ -49,22 +47,3 @@ def test_shifted_polynomials_hold_every_value() -> None:
     for t in np.linspace(-0.3, 0.3, 13):
         value = np.einsum("kin,k->in", coefficients, t ** np.arange(6))
         assert (np.abs(value - over.mid) <= over.rad + 1e-14).all()
-
-
-@pytest.mark.parametrize("degree", [1, 5])
-def test_splines_agree_with_rational_arithmetic(degree: int) -> None:
-    """Taylor coefficients about the middle of every piece, with knots that are not evenly spaced."""
-    s = np.linspace(0.0, 1.0, 12) ** 1.5
-    spline: BSpline = make_interp_spline(s, np.sin(3.0 * s[:, None] + np.arange(5)), k=degree)
-    parts = pieces(spline)
-    first, last = np.array([part.first for part in parts]), np.array([part.last for part in parts])
-    centre = (first + last) / 2.0
-    taylor = spline_taylor(spline.t, spline.c, degree, first, centre)
-    for n, part in enumerate(parts):
-        for k, exact in enumerate(part.taylor(float(centre[n]))):
-            for order, value in enumerate(exact):
-                found = Enclosure(taylor.mid[order, k, n], taylor.rad[order, k, n])
-                assert abs(int(value.p) / int(value.q) - found.mid) <= found.rad + 1e-16 * abs(found.mid)
-                np.testing.assert_allclose(
-                    found.mid, spline(centre[n], nu=order)[k] / [1, 1, 2, 6, 24, 120][order], rtol=1e-8, atol=1e-8
-                )

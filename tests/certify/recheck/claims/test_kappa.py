@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.certify import Certificate
-from pipeline.certify.recheck.bounds import kappa_bounds
-from pipeline.certify.recheck.inclusion import build_boxes, include
+from pipeline.certify.recheck.arithmetic.inclusion import build_boxes, include
+from pipeline.certify.recheck.claims.kappa import kappa_bounds
 from pipeline.inclusion.uncertainty import CERTAIN
 from pipeline.machine import Machine
 from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, determinant, pose_path

@@ -1,14 +1,15 @@
-"""The inclusion of every box once more, all boxes at once; the statement is that of `pipeline.inclusion.krawczyk`."""
+"""The inclusions of all boxes at a time, evaluated again; the statement is that of `pipeline.inclusion.krawczyk`."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
-from pipeline.certify.recheck.enclosure import Enclosure, bound, contract, exactly, root, total, within
-from pipeline.certify.recheck.jets import TERMS, moved, spline_taylor
-from pipeline.certify.recheck.motion import Motion, follow, second_derivatives
-from pipeline.certify.recheck.splines import on_one_piece
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, total, within
+from pipeline.certify.recheck.arithmetic.jets import TERMS, moved
+from pipeline.certify.recheck.arithmetic.motion import Motion, follow, second_derivatives
+from pipeline.certify.recheck.arithmetic.norms import arm_lengths, norm
+from pipeline.certify.recheck.arithmetic.splines import on_one_piece, spline_taylor
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.pieces import middle
 from pipeline.inclusion.uncertainty import Uncertainty
@@ -25,7 +26,7 @@ class Boxes:
     first, last, centre, half : (n,)
         Intervals of s.
     on_one_piece : (n,)
-        Whether no knot of the splines lies within; where one does, q is not what the actuators do.
+        Whether no knot of the splines lies within; otherwise q is not what the actuators do.
     pose : (4, 6, n)
         Taylor coefficients about the centres.
     radius : (6, n)
@@ -50,7 +51,7 @@ class Boxes:
 
 @dataclass(frozen=True, eq=False)
 class Inclusions:
-    """What came out: (n,) whether each box is proven, its inverse (2, 6, 6, n), and k, E, D as in the statement."""
+    """Results: whether each box is proven (n,), its inverse (2, 6, 6, n), and k, E, D as in the statement."""
 
     proven: BoolArray
     inverse: FloatArray
@@ -60,7 +61,7 @@ class Inclusions:
 
 
 def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
-    """Line boxes up and evaluate the closures along them."""
+    """Stack boxes and evaluate the closures along them."""
     first, last = (np.array([getattr(box, name) for box in boxes]) for name in ("first", "last"))
     centre, half = np.array([middle(box.first, box.last) for box in boxes]).T
     pose, radius = np.stack([box.pose for box in boxes], -1), np.stack([box.radius for box in boxes], -1)
@@ -73,7 +74,7 @@ def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
 
 
 def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusions:
-    """Verify the inclusion of every box with the radii it has."""
+    """Verify the inclusion of every box with its own radii."""
     h, r = boxes.half, boxes.radius
     at, over = boxes.at.jacobian(), boxes.over.jacobian()
     J = [at[0], at[1], over[2]]
@@ -100,19 +101,18 @@ def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusi
         bound("iln,ln->in", C_abs, change, terms=6),
         bound("ikn,kn->in", spread, r, terms=6),
     )
-    proven: BoolArray = np.all(image < r, axis=0) & boxes.on_one_piece
-    return Inclusions(proven, inverse, image, E, D)
+    return Inclusions(np.all(image < r, axis=0) & boxes.on_one_piece, inverse, image, E, D)
 
 
 def linear_inverse(J: list[Enclosure]) -> FloatArray:
-    """C0 and C1 in floats, shape (2, 6, 6, n)."""
+    """Compute C0 and C1 in floats, shape (2, 6, 6, n)."""
     J0, J1 = (np.moveaxis(part.mid, -1, 0) for part in J[:2])
     C0 = np.linalg.inv(J0)
     return np.moveaxis(np.stack([C0, -C0 @ J1 @ C0]), 1, -1)
 
 
 def residual_of_inverse(C: list[Enclosure], J: list[Enclosure], h: FloatArray) -> FloatArray:
-    """|I - C(t) J(t)| over each interval, shape (6, 6, n)."""
+    """Bound |I - C(t) J(t)| over each interval, shape (6, 6, n)."""
 
     def times(a: Enclosure, b: Enclosure) -> Enclosure:
         return contract("ijn,jkn->ikn", a, b, 6)
@@ -128,7 +128,7 @@ def residual_of_inverse(C: list[Enclosure], J: list[Enclosure], h: FloatArray) -
 
 
 def power(h: FloatArray, n: int) -> FloatArray:
-    """h^n, rounded up."""
+    """Compute h^n, rounded up."""
     result = np.ones_like(h)
     for _ in range(n):
         result = total(result * h)
@@ -136,7 +136,7 @@ def power(h: FloatArray, n: int) -> FloatArray:
 
 
 def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_end: bool) -> BoolArray:
-    """Tell whether each box holds the joint at its end, or at its beginning: (n,), joints being one more."""
+    """Return whether each of n boxes holds the joint at its end, or at its beginning, of n + 1 joints. Shape (n,)."""
     of = slice(1, None) if at_end else slice(None, -1)
     s = exactly(joints.first[of]) - exactly(boxes.centre)
     x = moved(exactly(boxes.pose), s)[0]
@@ -149,12 +149,11 @@ def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_en
         bound("ijn,jn->in", turned, met.residual_change[:, of], terms=6),
         bound("iln,lkn,kn->in", C.magnitude, found.jacobian_change, apart, terms=36),
     )
-    held: BoolArray = np.all(reach < boxes.radius, axis=0)
-    return held
+    return np.asarray(np.all(reach < boxes.radius, axis=0), dtype=bool)
 
 
 def _residual(C: list[Enclosure], boxes: Boxes) -> FloatArray:
-    """|C(t) f(x(t), t)|, shape (6, n)."""
+    """Bound |C(t) f(x(t), t)|, shape (6, n)."""
     at, over = boxes.at.residuals(), boxes.over.residuals()
     parts = []
     for n in range(TERMS):
@@ -166,7 +165,7 @@ def _residual(C: list[Enclosure], boxes: Boxes) -> FloatArray:
 
 
 def _hull(machine: Machine, boxes: Boxes, reach: FloatArray) -> Motion:
-    """The closures over all poses of each box: constant terms only."""
+    """Evaluate the closures over all poses of each box: constant terms only."""
     pose = Enclosure(np.zeros_like(boxes.over.pose.mid), np.zeros_like(boxes.over.pose.rad))
     pose.mid[0], pose.rad[0] = boxes.over.pose.mid[0], total(boxes.over.pose.rad[0], reach)
     q = Enclosure(boxes.over.q.mid.copy(), boxes.over.q.rad.copy())
@@ -175,7 +174,7 @@ def _hull(machine: Machine, boxes: Boxes, reach: FloatArray) -> Motion:
 
 
 def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
-    """E, shape (6, n)."""
+    """Bound E, shape (6, n)."""
     eps, eta = uncertainty.length_m, uncertainty.coordinate_m
     lengths = over.lengths[0].magnitude
     if not uncertainty.any:
@@ -189,13 +188,12 @@ def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
 
 
 def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty) -> FloatArray:
-    """D, shape (6, 6, n)."""
+    """Bound D, shape (6, 6, n)."""
     v = hull.vectors[0].magnitude
     D = np.zeros((6, 6, v.shape[-1]))
     eta = uncertainty.coordinate_m
     if eta > 0.0:
-        size = root(total(v[:, 0] ** 2, v[:, 1] ** 2, v[:, 2] ** 2))
-        arm = root(total(*(machine.platform_points_m.T**2)))[:, None]
+        size, arm = norm(np.moveaxis(v, 1, 0)), arm_lengths(machine)[:, None]
         w = _offset(eta)
         D[:, :3] = total(3.8 * eta * np.ones(1))
         D[:, 3:] = total(arm * w * np.ones_like(size), 1.8 * eta * size, np.full_like(size, 1.8 * eta * w))[:, None]

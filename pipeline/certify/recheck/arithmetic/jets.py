@@ -5,8 +5,7 @@ from math import comb, factorial
 
 import numpy as np
 
-from pipeline.arrays import FloatArray, IntArray
-from pipeline.certify.recheck.enclosure import Enclosure, exactly, stacked, total
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, exactly, stacked, total
 
 TERMS = 5
 _SINE_TERMS = 20
@@ -86,43 +85,3 @@ def moved(coefficients: Enclosure, at: Enclosure, terms: int = TERMS) -> Enclosu
             value = value + part
         result.append(value)
     return stacked(result)
-
-
-def spline_taylor(
-    knots: FloatArray, coefficients: FloatArray, degree: int, first: FloatArray, centre: FloatArray
-) -> Enclosure:
-    """Taylor coefficients (degree + 1, 5, n) of a spline about centres (n,), on the pieces that hold `first` (n,).
-
-    Beyond the ends these are the first and the last piece. Control points of the r-th derivative are differences of
-    those before, r-th derivatives follow by de Boor's scheme.
-    """
-    # Knots where the domain begins or ends may be repeated as often as they like.
-    least = np.searchsorted(knots, knots[degree], side="right") - 1
-    largest = np.searchsorted(knots, knots[-degree - 1], side="left") - 1
-    span = np.clip(np.searchsorted(knots, first, side="right") - 1, least, largest)
-    points = [exactly(coefficients[span - degree + i].T) for i in range(degree + 1)]
-    result = []
-    for r in range(degree + 1):
-        value = _de_boor(knots, points, degree - r, span, centre)
-        result.append(value * exactly(float(factorial(r))).inverse())
-        order = degree - r
-        points = [
-            (points[i + 1] - points[i])
-            * exactly(float(order))
-            * (exactly(knots[span + 1 + i]) - exactly(knots[span - order + 1 + i])).inverse()
-            for i in range(order)
-        ]
-    return stacked(result)
-
-
-def _de_boor(knots: FloatArray, points: list[Enclosure], degree: int, span: IntArray, s: FloatArray) -> Enclosure:
-    at = exactly(s)
-    for level in range(1, degree + 1):
-        count = degree - level + 1
-        blended = []
-        for i in range(count):
-            left, right = exactly(knots[span - degree + level + i]), exactly(knots[span + 1 + i])
-            share = (right - left).inverse()
-            blended.append(((right - at) * share) * points[i] + ((at - left) * share) * points[i + 1])
-        points = blended
-    return points[0]

@@ -2,17 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline, make_interp_spline
+from scipy.interpolate import BSpline
 
-from pipeline.certify.recheck.splines import on_one_piece, spline_claim
+from pipeline.certify.recheck.claims.splines import spline_claim
 from pipeline.refine import Path
-from tests.certify.paths import torn
-
-
-def knotted(degree: int, multiplicity: int) -> BSpline:
-    """Interpolate five columns by one piece, and put a knot at 1/2 so often."""
-    s = np.linspace(0.0, 1.0, degree + 1)
-    return make_interp_spline(s, np.sin(s[:, None] + np.arange(5.0)), k=degree).insert_knot(0.5, multiplicity)
+from tests.certify.paths import knotted, torn
 
 
 @pytest.mark.parametrize(("degree", "multiplicity"), [(1, 1), (3, 2), (5, 1), (5, 5)])
@@ -66,10 +60,3 @@ def test_coefficients_have_to_be_numbers_of_five_actuators(line: Path) -> None:
     broken = BSpline(spline.t, spline.c.copy(), 5)
     broken.c[3, 2] = np.nan
     assert not spline_claim(broken).verified
-
-
-def test_intervals_end_at_knots() -> None:
-    """An interval may begin and end at a knot, and be a single s, but hold none."""
-    spline = knotted(3, 2)
-    first, last = np.array([0.0, 0.5, 0.5, 0.4, 0.0]), np.array([0.5, 1.0, 0.5, 0.6, 1.0])
-    assert on_one_piece(spline, first, last).tolist() == [True, True, True, False, False]

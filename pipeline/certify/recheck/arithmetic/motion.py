@@ -7,8 +7,8 @@ from operator import mul
 import numpy as np
 
 from pipeline.arrays import IntArray
-from pipeline.certify.recheck.enclosure import Enclosure, contract, cross, dot, exactly, stacked
-from pipeline.certify.recheck.jets import TERMS, product, sine_cosine
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, dot, exactly, stacked
+from pipeline.certify.recheck.arithmetic.jets import TERMS, product, sine_cosine
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
 
 _OUTER = np.array([[0, 0, 0], [0, 1, 2], [0, 2, 2]])

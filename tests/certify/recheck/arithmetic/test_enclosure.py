@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.certify.recheck.enclosure import Enclosure, contract, cross, dot, exactly, root, total
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, dot, exactly, root, total
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False).filter(lambda x: x == 0.0 or abs(x) > 1e-100)
 VECTORS = st.lists(NUMBERS, min_size=3, max_size=3)

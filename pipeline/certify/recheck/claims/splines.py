@@ -1,37 +1,30 @@
-"""What the splines of a path have to be before boxes say anything about them."""
+"""The splines of a path: boxes say nothing about what is not a continuous function on [0, 1]."""
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from pipeline.arrays import BoolArray, FloatArray
-from pipeline.certify.recheck.claim import Claim
+from pipeline.arrays import FloatArray
+from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.machine.geometry import ACTUATORS
 
 SPLINES = "the splines are continuous from s = 0 to 1"
 
 
 def spline_claim(spline: BSpline) -> Claim:
-    """Verify that splines of shape (n, 5) are continuous functions on all of [0, 1], and on nothing else."""
+    """Verify that splines of shape (n, 5) are continuous functions on exactly [0, 1]."""
     fault = _fault(spline)
     inner = len(_knots_within(spline))
     return Claim(SPLINES, not fault, fault or f"degree {spline.k}, {inner + 1} pieces")
 
 
-def on_one_piece(spline: BSpline, first: FloatArray, last: FloatArray) -> BoolArray:
-    """Tell of intervals of s, each shape (n,), whether no knot lies between their ends."""
-    knots = np.unique(spline.t)
-    alone: BoolArray = np.searchsorted(knots, first, side="right") >= np.searchsorted(knots, last, side="left")
-    return alone
-
-
 def _fault(spline: BSpline) -> str:
-    """Say what is wrong with splines; nothing where all is well.
+    """State what is wrong with splines; empty if nothing is.
 
-    At a knot of multiplicity m > k the values before and after are coefficients, exactly; else there is no jump.
+    At a knot of multiplicity m > k the values before and after are coefficients, exactly; at others there is no jump.
     """
     t, c, k = spline.t, np.asarray(spline.c), int(spline.k)
     if c.ndim != 2 or c.shape[1] != len(ACTUATORS) or not np.isfinite(c).all():
-        return f"there are not {len(ACTUATORS)} columns of finite coefficients"
+        return f"expected {len(ACTUATORS)} columns of finite coefficients"
     if (t[k], t[len(t) - k - 1]) != (0.0, 1.0):
         return f"they reach from {t[k]:g} to {t[len(t) - k - 1]:g}"
     for knot in _knots_within(spline):
@@ -42,5 +35,4 @@ def _fault(spline: BSpline) -> str:
 
 
 def _knots_within(spline: BSpline) -> FloatArray:
-    inner: FloatArray = np.unique(spline.t[(spline.t > 0.0) & (spline.t < 1.0)])
-    return inner
+    return np.unique(spline.t[(spline.t > 0.0) & (spline.t < 1.0)])
