@@ -49,6 +49,10 @@ class NoSolutionError(PipelineError):
         super().__init__(f"{stage}: {reason}\n  What to change: {advice}")
 
 
+class InfeasibleError(NoSolutionError):
+    """It is proven that there is no solution."""
+
+
 class UnfitConfigError(NoSolutionError):
     """A stage ended without a result for what the configuration asks: which only shows in the stage.
 

@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
-from pipeline.progress import Progress
+from pipeline.progress import Monitor, Progress
 from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
 from pipeline.summary.sections import Section
@@ -141,7 +141,7 @@ def make_route(results: Results, progress: Progress, verbose: bool) -> Product:
     from pipeline.route import plan_route
     from pipeline.summary.sections import route_section
 
-    results.route = plan_route(results.config, results.machine, results.regions, progress, verbose)
+    results.route = plan_route(results.config, results.machine, results.regions, Monitor(progress, verbose))
     return Product(route_files(results.route), route_section(results.route))
 
 

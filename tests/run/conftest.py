@@ -17,7 +17,7 @@ from pipeline.config.file import parse_config
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import CERTAIN, of_everything, of_lengths
 from pipeline.machine import Machine, inverse_kinematics
-from pipeline.progress import Progress, silent
+from pipeline.progress import QUIET, Monitor, Progress, silent
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory
 from pipeline.route.regions.build import RegionTable
@@ -201,12 +201,10 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
         fake.enter("regions", progress)
         return make_regions(machine)
 
-    def plan_route(
-        config: Config, machine: Machine, regions: RegionTable, progress: Progress = silent, verbose: bool = False
-    ) -> Route:
+    def plan_route(config: Config, machine: Machine, regions: RegionTable, monitor: Monitor = QUIET) -> Route:
         assert len(regions) == 5
-        fake.verbose.append(verbose)
-        fake.enter("route", progress)
+        fake.verbose.append(monitor.verbose)
+        fake.enter("route", monitor.progress)
         return make_route(machine, fake.objective)
 
     def refine_path(

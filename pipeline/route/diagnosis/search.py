@@ -15,9 +15,10 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config, RouteConfig
-from pipeline.errors import NoSolutionError
+from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.machine.geometry import Machine, build_machine
-from pipeline.progress import Progress, silent
+from pipeline.progress import Monitor, Progress, silent
+from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.diagnosis.endpoints import end_remarks
 from pipeline.route.diagnosis.relaxable_limits import RegionFilter, RelaxableLimit, not_varied, relaxable_limits
 from pipeline.route.diagnosis.result import Finding, InfeasibilityReport, Verdict
@@ -26,7 +27,6 @@ from pipeline.route.planner import plan_route
 from pipeline.route.regions.build import build_regions
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route
-from pipeline.status import Status
 
 _TRIES = 12
 """Most whole searches per limit."""
@@ -61,17 +61,6 @@ def reached(moves: Moves, count: int, root: int, backwards: bool = False) -> Boo
     found = np.zeros(count, dtype=bool)
     found[breadth_first_order(csr_array(graph.T) if backwards else graph, root, return_predecessors=False)] = True
     return found
-
-
-def fewest_positions(regions: RegionTable, moves: Moves) -> int | None:
-    """Count the positions of the shortest way from start to goal in the graph; None: there is no way."""
-    _, before = breadth_first_order(moves.graph(np.ones(len(regions))), regions.start)
-    here, count = regions.goal, 1
-    while here != regions.start:
-        here, count = int(before[here]), count + 1
-        if here < 0:
-            return None
-    return count
 
 
 @dataclass(frozen=True)
@@ -252,9 +241,9 @@ def search_whole(
     }
     hasty = config.model_copy(update={"route": options.model_copy(update=patience)})
     try:
-        return plan_route(hasty, machine, regions, progress), True
+        return plan_route(hasty, machine, regions, Monitor(progress)), True
     except NoSolutionError as error:
-        return None, error.diagnosis.get("status") == Status.INFEASIBLE
+        return None, isinstance(error, InfeasibleError)
 
 
 def _step_budget(config: Config, machine: Machine, regions: RegionTable, moves: Moves, progress: Progress) -> Finding:

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
-from pipeline.progress import silent
 from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.moves.check import Flaw
 from pipeline.route.moves.screen import Screen
+from pipeline.route.problem import RouteProblem
 from pipeline.route.search.objective import find_best
 from pipeline.route.search.states import unexpanded_graph
 
@@ -36,7 +36,9 @@ def test_the_cap_of_the_graph_is_the_least_with_a_way(random_problem, seed):
 
 @settings(max_examples=80)
 @given(st.integers(0, 1_000_000), st.sampled_from([0.0, 0.2, 0.4]))
-def test_the_bottleneck_route_is_that_of_brute_force(random_problem, cheapest, quick_config, vary, seed, share):
+def test_the_bottleneck_route_is_that_of_brute_force(
+    random_problem, cheapest, quick_config, vary, machine, seed, share
+):
     """With x binding and a share of the moves bad: the least cap by a dynamic program, and the least sum under it."""
     regions, moves, positions = random_problem(seed)
     random = np.random.default_rng(seed)
@@ -60,13 +62,14 @@ def test_the_bottleneck_route_is_that_of_brute_force(random_problem, cheapest, q
         lambda source, target: [Flaw.KAPPA if flawed else None for flawed in bad[source, target]], len(regions)
     )
     bounds = shortest_paths(regions, moves)
-    best = find_best(config, unexpanded_graph(regions, moves), bounds, screen, None, silent, False)
+    problem = RouteProblem.of(config, machine, regions, moves)
+    best = find_best(problem, unexpanded_graph(regions, moves), bounds, screen)
     if expected is None:
         assert best is None
         return
-    rows = best.optimum.sequence.region
+    rows = best.sequence.region
     assert regions.kappa[rows].max() == best.cap == expected[0]
-    assert best.optimum.sequence.outcome.objective == pytest.approx(expected[1], abs=1e-6)
+    assert best.objective == pytest.approx(expected[1], abs=1e-6)
 
 
 def test_the_bottleneck_route_has_the_least_largest_kappa(quick_config, vary, quick, assert_rules):

@@ -10,7 +10,7 @@ from pipeline.config.file import load_config
 from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route
-from pipeline.route.bounds.shortest_paths import fewest_moves
+from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.diagnosis import search as module
 from pipeline.route.diagnosis.relaxable_limits import RelaxableLimit, relaxable_limits
 from pipeline.route.diagnosis.result import InfeasibilityReport, Verdict
@@ -18,7 +18,6 @@ from pipeline.route.diagnosis.search import (
     FeasibilityThreshold,
     SearchOutcome,
     explain_infeasibility,
-    fewest_positions,
     find_threshold,
     reached,
     relax_limit,
@@ -108,13 +107,6 @@ class TestGraph:
                 found |= {j for i, j in pairs if i in found} if not backwards else {i for i, j in pairs if j in found}
             assert set(np.flatnonzero(reached(moves, len(regions), root, backwards))) == found
 
-    @pytest.mark.parametrize("seed", range(20))
-    def test_fewest_positions(self, seed: int, random_problem) -> None:
-        """One more than the moves that another search counts."""
-        regions, moves, _ = random_problem(seed)
-        hops = fewest_moves(regions, moves)
-        assert fewest_positions(regions, moves) == (None if hops is None else hops + 1)
-
 
 class TestFindings:
     """Findings on real tasks."""
@@ -170,8 +162,8 @@ class TestFindings:
             config = vary(coarse, {key: value})
             machine = build_machine(config.machine)
             regions = build_regions(config, machine)
-            hops = fewest_moves(regions, module.find_moves(config, machine, regions))
-            return hops is not None and hops + 1 <= config.route.step_budget
+            fewest = fewest_positions(regions, module.find_moves(config, machine, regions))
+            return fewest is not None and fewest <= config.route.step_budget
 
         class Found:
             objective, region = 1.0, np.array([0])
