@@ -14,15 +14,14 @@ much of a path.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
-from scipy.sparse import block_diag, csc_array, csr_array, vstack
+from scipy.sparse import block_diag, csr_array, vstack
 
 from pipeline.arrays import FloatArray
 from pipeline.refine.peak.constraints import Limit, PathConstraints, of_actuators, pose_limits
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
 from pipeline.refine.peak.speed import chord_curvature, chord_slopes, pace_limits
-from pipeline.solvers import interrupts_noted
+from pipeline.solvers import DampedProgram, interrupts_noted
 
 _NEAR = 0.1
 """A bound farther than this (metres, radians, shares of the mean speed) from its value is left out of a step."""
@@ -155,14 +154,16 @@ class _Subproblem:
             rows.append(limit.slope(near))
             low.append((limit.low - limit.value)[near])
             high.append((limit.high - limit.value)[near])
-        self._A, self._low, self._high = _matrix(vstack(rows)), np.concatenate(low), np.concatenate(high)
-        self._gradient = wish.mean / wish.length * integral_slope(looks, iterate, by_kappa) + wish.largest * largest
+        gradient = wish.mean / wish.length * integral_slope(looks, iterate, by_kappa) + wish.largest * largest
         weights = wish.mean / wish.length * (iterate.kappa[1:] + iterate.kappa[:-1]) / 2.0
-        self._squared = _matrix(block_diag([looks.squared, csr_array((2, 2))]))
-        self._curvature = _matrix(chord_curvature(looks, iterate, weights))
-        self._bounds = self._variable_bounds(ground.actuator_limits_m)
-        shapes = {"h": (self._squared + self._curvature).sparsity(), "a": self._A.sparsity()}
-        self._solver = ca.conic("step", "piqp", shapes, {"error_on_fail": False})
+        self._program = DampedProgram(
+            hessian=chord_curvature(looks, iterate, weights),
+            damping=block_diag([looks.squared, csr_array((2, 2))]),
+            gradient=gradient,
+            matrix=vstack(rows),
+            row_bounds=(np.concatenate(low), np.concatenate(high)),
+            column_bounds=self._variable_bounds(ground.actuator_limits_m),
+        )
 
     def _variable_bounds(self, actuator_limits_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         coefficients, wish = self._iterate.coefficients, self._wish
@@ -175,21 +176,11 @@ class _Subproblem:
 
     def solve(self, damping: float) -> tuple[FloatArray | None, float]:
         """Find the change of the coefficients (n, 5) and what it promises; None where there is none."""
-        result = self._solver(
-            h=self._curvature + damping * self._squared,
-            g=self._gradient,
-            a=self._A,
-            lba=self._low,
-            uba=self._high,
-            lbx=self._bounds[0],
-            ubx=self._bounds[1],
-        )
-        if not self._solver.stats()["success"]:
+        x = self._program.solve(damping)
+        if x is None:
             return None, 0.0
-        x = np.array(result["x"]).ravel()
         before = self._wish.largest * max(float(self._iterate.kappa.max()), self._wish.aim)
-        after = float(self._gradient @ x) + float(ca.bilin(self._curvature, x, x)) / 2.0
-        return x[:-2].reshape(-1, 5), before - after
+        return x[:-2].reshape(-1, 5), before - self._program.value(x)
 
 
 def integral_slope(looks: EvaluationPoints, iterate: Iterate, by_kappa: csr_array) -> FloatArray:
@@ -198,10 +189,3 @@ def integral_slope(looks: EvaluationPoints, iterate: Iterate, by_kappa: csr_arra
     shares = (np.append(distances, 0.0) + np.append(0.0, distances)) / 2.0
     slope: FloatArray = by_kappa.T @ shares + chord_slopes(looks, iterate).T @ ((kappa[1:] + kappa[:-1]) / 2.0)
     return slope
-
-
-def _matrix(matrix: csr_array | csc_array) -> ca.DM:
-    columns = csc_array(matrix)
-    columns.sum_duplicates()
-    height, width = columns.shape
-    return ca.DM(ca.Sparsity(height, width, columns.indptr.tolist(), columns.indices.tolist()), columns.data.tolist())

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def make_route(results: "Results", monitor: Monitor) -> Product:
     """Search for the best route through the regions."""
-    route = plan_route(results.config, results.machine, results.regions, monitor.progress, monitor.verbose)
+    route = plan_route(results.config, results.machine, results.regions, monitor)
     return route_product(results, route)
 
 

@@ -1,56 +1,58 @@
 """The paper's program and the compact one: the same optima as the core and a dynamic program, on small problems."""
 
 import itertools
+from typing import get_args
 
-import highspy
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.config import RouteConfig
 from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
-from pipeline.progress import silent
 from pipeline.route import build_regions, plan_route
+from pipeline.route.bounds.budgets import task_budgets
+from pipeline.route.cost import route_cost
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves, find_moves
-from pipeline.route.programs.compact import build_compact_model, read_compact
 from pipeline.route.programs.exclusions import add_exclusions, excluded_pairs
-from pipeline.route.programs.paper import build_paper_model, paper_size, read_paper
+from pipeline.route.programs.paper import paper_size
 from pipeline.route.programs.rows import Rows
-from pipeline.route.search.rule_check import route_cost, rule_violations
-from pipeline.solvers.highs import solve_model, write_model
+from pipeline.route.programs.whole import WHOLE_PROGRAMS
+from pipeline.route.search.objective import OBJECTIVES
+from pipeline.route.search.rule_check import rule_violations
+from pipeline.solvers import solve_program
 from pipeline.status import Status
 
-FORMULATIONS = {"paper": (build_paper_model, read_paper), "compact": (build_compact_model, read_compact)}
 WIDE = np.array([1.0, 1e3, 1e3, 1e3, 1e3])
 """Steps that bind x alone: hand-made regions are a metre of y apart."""
 
 
 def _all_but(regions, moves):
-    """Exclude every pair of regions that is no move."""
+    """Exclude every pair of regions that is not a move."""
     admitted = set(zip(moves.source.tolist(), moves.target.tolist(), strict=True))
     every = itertools.permutations(range(len(regions)), 2)
     pairs = np.array(sorted(set(every) - admitted), dtype=np.int64).reshape(-1, 2)
     return Moves(pairs[:, 0], pairs[:, 1])
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", WHOLE_PROGRAMS)
 @settings(max_examples=15)
 @given(seed=st.integers(0, 1_000_000), x_free=st.booleans())
 def test_optimum_is_that_of_a_dynamic_program(random_problem, cheapest, formulation, seed, x_free):
     """With x binding or free; what the program returns keeps the rules and costs what it says."""
     regions, moves, positions = random_problem(seed, x_free)
     positions = min(positions, 5)
-    build, read = FORMULATIONS[formulation]
+    whole = WHOLE_PROGRAMS[formulation]
     expected = cheapest(regions, moves, positions, 1.0)
-    outcome = solve_model(build(regions, _all_but(regions, moves), WIDE, positions), 60.0, silent)
+    outcome = solve_program(whole.build(regions, _all_but(regions, moves), WIDE, positions, ()), 60.0)
     if not np.isfinite(expected):
         assert outcome.status is Status.INFEASIBLE
         return
     assert outcome.status is Status.OPTIMAL
     assert outcome.objective == pytest.approx(expected, abs=1e-6)
-    rows, x = read(outcome.values, regions, positions)
+    rows, x = whole.read(outcome.values, regions, positions)
     assert rule_violations(regions, rows, x, WIDE, positions) == []
     assert route_cost(regions, rows) == pytest.approx(expected, abs=1e-6)
 
@@ -73,7 +75,7 @@ def tiny(quick_config, vary):
     return config, machine, build_regions(config, machine)
 
 
-@pytest.mark.parametrize("formulation", ["core", *FORMULATIONS])
+@pytest.mark.parametrize("formulation", ["core", *WHOLE_PROGRAMS])
 def test_a_route_is_planned_with_any_formulation(tiny, vary, assert_rules, formulation):
     """One truth: the same sum, followed and checked in the same way."""
     config, machine, regions = tiny
@@ -85,7 +87,7 @@ def test_a_route_is_planned_with_any_formulation(tiny, vary, assert_rules, formu
     assert np.isfinite(route.search.threshold) == (formulation == "core")
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", WHOLE_PROGRAMS)
 def test_no_route_is_proven_with_any_formulation(tiny, vary, formulation):
     """From x 1.02 to 1.6 at 10 cm a step in four positions: the program itself says that it cannot be."""
     config, machine, _ = tiny
@@ -94,8 +96,8 @@ def test_no_route_is_proven_with_any_formulation(tiny, vary, formulation):
         plan_route(config, machine, build_regions(config, machine))
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
-def test_a_time_limit_is_told_as_such(tiny, vary, formulation):
+@pytest.mark.parametrize("formulation", WHOLE_PROGRAMS)
+def test_a_time_limit_is_reported_as_such(tiny, vary, formulation):
     """No proof, no result."""
     config, machine, regions = tiny
     config = vary(config, {"route.formulation": formulation, "route.time_limit_s": 1e-6})
@@ -103,18 +105,28 @@ def test_a_time_limit_is_told_as_such(tiny, vary, formulation):
         plan_route(config, machine, regions)
 
 
-def test_the_size_of_the_papers_program_is_known_without_building_it(tiny):
-    """(13 + N_d) N columns, and every row, boolean and entry as in the program that is built."""
+BUDGET = {"mode_changes": 2, "tilt_deg": 90.0, "travel_m": 1.0}
+
+
+@pytest.mark.parametrize("formulation", WHOLE_PROGRAMS)
+@pytest.mark.parametrize("budget", [{}, BUDGET])
+def test_the_size_of_a_program_is_known_without_building_it(tiny, vary, formulation, budget):
+    """Every column, row, boolean and entry is as in the program that is built."""
     config, machine, regions = tiny
+    config = vary(config, {"task.budget": budget})
     exclusions = excluded_pairs(config, regions, find_moves(config, machine, regions))
-    N = config.route.step_budget
-    size = paper_size(len(regions), N, len(exclusions), len(np.unique(exclusions.source)))
-    lp = build_paper_model(regions, exclusions, step_sizes(config.route), N).lp_
-    assert size.columns == lp.num_col_ == (13 + len(regions)) * N
-    assert size.rows == lp.num_row_
-    assert size.booleans == sum(kind == highspy.HighsVarType.kInteger for kind in lp.integrality_)
-    # Coefficients that happen to be zero, as x of a window at the end of the range has, are counted but not stored.
-    assert len(lp.a_matrix_.value_) <= size.entries
+    whole, N, budgets = WHOLE_PROGRAMS[formulation], config.route.step_budget, task_budgets(config)
+    size = whole.size(len(regions), N, len(exclusions), len(np.unique(exclusions.source)), budgets)
+    program = whole.build(regions, exclusions, step_sizes(config.route), N, budgets)
+    assert size.columns == program.columns
+    assert size.rows == program.rows
+    assert size.booleans == np.count_nonzero(program.integer)
+    # Coefficients that happen to be zero are counted, whether they are stored or not.
+    assert program.matrix.nnz <= size.entries
+
+
+def test_the_papers_program_has_a_column_per_step_and_region():
+    """(13 + N_d) N of them: more than a million for the paper's own grid."""
     assert paper_size(45_936, 25).columns == 1_148_725
 
 
@@ -140,16 +152,8 @@ def test_nothing_may_be_excluded(tiny):
     assert not rows.counts
 
 
-def test_a_program_is_written_for_other_solvers_and_read_back(tiny, tmp_path):
-    """As an MPS file it has the same optimum; a folder that is not there is an error."""
-    config, machine, regions = tiny
-    exclusions = excluded_pairs(config, regions, find_moves(config, machine, regions))
-    model = build_compact_model(regions, exclusions, step_sizes(config.route), config.route.step_budget)
-    write_model(model, tmp_path / "program.mps")
-    solver = highspy.Highs()
-    solver.setOptionValue("output_flag", False)
-    solver.readModel(str(tmp_path / "program.mps"))
-    solver.run()
-    assert solver.getInfo().objective_function_value == pytest.approx(62.928150, abs=1e-5)
-    with pytest.raises(OSError, match="cannot be written"):
-        write_model(model, tmp_path / "missing" / "program.mps")
+def test_every_formulation_and_objective_of_the_configuration_is_known():
+    """The core is one program per core; every other formulation, and every objective, is a row of a table."""
+    fields = RouteConfig.model_fields
+    assert set(get_args(fields["formulation"].annotation)) == {"core", *WHOLE_PROGRAMS}
+    assert set(get_args(fields["objective"].annotation)) == set(OBJECTIVES)
