@@ -1,4 +1,4 @@
-"""The solvers, one module each: no stage talks to one directly. HiGHS, IPOPT, PIQP, and what Ctrl-C does to them."""
+"""The solvers, one module each: no stage talks to one directly. HiGHS, IPOPT, PIQP, TOPP-RA, and what Ctrl-C does to them."""
 
 import lazy_loader
 
