@@ -43,7 +43,7 @@ def bear(path: Path, uncertainty: Uncertainty) -> Tolerance:
     """Prove one calibration error to be borne."""
     with working_precision(64):
         chain = close_chain(build_problem(path.machine, path, 1e-4, uncertainty))
-    assert chain.broken is None
+    assert chain.failure is None
     return Tolerance(uncertainty.length_m, 2.0 * uncertainty.length_m, np.inf, proven_chain(chain, uncertainty))
 
 

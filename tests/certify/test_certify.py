@@ -81,5 +81,5 @@ def test_a_file_that_is_no_certificate_is_told(tmp_path_factory: pytest.TempPath
 def test_the_wrong_branch_at_an_end_is_told(machine: Machine, line: Path, prove: Callable[..., Certificate]) -> None:
     """A machine that is assembled the other way round cannot be at the start of this path."""
     certificate = prove(replace(machine, triangle_sign=-machine.triangle_sign), line)
-    assert certificate.broken is not None
-    assert "triangle" in certificate.broken.reason.text
+    assert certificate.failure is not None
+    assert "triangle" in certificate.failure.reason.text

@@ -68,7 +68,7 @@ def test_a_machine_that_fails_does_so_at_its_eps(machine: Machine, singular_at: 
 @pytest.mark.parametrize("name", ["length_m", "coordinate_m"])
 def test_an_uncertainty_is_a_number_that_is_not_negative(name: str, eps: float) -> None:
     """What is none would count as certain."""
-    with pytest.raises(ValueError, match="finite, and not negative"):
+    with pytest.raises(ValueError, match="finite and not negative"):
         Uncertainty(**{name: eps})
 
 

@@ -140,7 +140,7 @@ def test_boxes_on_two_branches_are_found(wide: Config, machine: Machine, line: P
     """Each is proven, their joint too, and they reach from 0 to 1: only that neighbours share a branch is wrong."""
     for chain in branching_chains(machine, line):
         claims = verified(wide, two_branches(machine, line)[0], chain)
-        assert claims["boxes reach from s = 0 to 1"]
+        assert claims["boxes cover s = 0 to 1"]
         assert claims["each box holds one regular pose"]
         assert not claims["neighbouring boxes share a branch"]
 
