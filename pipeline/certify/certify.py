@@ -31,8 +31,8 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
     """Prove that a path is one motion free of singularities, within its limits, from the start to the goal.
 
     Proven are the limits that the certificate bounds (`ProvenLimit`): the cap on kappa, the distances of links and
-    rails, travel, strokes and tilts, but not the boxes to avoid. Bounds may pass a limit that the path was made to
-    touch by what its `PROOF_ROUNDING_` constant allows.
+    rails, travel, strokes and tilts, but not the boxes to avoid. Bounds of actuators and tilts may exceed their limits
+    by 1e-6 m or rad (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`), since a path may touch these limits.
 
     With `certify.what` "tolerances" the largest calibration errors for which this still holds are searched as well.
 

@@ -32,7 +32,7 @@ def kappa_bounds(kappa: float, sign: float) -> np.ndarray:
 
 
 def test_the_least_and_the_largest_count(machine: Machine, line: Path) -> None:
-    """Of each quantity by itself; kappa is told where its largest bound is."""
+    """Of each quantity by itself; kappa_s is where kappa has its largest bound."""
     limits: list[ProvenLimit] = [KappaCap(100.0)]
     chain = chain_with(machine, line, [(kappa_bounds(kappa, 1.0),) for kappa in (10.0, 30.0, 20.0)])
     bounds = combine_bounds(limits, chain, (0.1, 0.2))

@@ -63,7 +63,7 @@ def test_bounds_hold_at_samples_and_are_sharp(machine: Machine, line: Path, prov
 
 
 def test_a_path_through_a_singularity_is_refused_there(machine: Machine, prove: Prove, singular_at: float) -> None:
-    """The place is told, and everything before it is proven."""
+    """The place is reported, and everything before it is proven."""
     path = pose_path(machine, START + singular_at * 1.25 * S[:, None] * TOWARDS_SINGULARITY, RLL)
     certificate = prove(machine, path, (RLL, RLL), least_width=1e-4)
     assert certificate.failure is not None

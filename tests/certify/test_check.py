@@ -28,11 +28,11 @@ def refused(result: Result) -> list[str]:
 
 
 def test_a_true_certificate_is_verified(run: pathlib.Path) -> None:
-    """And what was found is told: kappa, distances, travel, tilts, both tolerances."""
+    """What was found is reported: kappa, distances, travel, tilts, both tolerances."""
     result = check(run)
     assert result.exit_code == 0, result.stdout
     assert refused(result) == []
-    for told in (
+    for reported in (
         "cap 100",
         "required 0.03",
         "limits 0 to 2.1 m",
@@ -40,7 +40,7 @@ def test_a_true_certificate_is_verified(run: pathlib.Path) -> None:
         "stated 0.1 mm",
         "stated 0.02 mm",
     ):
-        assert told in result.stdout
+        assert reported in result.stdout
 
 
 def test_a_run_folder_stands_for_its_certificate(run: pathlib.Path) -> None:
