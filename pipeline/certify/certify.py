@@ -10,7 +10,7 @@ from pipeline.certify.endpoints import check_ends
 from pipeline.certify.examiner import build_examiner
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.problem import build_problem
-from pipeline.certify.reasons import Break
+from pipeline.certify.reasons import ProofFailure
 from pipeline.certify.result import Certificate, path_sha256, proven_chain
 from pipeline.certify.tolerance import search_tolerances
 from pipeline.config import Config
@@ -31,8 +31,8 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
     """Prove that a path is one motion free of singularities, within its limits, from the start to the goal.
 
     Proven are the limits that the certificate bounds (`ProvenLimit`): the cap on kappa, the distances of links and
-    rails, travel, strokes and tilts, but not the boxes to avoid. Bounds may pass a limit that the path was made to
-    touch by what its `PROOF_ROUNDING_` constant allows.
+    rails, travel, strokes and tilts, but not the boxes to avoid. Bounds of actuators and tilts may exceed their limits
+    by 1e-6 m or rad (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`), since a path may touch these limits.
 
     With `certify.what` "tolerances" the largest calibration errors for which this still holds are searched as well.
 
@@ -44,8 +44,8 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
     ends = task_endpoints(config, machine)
     with working_precision(config.certify.precision_bits):
         certificate = prove_path(config, machine, path, ends, monitor)
-        if certificate.broken is not None:
-            raise _refusal(certificate, certificate.broken)
+        if certificate.failure is not None:
+            raise _refusal(certificate, certificate.failure)
         if config.certify.what == "tolerances":
             lengths, coordinates = search_tolerances(config.certify, machine, path, monitor)
             certificate = replace(certificate, link_length=lengths, coordinates=coordinates)
@@ -58,16 +58,16 @@ def prove_path(
     """Prove a path as far as possible; the result says why it ends there."""
     problem, limits = build_problem(machine, path, config.certify.least_width), proven_limits(config, machine)
     chain = close_chain(problem, build_examiner(config.certify, limits, _kappa_sampled(path)), monitor)
-    broken, misses = chain.broken, (np.inf, np.inf)
-    if broken is None:
-        misses, broken = check_ends(problem, chain.joints, ends)
+    failure, misses = chain.failure, (np.inf, np.inf)
+    if failure is None:
+        misses, failure = check_ends(problem, chain.joints, ends)
     return Certificate(
         path_sha256=path_sha256(path),
         premises_sha256=premises_sha256(config),
         precision_bits=config.certify.precision_bits,
         chain=proven_chain(chain, CERTAIN),
         bounds=combine_bounds(limits, chain, misses) if chain.inclusions else None,
-        broken=broken,
+        failure=failure,
     )
 
 
@@ -79,10 +79,10 @@ def _kappa_sampled(path: Path) -> float:
         return np.inf
 
 
-def _refusal(certificate: Certificate, broken: Break) -> NoSolutionError:
+def _refusal(certificate: Certificate, failure: ProofFailure) -> NoSolutionError:
     return NoSolutionError(
         "certify",
-        f"the path cannot be certified beyond s = {broken.s:.6f}: {broken.reason.text}",
-        broken.reason.advice,
-        {"status": certificate.verdict, "certificate": certificate, "s": broken.s},
+        f"the path cannot be certified beyond s = {failure.s:.6f}: {failure.reason.text}",
+        failure.reason.advice,
+        {"status": certificate.verdict, "certificate": certificate, "s": failure.s},
     )

@@ -19,7 +19,7 @@ from pipeline.certify.reasons import (
     NO_INCLUSION,
     NO_POSE,
     SPLINES_INCOMPLETE,
-    Break,
+    ProofFailure,
     Reason,
 )
 from pipeline.errors import ForwardKinematicsError
@@ -44,14 +44,14 @@ class Chain:
         The boxes, and the bounds over each.
     joints : n + 1
         Inclusions at a single s: the ends of the boxes.
-    broken : Break or None
+    failure : ProofFailure or None
         Where and why the chain ends; None if it reaches s = 1.
     """
 
     inclusions: tuple[Inclusion, ...]
     bounds: tuple[BoxBounds, ...]
     joints: tuple[Inclusion, ...]
-    broken: Break | None
+    failure: ProofFailure | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ def close_chain(problem: ProofProblem, examine: Examiner = accept_any, monitor: 
     origin = problem.pieces[0]
     start = prove_joint(problem, origin, origin.first)
     if isinstance(start, Reason):
-        return Chain((), (), (), Break(origin.first, start))
+        return Chain((), (), (), ProofFailure(origin.first, start))
     links: list[_Link] = []
     for piece in problem.pieces:
         waiting = [(piece.first, piece.last)]
@@ -87,19 +87,19 @@ def close_chain(problem: ProofProblem, examine: Examiner = accept_any, monitor: 
                 links.append(link)
                 monitor.progress(f"{len(links)} boxes", last)
             elif last - first < 2.0 * problem.least_width:
-                return _chain(start, links, Break((first + last) / 2.0, link))
+                return _chain(start, links, ProofFailure((first + last) / 2.0, link))
             else:
                 centre, _ = middle(first, last)
                 waiting += [(centre, last), (first, centre)]
     return _chain(start, links, None)
 
 
-def _chain(start: Inclusion, links: list[_Link], broken: Break | None) -> Chain:
+def _chain(start: Inclusion, links: list[_Link], failure: ProofFailure | None) -> Chain:
     return Chain(
         inclusions=tuple(link.inclusion for link in links),
         bounds=tuple(link.bounds for link in links),
         joints=(start, *(link.joint for link in links)),
-        broken=broken,
+        failure=failure,
     )
 
 
@@ -162,11 +162,11 @@ def _offset(box: Box, s: float) -> arb:
     return arb(exact(s) - exact(middle(box.first, box.last)[0]))
 
 
-def _discontinuity(pieces: Sequence[Piece]) -> Break | None:
+def _discontinuity(pieces: Sequence[Piece]) -> ProofFailure | None:
     """Find where pieces are not one continuous function on exactly [0, 1], in rational arithmetic."""
     if not pieces or (pieces[0].first, pieces[-1].last) != (0.0, 1.0):
-        return Break(0.0, SPLINES_INCOMPLETE)
+        return ProofFailure(0.0, SPLINES_INCOMPLETE)
     for before, after in pairwise(pieces):
         if [q[:1] for q in before.taylor(after.first)] != [q[:1] for q in after.taylor(after.first)]:
-            return Break(after.first, ACTUATORS_JUMP)
+            return ProofFailure(after.first, ACTUATORS_JUMP)
     return None

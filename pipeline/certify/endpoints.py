@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from flint import arb
 
 from pipeline.certify.problem import ProofProblem
-from pipeline.certify.reasons import Break, Reason
+from pipeline.certify.reasons import ProofFailure, Reason
 from pipeline.inclusion.closure import Closure, Geometry, closure, cross, dot
 from pipeline.inclusion.condition import above
 from pipeline.inclusion.krawczyk import Inclusion
@@ -18,14 +18,14 @@ TOLERANCE = 1e-6
 
 def check_ends(
     problem: ProofProblem, joints: Sequence[Inclusion], ends: tuple[Endpoint, Endpoint]
-) -> tuple[tuple[float, float], Break | None]:
+) -> tuple[tuple[float, float], ProofFailure | None]:
     """Bound how far the proven poses at both ends are from the task's, and check that each is assembled as it should.
 
     Returns
     -------
     misses : (float, float)
         In metres or radians, whichever is larger.
-    broken : Break or None
+    failure : ProofFailure or None
         The first end that is not the task's.
     """
     start_miss, start = _check_end(problem, joints[0], ends[0], at_goal=False)
@@ -33,20 +33,24 @@ def check_ends(
     return (start_miss, goal_miss), start or goal
 
 
-def _check_end(problem: ProofProblem, joint: Inclusion, end: Endpoint, at_goal: bool) -> tuple[float, Break | None]:
+def _check_end(
+    problem: ProofProblem, joint: Inclusion, end: Endpoint, at_goal: bool
+) -> tuple[float, ProofFailure | None]:
     name, piece, s = ("goal" if at_goal else "start"), problem.pieces[-1 if at_goal else 0], joint.box.first
     pose = [arb(x) + arb(0, k.upper()) for x, k in zip(joint.box.pose[0].tolist(), joint.image, strict=True)]
     miss = max(above((x - arb(value)).abs_upper()) for x, value in zip(pose, end.pose.tolist(), strict=True))
     if not miss <= TOLERANCE:
-        return miss, Break(s, Reason(f"the {name} is missed by {miss:.3g} (metres or radians)"))
+        return miss, ProofFailure(s, Reason(f"the {name} is missed by {miss:.3g} (metres or radians)"))
     found = closure(problem.balls, pose, [arb(value[0]) for value in piece.taylor(s)])
     for arm, link in enumerate(PRIMARY.tolist()):
         towards = found.vectors[link][0] * -MODE_SIGNS[end.mode, arm]
         # At the serial singularity itself both modes are one pose.
         if not towards > -TOLERANCE:
-            return miss, Break(s, Reason(f"at the {name} arm {arm + 1} is not in working mode {MODES[end.mode]}"))
+            return miss, ProofFailure(
+                s, Reason(f"at the {name} arm {arm + 1} is not in working mode {MODES[end.mode]}")
+            )
     if not _triangle_orientation(problem.balls, found) * problem.machine.triangle_sign > 0:
-        return miss, Break(s, Reason(f"at the {name} the triangle is not assembled as triangle_branch says"))
+        return miss, ProofFailure(s, Reason(f"at the {name} the triangle is not assembled as triangle_branch says"))
     return miss, None
 
 

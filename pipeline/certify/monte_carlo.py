@@ -1,7 +1,7 @@
-"""For scale beside the proven tolerance: the least error at which some machine is seen to fail (Monte Carlo).
+"""The least calibration error at which a sampled machine fails, for comparison with the proven tolerance.
 
-Machines are drawn with every uncertain parameter wrong by plus or minus eps, the worst in sight of them first: the one
-that to first order brings det H down fastest where kappa is largest. Each is followed from eps = 0 on, along the path.
+Machines are drawn with an error of plus or minus eps in every uncertain parameter. The first is the likely worst: to
+first order it lowers det H fastest where kappa is largest. Each is followed along the path from eps = 0 on.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ _SEED = 1
 
 @dataclass(frozen=True, eq=False)
 class _Errors:
-    """Signs, -1, 0 or 1, of what is wrong about a machine: joints, rails, link lengths (telescopes included)."""
+    """Signs -1, 0 or 1 of the errors of a machine: joints, rails, link lengths (telescopes included)."""
 
     points: FloatArray
     offsets: FloatArray
@@ -36,11 +36,12 @@ class _Errors:
 
     @classmethod
     def from_signs(cls, signs: FloatArray) -> "_Errors":
-        """Cut a vector (48,) into its parts: 18 and 18 joint coordinates, 6 of rails, 6 lengths."""
+        """Split a vector (48,) into 18 and 18 joint coordinates, 6 of rails and 6 lengths."""
         points, offsets, rails, lengths = np.split(signs, [18, 36, 42])
         return cls(points.reshape(6, 3), offsets.reshape(6, 3), rails.reshape(3, 2), lengths)
 
     def applied(self, machine: Machine, eps: float) -> Machine:
+        """Return the machine with errors of size eps."""
         return replace(
             machine,
             platform_points_m=machine.platform_points_m + eps * self.points,
@@ -50,12 +51,12 @@ class _Errors:
         )
 
     def actuators(self, q_m: FloatArray, eps: float) -> FloatArray:
-        """What carts and telescopes really are."""
+        """Compute the true positions of carts and telescopes."""
         return q_m + eps * np.concatenate([np.zeros(3), self.lengths[[2, 4]]])
 
 
 def failing_eps(machine: Machine, path: Path, kind: Callable[[float], Uncertainty], samples: int) -> float:
-    """Least eps in metres at which one of the machines drawn cannot follow the path; infinite where none was seen."""
+    """Return the least eps in metres at which a sampled machine cannot follow the path; infinite if all can."""
     s = np.linspace(0.0, 1.0, _SAMPLES)
     pose, q = path.pose(s), path.q(s)
     lengths_only = kind(1.0).coordinate_m == 0.0
@@ -73,7 +74,7 @@ def failing_eps(machine: Machine, path: Path, kind: Callable[[float], Uncertaint
 
 
 def _first_failure(machine: Machine, errors: _Errors, nominal: FloatArray, q_m: FloatArray, most: float) -> float:
-    """Follow a machine from eps = 0 to `most`; where it fails the step is halved. Infinite where it never does."""
+    """Follow a machine from eps = 0 to `most`, halving the step if it fails; infinite if it never does."""
     sign = np.sign(np.linalg.det(statics_matrix(machine, nominal, q_m[:, :3])))
     eps, step, pose, halvings = 0.0, most / _STEPS, nominal, 0
     while eps < most:
@@ -91,7 +92,7 @@ def _first_failure(machine: Machine, errors: _Errors, nominal: FloatArray, q_m: 
 
 
 def _steepest(machine: Machine, pose: FloatArray, q_m: FloatArray, free: FloatArray) -> FloatArray:
-    """Signs (48,) that bring |det H| down fastest at the pose with the largest kappa."""
+    """Return the signs (48,) that lower |det H| fastest at the pose with the largest kappa."""
     row = [int(np.argmax(condition_number(statics_matrix(machine, pose, q_m[:, :3]))))]
     signs = np.zeros(48)
     for k in np.flatnonzero(free):

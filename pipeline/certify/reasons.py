@@ -22,8 +22,8 @@ class Reason:
 
 
 @dataclass(frozen=True)
-class Break:
-    """Where a proof ends before the path does, and why."""
+class ProofFailure:
+    """Where and why a proof ends before the path does."""
 
     s: float
     reason: Reason

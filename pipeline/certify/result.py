@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.chain import Chain
-from pipeline.certify.reasons import Break
+from pipeline.certify.reasons import ProofFailure
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.refine.result import Path
@@ -73,7 +73,7 @@ class Certificate:
         Boxes proven for the machine as configured.
     bounds : Bounds or None
         Bounds over all boxes; None if no box is proven.
-    broken : Break or None
+    failure : ProofFailure or None
         Where and why the proof ends; None if the path is certified.
     link_length, coordinates : Tolerance or None
         Calibration tolerances; None if they were not searched.
@@ -84,14 +84,14 @@ class Certificate:
     precision_bits: int
     chain: ProvenChain
     bounds: Bounds | None
-    broken: Break | None
+    failure: ProofFailure | None
     link_length: Tolerance | None = None
     coordinates: Tolerance | None = None
 
     @property
     def verdict(self) -> str:
         """Whether the path is certified, in words."""
-        return CERTIFIED if self.broken is None else NOT_CERTIFIED
+        return CERTIFIED if self.failure is None else NOT_CERTIFIED
 
 
 def proven_chain(chain: Chain, uncertainty: Uncertainty) -> ProvenChain:

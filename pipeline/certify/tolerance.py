@@ -36,7 +36,7 @@ def largest_tolerance(
     def prove(eps: float) -> ProvenChain | None:
         monitor.progress(f"trying an error of {1e3 * eps:.4g} mm")
         chain = close_chain(replace(problem, uncertainty=kind(eps)))
-        return proven_chain(chain, kind(eps)) if chain.broken is None else None
+        return proven_chain(chain, kind(eps)) if chain.failure is None else None
 
     good, bad, proof, eps = 0.0, float("inf"), None, _FIRST_M
     while eps > _LEAST_M and bad > (1.0 + options.tolerance_resolution) * good:

@@ -1,4 +1,4 @@
-"""The solvers, one module each: no stage talks to one directly. HiGHS, IPOPT, PIQP, TOPP-RA, and what Ctrl-C does to them."""
+"""The solvers, one module each, and what Ctrl-C does to them: no stage talks to one directly."""
 
 import lazy_loader
 

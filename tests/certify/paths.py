@@ -70,13 +70,13 @@ def other_solution(machine: Machine, q: np.ndarray, pose: np.ndarray) -> np.ndar
 
 @dataclass(frozen=True, eq=False)
 class Jumping(Path):
-    """A path that tells poses of another branch beyond s = 1/2: there already (`before`), or only after it."""
+    """A path with poses of another branch beyond s = 1/2: from there on (`before`), or only after it."""
 
     beyond: Path
     before: bool
 
     def pose(self, s: np.ndarray | float) -> np.ndarray:
-        """Tell poses that all close, on two branches."""
+        """Evaluate poses that all close, on two branches."""
         s = np.atleast_1d(s)
         far = s >= 0.5 if self.before else s > 0.5
         return np.where(far[:, None], self.beyond.pose(s), super().pose(s))
@@ -154,7 +154,7 @@ def determinant(machine: Machine, along: float) -> float:
 
 
 def state(certificate: Certificate) -> Statement:
-    """Say what a certificate states, as its file would."""
+    """Return what a certificate states, as its file would."""
     assert certificate.bounds is not None
     tolerances = [
         None if one is None else StatedTolerance(one.eps_m, 0 if one.chain is None else len(one.chain.boxes))

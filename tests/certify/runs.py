@@ -40,16 +40,16 @@ def write_run(folder: pathlib.Path, config: Config, path: Path, certificate: Cer
         run.change(State(config_sha256=config_sha256(config)), files, [], dump_config(config), {})
 
 
-def bear(path: Path, uncertainty: Uncertainty) -> Tolerance:
-    """Prove one calibration error to be borne."""
+def prove_tolerance(path: Path, uncertainty: Uncertainty) -> Tolerance:
+    """Prove that one calibration error is tolerated."""
     with working_precision(64):
         chain = close_chain(build_problem(path.machine, path, 1e-4, uncertainty))
-    assert chain.broken is None
+    assert chain.failure is None
     return Tolerance(uncertainty.length_m, 2.0 * uncertainty.length_m, np.inf, proven_chain(chain, uncertainty))
 
 
 def check(folder: pathlib.Path) -> Result:
-    """Call the command line; whatever is not told in words is raised."""
+    """Call the command line; an unexpected exception is raised."""
     result = CliRunner().invoke(app, ["certify", "--check", str(folder / CERTIFICATE_JSON)], env={"COLUMNS": "400"})
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception

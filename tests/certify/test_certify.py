@@ -46,7 +46,7 @@ def test_a_refusal_says_where_and_why(
     assert isinstance(refused.value.diagnosis["certificate"], Certificate)
 
 
-def test_a_goal_that_is_missed_is_told(agder_config: Config, machine: Machine, own_path: Path) -> None:
+def test_a_goal_that_is_missed_is_reported(agder_config: Config, machine: Machine, own_path: Path) -> None:
     """The path is a motion, but not the task's."""
     with pytest.raises(NoSolutionError, match="the goal is missed by"):
         certify_path(agder_config, machine, own_path)
@@ -69,7 +69,9 @@ def test_a_certificate_is_read_as_it_was_written(
 
 
 @pytest.mark.parametrize("content", [b"{}", b"no", b'{"verdict": "not certified"}', None])
-def test_a_file_that_is_no_certificate_is_told(tmp_path_factory: pytest.TempPathFactory, content: bytes | None) -> None:
+def test_a_file_that_is_not_a_certificate_is_reported(
+    tmp_path_factory: pytest.TempPathFactory, content: bytes | None
+) -> None:
     """And so is one of a path that was refused."""
     file = tmp_path_factory.mktemp("run") / "certificate.json"
     if content is not None:
@@ -78,8 +80,10 @@ def test_a_file_that_is_no_certificate_is_told(tmp_path_factory: pytest.TempPath
         read_certificate(file)
 
 
-def test_the_wrong_branch_at_an_end_is_told(machine: Machine, line: Path, prove: Callable[..., Certificate]) -> None:
+def test_the_wrong_branch_at_an_end_is_reported(
+    machine: Machine, line: Path, prove: Callable[..., Certificate]
+) -> None:
     """A machine that is assembled the other way round cannot be at the start of this path."""
     certificate = prove(replace(machine, triangle_sign=-machine.triangle_sign), line)
-    assert certificate.broken is not None
-    assert "triangle" in certificate.broken.reason.text
+    assert certificate.failure is not None
+    assert "triangle" in certificate.failure.reason.text

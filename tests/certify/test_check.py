@@ -28,11 +28,11 @@ def refused(result: Result) -> list[str]:
 
 
 def test_a_true_certificate_is_verified(run: pathlib.Path) -> None:
-    """And what was found is told: kappa, distances, travel, tilts, both tolerances."""
+    """What was found is reported: kappa, distances, travel, tilts, both tolerances."""
     result = check(run)
     assert result.exit_code == 0, result.stdout
     assert refused(result) == []
-    for told in (
+    for reported in (
         "cap 100",
         "required 0.03",
         "limits 0 to 2.1 m",
@@ -40,7 +40,7 @@ def test_a_true_certificate_is_verified(run: pathlib.Path) -> None:
         "stated 0.1 mm",
         "stated 0.02 mm",
     ):
-        assert told in result.stdout
+        assert reported in result.stdout
 
 
 def test_a_run_folder_stands_for_its_certificate(run: pathlib.Path) -> None:
@@ -106,7 +106,7 @@ FORGED: dict[str, tuple[Callable[[Data], object], str]] = {
         "the tolerance of coordinates has its chain",
     ),
     "a box left out": (_without_a_box, "configured machine: each box holds one regular pose"),
-    "the last box left out": (_without_the_last_box, "configured machine: boxes reach from s = 0 to 1"),
+    "the last box left out": (_without_the_last_box, "configured machine: boxes cover s = 0 to 1"),
     "another path": (lambda data: data.update(path_sha256="0" * 64), "the certificate is of this path"),
     "another machine": (
         lambda data: data.update(premises_sha256="0" * 64),
@@ -140,7 +140,7 @@ FORGED: dict[str, tuple[Callable[[Data], object], str]] = {
     "another sign of det H": (lambda data: data["bounds"].update(det_sign=-1), "det H keeps its sign"),
     "a goal that is missed": (
         lambda data: data["bounds"].update(goal_miss=0.1),
-        "the goal is the task's, its mode and branch too",
+        "the goal is the task's: its pose, mode and branch",
     ),
     "numbers too large to compute with": (
         lambda data: data["chains"][0]["pose"][2][0].__setitem__(0, 1e300),

@@ -1,4 +1,4 @@
-"""`certify --check` on the command line: files that are damaged are told key by key, with exit code 2."""
+"""`certify --check` on the command line: files that are damaged are reported key by key, with exit code 2."""
 
 import pathlib
 from collections.abc import Callable
@@ -60,18 +60,18 @@ DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
 
 
 @pytest.mark.parametrize("name", DAMAGED)
-def test_a_damaged_certificate_is_told_key_by_key(run: pathlib.Path, name: str) -> None:
+def test_a_damaged_certificate_is_reported_key_by_key(run: pathlib.Path, name: str) -> None:
     """Exit 2, which key, what is there, what has to be, and what to do."""
-    change, told = DAMAGED[name]
+    change, reported = DAMAGED[name]
     forge(run, change)
     result = check(run)
     assert result.exit_code == 2
-    assert told in result.stderr
+    assert reported in result.stderr
     assert "What to change: certify the path again" in result.stderr
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
         ('"kappa": ', '"kappa": NaN, "was": ', "holds NaN where a number is expected"),
         ('"length_m": 0.0001', '"length_m": NaN', "holds NaN where a number is expected"),
@@ -82,7 +82,7 @@ def test_a_damaged_certificate_is_told_key_by_key(run: pathlib.Path, name: str) 
         ("{", "", "is damaged: it is not JSON from line "),
     ],
 )
-def test_a_file_that_is_no_json_of_numbers_is_told(run: pathlib.Path, old: str, new: str, told: str) -> None:
+def test_a_file_that_is_not_json_of_numbers_is_reported(run: pathlib.Path, old: str, new: str, reported: str) -> None:
     """Exit 2, in words."""
     file = run / CERTIFICATE_JSON
     text = file.read_text()
@@ -90,11 +90,11 @@ def test_a_file_that_is_no_json_of_numbers_is_told(run: pathlib.Path, old: str, 
     file.write_text(text.replace(old, new, 1))
     result = check(run)
     assert result.exit_code == 2
-    assert told in result.stderr
+    assert reported in result.stderr
 
 
 @pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"", b"[]", b"7", b"[" * 100_000])
-def test_a_file_that_is_something_else_is_told(run: pathlib.Path, content: bytes) -> None:
+def test_a_file_that_is_something_else_is_reported(run: pathlib.Path, content: bytes) -> None:
     """Exit 2, without a traceback."""
     (run / CERTIFICATE_JSON).write_bytes(content)
     result = check(run)

@@ -148,7 +148,7 @@ def witness_links(path: Path) -> None:
     for before in (True, False):
         jumping = Jumping(one.machine, one.spline, one.node_s, one.node_pose, other, before)
         chain = close_chain(build_problem(path.machine, jumping, 0.3))
-        assert chain.broken is not None
+        assert chain.failure is not None
 
 
 def witness_stored_links(path: Path) -> None:
@@ -163,7 +163,7 @@ def witness_jump(path: Path) -> None:
     """Actuators that jump are no path, however little they do."""
     jumping = replace(path, spline=torn(path.spline, 1e-13))
     chain = close_chain(build_problem(path.machine, jumping, 1e-2))
-    assert chain.broken is not None
+    assert chain.failure is not None
 
 
 def witness_knots(path: Path) -> None:
@@ -173,7 +173,7 @@ def witness_knots(path: Path) -> None:
     straight = replace(one, spline=BSpline([0.0, 0.0, 1.0, 1.0], one.spline.c[::2], 1))
     chain = close_chain(build_problem(path.machine, straight, 0.9))
     claims = verified(CONFIG, bent, proven_chain(chain, CERTAIN))
-    assert claims["boxes reach from s = 0 to 1"]
+    assert claims["boxes cover s = 0 to 1"]
     assert not claims["each box holds one regular pose"]
 
 

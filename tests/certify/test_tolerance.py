@@ -1,4 +1,4 @@
-"""How wrong the machine may be: proven by a chain, and below what was seen to fail."""
+"""Calibration tolerances: proven by a chain, and below errors at which a machine fails."""
 
 from dataclasses import replace
 
@@ -67,8 +67,8 @@ def test_a_machine_that_fails_does_so_at_its_eps(machine: Machine, singular_at: 
 @pytest.mark.parametrize("eps", [-1e-12, np.nan, np.inf])
 @pytest.mark.parametrize("name", ["length_m", "coordinate_m"])
 def test_an_uncertainty_is_a_number_that_is_not_negative(name: str, eps: float) -> None:
-    """What is none would count as certain."""
-    with pytest.raises(ValueError, match="finite, and not negative"):
+    """Anything else would count as certain."""
+    with pytest.raises(ValueError, match="finite and not negative"):
         Uncertainty(**{name: eps})
 
 

@@ -93,7 +93,7 @@ def make_certificate(path: Path) -> Certificate:
         precision_bits=64,
         chain=proofs[0],
         bounds=bounds_of(),
-        broken=None,
+        failure=None,
         link_length=Tolerance(1e-4, 1.1e-4, np.inf, proofs[1]),
         coordinates=Tolerance(1e-4, 1.1e-4, np.inf, proofs[2]),
     )

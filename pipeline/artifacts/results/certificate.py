@@ -47,12 +47,12 @@ def certificate_bytes(certificate: Certificate, facts: Mapping[str, Any]) -> byt
 
 def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict[str, Any]:
     """Arrange a certificate for its file; `facts` are the settings, versions and seconds, which it does not hold."""
-    broken, link_length, coordinates = certificate.broken, certificate.link_length, certificate.coordinates
+    failure, link_length, coordinates = certificate.failure, certificate.link_length, certificate.coordinates
     return {
         "format": FORMAT,
         "verdict": certificate.verdict,
-        "refused_at_s": None if broken is None else broken.s,
-        "refused_because": None if broken is None else broken.reason.text,
+        "refused_at_s": None if failure is None else failure.s,
+        "refused_because": None if failure is None else failure.reason.text,
         "boxes": len(certificate.chain.boxes),
         "path_sha256": certificate.path_sha256,
         "premises_sha256": certificate.premises_sha256,

@@ -1,4 +1,4 @@
-"""A certificate verified again: a good one passes, and whatever is changed about it is found."""
+"""A certificate verified again: a true one passes, and any change to it is found."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -117,7 +117,7 @@ def test_a_bound_that_was_changed_is_found(check: Verify, certificate: Certifica
 
 
 def test_whatever_is_not_there_is_asked_for(check: Verify) -> None:
-    """Without a chain every claim that needs one fails, not only that there is none."""
+    """Without a chain every claim that needs one fails, not only the one that counts chains."""
     missing = {claim.what for claim in check(chains=())}
     assert missing >= {what for what in MANDATORY if "machine: " in what or "kappa" in what or "the start is" in what}
 
@@ -140,7 +140,7 @@ def test_boxes_on_two_branches_are_found(wide: Config, machine: Machine, line: P
     """Each is proven, their joint too, and they reach from 0 to 1: only that neighbours share a branch is wrong."""
     for chain in branching_chains(machine, line):
         claims = verified(wide, two_branches(machine, line)[0], chain)
-        assert claims["boxes reach from s = 0 to 1"]
+        assert claims["boxes cover s = 0 to 1"]
         assert claims["each box holds one regular pose"]
         assert not claims["neighbouring boxes share a branch"]
 

@@ -13,9 +13,9 @@ class EvaluatedChain:
     """The n boxes of a chain and its n + 1 joints, and the inclusions of both."""
 
     boxes: Boxes
-    found: Inclusions
+    inclusions: Inclusions
     joints: Boxes
-    met: Inclusions
+    joint_inclusions: Inclusions
 
 
 def evaluate_chain(machine: Machine, path: Path, chain: ProvenChain) -> EvaluatedChain:
@@ -27,5 +27,5 @@ def evaluate_chain(machine: Machine, path: Path, chain: ProvenChain) -> Evaluate
         If numbers are too large to compute with, or a matrix is singular.
     """
     boxes, joints = (build_boxes(machine, path, part) for part in (chain.boxes, chain.joints))
-    found, met = (include(machine, part, chain.uncertainty) for part in (boxes, joints))
-    return EvaluatedChain(boxes, found, joints, met)
+    inclusions, joint_inclusions = (include(machine, part, chain.uncertainty) for part in (boxes, joints))
+    return EvaluatedChain(boxes, inclusions, joints, joint_inclusions)

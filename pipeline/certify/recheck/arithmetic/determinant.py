@@ -1,4 +1,4 @@
-"""Signs of determinants of matrices of floats, exactly: a float is a whole number over a power of two."""
+"""Signs of determinants of matrices of floats, exactly: a float is an integer over a power of two."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from pipeline.arrays import FloatArray
 
 
 def det_signs(matrices: FloatArray) -> FloatArray:
-    """Signs -1, 0 or 1 of the determinants of matrices (m, m, n), shape (n,); 0 where entries are no finite numbers."""
+    """Compute the signs -1, 0 or 1 of determinants of matrices (m, m, n), 0 if entries are not finite. Shape (n,)."""
     stack = np.moveaxis(matrices, -1, 0)
     return np.array([float(_sign(M.tolist())) if np.isfinite(M).all() else 0.0 for M in stack])
 
 
 def _sign(rows: list[list[float]]) -> int:
-    """Eliminate in whole numbers (Bareiss, 1968): every division is without remainder."""
+    """Eliminate in integers (Bareiss, 1968): no division leaves a remainder."""
     ratios = [[value.as_integer_ratio() for value in row] for row in rows]
     common = max(below for row in ratios for _, below in row)
     A = [[above * (common // below) for above, below in row] for row in ratios]

@@ -1,7 +1,7 @@
-"""Arrays of intervals in plain floats: a middle and a radius each, radii enlarged by all that rounding can do.
+"""Arrays of intervals in plain floats, as middles and radii; radii include all possible rounding errors.
 
-Every operation is one of IEEE arithmetic rounded to nearest, wrong by at most u = 2^-53 relatively; sums of n products
-are wrong by at most n u of the sum of their magnitudes, in whatever order, fused or not, they are added up.
+Operations of IEEE arithmetic, rounded to nearest, have a relative error of at most u = 2^-53. Sums of n products have
+an error of at most n u times the sum of their magnitudes, in any order of summation, fused or not.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from pipeline.arrays import FloatArray
 
 _U = 2.0**-53
 _TINY = 1e-290
-"""More than what underflow loses in any operation here."""
+"""More than underflow loses in any operation here."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Enclosure:
         return Enclosure(self.mid[index], self.rad[index])
 
     def inverse(self) -> "Enclosure":
-        """1 / x; infinite radii where that holds zero.
+        """Compute 1 / x; the radius is infinite if x holds zero.
 
         |1/y - 1/m| <= r / (|m| (|m| - r)) for y within m +/- r.
         """
@@ -54,7 +54,7 @@ class Enclosure:
         return Enclosure(np.where(regular, mid, 0.0), np.where(regular, _up(rad, 8), np.inf))
 
     def take(self, indices: list[int], axis: int) -> "Enclosure":
-        """Pick along an axis."""
+        """Select indices along an axis."""
         return Enclosure(self.mid.take(indices, axis), self.rad.take(indices, axis))
 
     @property
@@ -64,30 +64,28 @@ class Enclosure:
 
     @property
     def lower(self) -> FloatArray:
-        """Bound below."""
-        below: FloatArray = np.nextafter(self.mid - self.rad, -np.inf)
-        return below
+        """Lower bound."""
+        return np.asarray(np.nextafter(self.mid - self.rad, -np.inf), dtype=float)
 
     @property
     def upper(self) -> FloatArray:
-        """Bound above."""
-        above: FloatArray = np.nextafter(self.mid + self.rad, np.inf)
-        return above
+        """Upper bound."""
+        return np.asarray(np.nextafter(self.mid + self.rad, np.inf), dtype=float)
 
 
 def exactly(values: object) -> Enclosure:
-    """Take floats for exactly what they are."""
+    """Convert floats to intervals without width."""
     mid = np.asarray(values, dtype=float)
     return Enclosure(mid, np.zeros_like(mid))
 
 
 def within(radius: FloatArray) -> Enclosure:
-    """Intervals about zero."""
+    """Make intervals about zero."""
     return Enclosure(np.zeros_like(radius), radius)
 
 
 def contract(subscripts: str, a: Enclosure, b: Enclosure, terms: int) -> Enclosure:
-    """Sum of products (`numpy.einsum`) with that many terms in each sum."""
+    """Compute sums of products (`numpy.einsum`) of the given number of terms."""
     mid = np.einsum(subscripts, a.mid, b.mid)
     sizes = np.abs(a.mid), np.abs(b.mid)
     rad = (
@@ -99,7 +97,7 @@ def contract(subscripts: str, a: Enclosure, b: Enclosure, terms: int) -> Enclosu
 
 
 def dot(a: Enclosure, b: Enclosure, axis: int) -> Enclosure:
-    """Scalar products of vectors with their three coordinates along an axis."""
+    """Compute scalar products of vectors with their three coordinates along an axis."""
     product = a * b
     (x, y, z) = (product.take([k], axis) for k in range(3))
     sum_of_all = x + y + z
@@ -107,18 +105,18 @@ def dot(a: Enclosure, b: Enclosure, axis: int) -> Enclosure:
 
 
 def cross(a: Enclosure, b: Enclosure, axis: int) -> Enclosure:
-    """Vector products of vectors with their three coordinates along an axis."""
+    """Compute vector products of vectors with their three coordinates along an axis."""
     forward, backward = [1, 2, 0], [2, 0, 1]
     return a.take(forward, axis) * b.take(backward, axis) - a.take(backward, axis) * b.take(forward, axis)
 
 
 def bound(subscripts: str, *factors: FloatArray, terms: int) -> FloatArray:
-    """Sum of products of bounds that are not negative, rounded up."""
+    """Compute sums of products of bounds that are not negative, rounded up."""
     return _up(np.einsum(subscripts, *factors), 2 * terms + 2 * len(factors))
 
 
 def total(*bounds: FloatArray) -> FloatArray:
-    """Sum of bounds that are not negative, rounded up."""
+    """Compute the sum of bounds that are not negative, rounded up."""
     result = bounds[0]
     for other in bounds[1:]:
         result = result + other
@@ -126,16 +124,15 @@ def total(*bounds: FloatArray) -> FloatArray:
 
 
 def root(values: FloatArray) -> FloatArray:
-    """Square root, rounded up."""
+    """Compute square roots, rounded up."""
     return _up(np.sqrt(values), 2)
 
 
 def stacked(parts: list[Enclosure], axis: int = 0) -> Enclosure:
-    """Put enclosures of one shape side by side along a new axis."""
+    """Stack enclosures of one shape along a new axis."""
     return Enclosure(np.stack([part.mid for part in parts], axis), np.stack([part.rad for part in parts], axis))
 
 
 def _up(values: FloatArray, roundings: int) -> FloatArray:
-    """Enlarge what was computed with that many roundings to a bound of what was meant."""
-    enlarged: FloatArray = values * (1.0 + 2.0 * (roundings + 1) * _U) + _TINY
-    return enlarged
+    """Enlarge values computed with the given number of roundings to upper bounds of the exact values."""
+    return np.asarray(values * (1.0 + 2.0 * (roundings + 1) * _U) + _TINY, dtype=float)

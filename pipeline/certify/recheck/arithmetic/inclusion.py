@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, total, within
-from pipeline.certify.recheck.arithmetic.jets import TERMS, moved
+from pipeline.certify.recheck.arithmetic.jets import TERMS, expand
 from pipeline.certify.recheck.arithmetic.motion import Motion, follow, second_derivatives
 from pipeline.certify.recheck.arithmetic.norms import arm_lengths, norm
 from pipeline.certify.recheck.arithmetic.splines import on_one_piece, spline_taylor
@@ -67,7 +67,7 @@ def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
     pose, radius = np.stack([box.pose for box in boxes], -1), np.stack([box.radius for box in boxes], -1)
     q = spline_taylor(path.spline.t, path.spline.c, path.spline.k, first, centre)
     at, over = (
-        follow(machine, moved(exactly(pose), where), moved(q, where))
+        follow(machine, expand(exactly(pose), where), expand(q, where))
         for where in (exactly(np.zeros_like(half)), within(half))
     )
     return Boxes(first, last, centre, half, on_one_piece(path.spline, first, last), pose, radius, q, at, over)
@@ -139,7 +139,7 @@ def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_en
     """Return whether each of n boxes holds the joint at its end, or at its beginning, of n + 1 joints. Shape (n,)."""
     of = slice(1, None) if at_end else slice(None, -1)
     s = exactly(joints.first[of]) - exactly(boxes.centre)
-    x = moved(exactly(boxes.pose), s)[0]
+    x = expand(exactly(boxes.pose), s)[0]
     apart = (x - exactly(joints.pose[0][:, of])).magnitude
     C = exactly(found.inverse[0]) + exactly(found.inverse[1]) * s
     turned = (C - exactly(met.inverse[0][..., of])).magnitude

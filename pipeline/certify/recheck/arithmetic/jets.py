@@ -1,4 +1,4 @@
-"""Power series in s for many boxes at once: arrays of enclosures whose first axis is the order."""
+"""Power series in s for many boxes at a time: arrays of enclosures whose first axis is the order."""
 
 from collections.abc import Callable
 from math import comb, factorial
@@ -13,7 +13,7 @@ _LARGEST_ANGLE = 4.0
 
 
 def product(multiply: Callable[[Enclosure, Enclosure], Enclosure], a: Enclosure, b: Enclosure) -> Enclosure:
-    """Multiply two series, their terms by `multiply`."""
+    """Multiply two series, with `multiply` for their terms."""
     orders = []
     for n in range(TERMS):
         result = multiply(a[0], b[n])
@@ -24,7 +24,7 @@ def product(multiply: Callable[[Enclosure, Enclosure], Enclosure], a: Enclosure,
 
 
 def sine_cosine(angle: Enclosure) -> tuple[Enclosure, Enclosure]:
-    """Sine and cosine of a series: n s_n = sum k a_k c_(n-k), n c_n = -sum k a_k s_(n-k)."""
+    """Compute sine and cosine of a series: n s_n = sum k a_k c_(n-k), n c_n = -sum k a_k s_(n-k)."""
     first = _sine_cosine(angle[0])
     sine, cosine = [first[0]], [first[1]]
     for n in range(1, TERMS):
@@ -42,10 +42,9 @@ def sine_cosine(angle: Enclosure) -> tuple[Enclosure, Enclosure]:
 
 
 def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
-    """Taylor series at zero in the middles of the angles, up to four; |sin(m + d) - sin m| <= |d cos m| + d^2 / 2.
+    """Evaluate Taylor series at zero for angles up to four; |sin(m + d) - sin m| <= |d cos m| + d^2 / 2.
 
-    The rest of a series is at most the first term left out. Of larger angles no more is said than that sine and
-    cosine are at most one.
+    The remainder of a series is at most its first omitted term. For larger angles the bound is one.
     """
     middle = exactly(x.mid)
     square = middle * middle
@@ -63,7 +62,7 @@ def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
 
 
 def _horner(x: Enclosure, coefficients: list[float]) -> Enclosure:
-    """Evaluate a polynomial whose coefficients are floats off by two roundings, (1 + u)^2 - 1 < 2^-51, at most."""
+    """Evaluate a polynomial whose coefficients have errors of at most two roundings, (1 + u)^2 - 1 < 2^-51."""
     slack = 2.0**-51
     result = exactly(np.zeros_like(x.mid))
     for value in reversed(coefficients):
@@ -71,8 +70,8 @@ def _horner(x: Enclosure, coefficients: list[float]) -> Enclosure:
     return result
 
 
-def moved(coefficients: Enclosure, at: Enclosure, terms: int = TERMS) -> Enclosure:
-    """Series of so many terms about t = at (n,) of polynomials with coefficients (orders, ..., n)."""
+def expand(coefficients: Enclosure, at: Enclosure, terms: int = TERMS) -> Enclosure:
+    """Expand polynomials with coefficients (orders, ..., n) about t = at (n,), to the given number of terms."""
     orders = len(coefficients.mid)
     powers = [exactly(np.ones_like(at.mid))]
     for _ in range(orders - 1):

@@ -1,4 +1,4 @@
-"""The closures along the cubics of many boxes, as arrays: orders first, boxes last."""
+"""The closures along the cubics of many boxes, as arrays with orders first and boxes last."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +18,7 @@ _INNER = np.array([[0, 1, 2], [1, 1, 1], [2, 1, 2]])
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Series of all the closures are made of.
+    """Series of the closures and their parts.
 
     Attributes
     ----------
@@ -44,17 +44,17 @@ class Motion:
     lengths: Enclosure
 
     def residuals(self) -> Enclosure:
-        """f_l, shape (orders, 6, n)."""
+        """Compute f_l, shape (orders, 6, n)."""
         squares = product(partial(dot, axis=1), self.vectors, self.vectors)
         difference = squares - product(mul, self.lengths, self.lengths)
         return difference * exactly(0.5)
 
     def jacobian(self) -> Enclosure:
-        """f_l', shape (orders, 6, 6, n)."""
+        """Compute f_l', shape (orders, 6, 6, n)."""
         return _beside(self.vectors, product(_onto_axes, self.axes, self.moments))
 
     def statics(self) -> Enclosure:
-        """H', shape (orders, 6, 6, n)."""
+        """Compute H', shape (orders, 6, 6, n)."""
         inverse = _reciprocal(self.lengths)
         each = Enclosure(inverse.mid[:, :, None], inverse.rad[:, :, None])
         return product(mul, _beside(self.vectors, self.moments), each)
@@ -78,7 +78,7 @@ def follow(machine: Machine, pose: Enclosure, q: Enclosure) -> Motion:
 
 
 def second_derivatives(motion: Motion) -> Enclosure:
-    """f_l'' for the constant terms, shape (link, 6, 6, n)."""
+    """Compute f_l'' of the constant terms, shape (link, 6, 6, n)."""
     axes, arms, vectors = motion.axes[0], motion.arms[0], motion.vectors[0]
     turned = cross(_each(axes, 0), _each(arms, 1), axis=2)
     outer, inner = _pick(_each(axes, 0), _OUTER, 1), _pick(turned, _INNER, 1)
@@ -95,7 +95,7 @@ def second_derivatives(motion: Motion) -> Enclosure:
 
 
 def _turning(angles: Enclosure) -> tuple[Enclosure, Enclosure]:
-    """R = Rx Rz Ry and the axes of rx, ry, rz."""
+    """Compute R = Rx Rz Ry and the axes of rx, ry, rz."""
     sine, cosine = sine_cosine(angles)
     (sx, sy, sz), (cx, cy, cz) = ([part[:, k] for k in range(3)] for part in (sine, cosine))
     none = exactly(np.zeros_like(sx.mid))
@@ -118,12 +118,12 @@ def _onto_axes(axes: Enclosure, moments: Enclosure) -> Enclosure:
 
 
 def _each(values: Enclosure, axis: int) -> Enclosure:
-    """Give an array a further axis, along which it is the same."""
+    """Add an axis along which values are repeated."""
     return Enclosure(np.expand_dims(values.mid, axis), np.expand_dims(values.rad, axis))
 
 
 def _pick(values: Enclosure, table: IntArray, axis: int) -> Enclosure:
-    """Pick along an axis by a table of indices, whose two axes take its place."""
+    """Select along an axis by a table of indices, whose two axes take its place."""
     return Enclosure(values.mid.take(table, axis), values.rad.take(table, axis))
 
 
@@ -132,7 +132,7 @@ def _matrix(rows: list[list[Enclosure]]) -> Enclosure:
 
 
 def _constants(values: Enclosure, n: int) -> Enclosure:
-    """Series that are constant: order zero for all of n boxes."""
+    """Make constant series, the same for all n boxes."""
     mid, rad = (np.zeros((TERMS, *values.mid.shape, n)) for _ in range(2))
     mid[0], rad[0] = values.mid[..., None], values.rad[..., None]
     return Enclosure(mid, rad)
@@ -143,7 +143,7 @@ def _beside(left: Enclosure, right: Enclosure) -> Enclosure:
 
 
 def _reciprocal(series: Enclosure) -> Enclosure:
-    """1 / x: r_0 = 1 / x_0, r_n = -r_0 sum x_k r_(n-k)."""
+    """Compute 1 / x: r_0 = 1 / x_0, r_n = -r_0 sum x_k r_(n-k)."""
     first = series[0].inverse()
     result = [first]
     for n in range(1, TERMS):

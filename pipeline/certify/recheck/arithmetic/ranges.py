@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, exactly, within
-from pipeline.certify.recheck.arithmetic.jets import moved
+from pipeline.certify.recheck.arithmetic.jets import expand
 
 _PARTS = 16
 
@@ -14,8 +14,8 @@ def polynomial_ranges(coefficients: Enclosure, half: FloatArray) -> tuple[FloatA
     part, orders = half / _PARTS, len(coefficients.mid)
     lows, highs = [], []
     for k in range(_PARTS):
-        about = moved(coefficients, exactly((2.0 * k + 1.0) * part - half), orders)
-        spread = moved(about, within(part + 1e-12 * half), 1)[0]
+        about = expand(coefficients, exactly((2.0 * k + 1.0) * part - half), orders)
+        spread = expand(about, within(part + 1e-12 * half), 1)[0]
         lows.append(spread.lower)
         highs.append(spread.upper)
     return np.min(lows, axis=0), np.max(highs, axis=0)

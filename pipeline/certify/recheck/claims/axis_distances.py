@@ -24,7 +24,7 @@ KEYS: tuple[str, ...] = ("distance_m",)
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the distances of all pairs that the machine has for every s."""
-    machine, boxes, image = evidence.machine, evidence.chain.boxes, evidence.chain.found.image
+    machine, boxes, image = evidence.machine, evidence.chain.boxes, evidence.chain.inclusions.image
     groups = [(link_pairs(machine), False, machine.link_link_m)]
     if np.isfinite(machine.link_rail_m):
         groups.append((rail_pairs(machine), True, machine.link_rail_m))

@@ -8,7 +8,7 @@ from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.inclusion import holds
 from pipeline.certify.recheck.claims.claim import Claim
 
-COVERED = "boxes reach from s = 0 to 1"
+COVERED = "boxes cover s = 0 to 1"
 ONE_POSE = "each box holds one regular pose"
 SAME_BRANCH = "neighbouring boxes share a branch"
 CLAIMS: tuple[str, ...] = (COVERED, ONE_POSE, SAME_BRANCH)
@@ -16,7 +16,7 @@ CLAIMS: tuple[str, ...] = (COVERED, ONE_POSE, SAME_BRANCH)
 
 def chain_claims(of: str, chain: EvaluatedChain) -> Iterator[Claim]:
     """Verify that a chain of n boxes and n + 1 joints closes; `of` is what it is a chain of."""
-    boxes, found, joints, met = chain.boxes, chain.found, chain.joints, chain.met
+    boxes, found, joints, met = chain.boxes, chain.inclusions, chain.joints, chain.joint_inclusions
     n = len(boxes.first)
     whole = boxes.first[0] == 0.0 and boxes.last[-1] == 1.0 and bool((boxes.first[1:] == boxes.last[:-1]).all())
     within = bool((boxes.first < boxes.last).all())

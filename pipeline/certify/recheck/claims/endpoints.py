@@ -13,7 +13,7 @@ from pipeline.certify.recheck.claims.evidence import Evidence
 from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, PRIMARY, TRIANGLE
 from pipeline.route.regions.endpoints import Endpoint
 
-CLAIMS: tuple[str, ...] = tuple(f"the {name} is the task's, its mode and branch too" for name in ("start", "goal"))
+CLAIMS: tuple[str, ...] = tuple(f"the {name} is the task's: its pose, mode and branch" for name in ("start", "goal"))
 KEYS: tuple[str, ...] = ()
 
 _ROUNDING = 1e-9
@@ -33,12 +33,12 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
 def _miss(evidence: Evidence, end: Endpoint, k: int) -> float:
     """Bound how far joint k is from the pose of an end, in metres or radians."""
     away = exactly(evidence.chain.joints.pose[0][:, k]) - exactly(end.pose)
-    return float(total(away.magnitude, evidence.chain.met.image[:, k]).max())
+    return float(total(away.magnitude, evidence.chain.joint_inclusions.image[:, k]).max())
 
 
 def _is_assembly(evidence: Evidence, end: Endpoint, k: int) -> bool:
     """Return whether joint k is in the working mode of an end, and on the machine's assembly branch."""
-    machine, motion, deviation = evidence.machine, evidence.chain.joints.at, evidence.chain.met.image[:, k]
+    machine, motion, deviation = evidence.machine, evidence.chain.joints.at, evidence.chain.joint_inclusions.image[:, k]
     shift, turn = joint_shift(machine, deviation), total(*deviation[3:])
     vectors = motion.vectors[0][..., k]
     x = Enclosure(vectors.mid[PRIMARY, 0], vectors.rad[PRIMARY, 0] + shift[PRIMARY])

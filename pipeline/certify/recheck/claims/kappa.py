@@ -23,7 +23,7 @@ KEYS: tuple[str, ...] = ("kappa", "det_sign")
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the bound of kappa and the sign of det H for every s."""
-    kappa, sign = kappa_bounds(evidence.machine, evidence.chain.boxes, evidence.chain.found.image)
+    kappa, sign = kappa_bounds(evidence.machine, evidence.chain.boxes, evidence.chain.inclusions.image)
     worst, cap = float(kappa.max()), path_cap(evidence.config)
     yield Claim(
         KAPPA,

@@ -24,7 +24,7 @@ _BEYOND_RAD = PROOF_ROUNDING_RAD + PROOF_SLACK_RAD
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the bounds of |rx| and |rz| for every s."""
-    tilt = tilt_bounds(evidence.chain.boxes, evidence.chain.found.image)
+    tilt = tilt_bounds(evidence.chain.boxes, evidence.chain.inclusions.image)
     bound, limit = np.deg2rad(stated.tilt_deg), np.deg2rad(path_limits_deg(evidence.config))
     degrees = (np.rad2deg(values) for values in (tilt, bound, limit))
     yield Claim(

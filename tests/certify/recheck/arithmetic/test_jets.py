@@ -8,7 +8,7 @@ import pytest
 from flint import arb, arb_series, ctx
 
 from pipeline.certify.recheck.arithmetic.enclosure import exactly, within
-from pipeline.certify.recheck.arithmetic.jets import TERMS, _horner, moved, sine_cosine
+from pipeline.certify.recheck.arithmetic.jets import TERMS, _horner, expand, sine_cosine
 
 
 @pytest.mark.parametrize("angle", [-3.9, -1.0, 0.0, 1e-9, 0.7, 3.2])
@@ -43,7 +43,7 @@ def test_shifted_polynomials_hold_every_value() -> None:
     """About a whole interval the constant term holds all values of the polynomial on it."""
     random = np.random.default_rng(0)
     coefficients, half = random.normal(size=(6, 3, 4)), np.full(4, 0.3)
-    over = moved(exactly(coefficients), within(half))[0]
+    over = expand(exactly(coefficients), within(half))[0]
     for t in np.linspace(-0.3, 0.3, 13):
         value = np.einsum("kin,k->in", coefficients, t ** np.arange(6))
         assert (np.abs(value - over.mid) <= over.rad + 1e-14).all()

@@ -1,4 +1,4 @@
-"""What is said of kappa, det H and ranges, for boxes whose values are known."""
+"""Bounds of kappa and signs of det H, for boxes whose values are known."""
 
 from collections.abc import Callable
 
