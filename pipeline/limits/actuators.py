@@ -63,6 +63,11 @@ class ActuatorRange:
             proof_advice="Raise refine.nodes, and refine again.",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"{', '.join(ACTUATORS[self.columns])} within their ranges"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute distances to both ends of every range, shape (n, 2 m)."""
         q = samples.q_m[:, self.columns]

@@ -86,6 +86,11 @@ class AvoidedBox:
             raise_key="route.avoid_margin",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"outside task.avoid[{self.number}]"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute how far outside the box poses are, shape (n, 1)."""
         return -self.box.depth_m(samples.controlled)[:, None]

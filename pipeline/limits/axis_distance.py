@@ -54,6 +54,11 @@ class AxisDistance:
     rounding: float = 1e-9
     slack: float = 0.0005
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"{'links and rails' if self.from_rail else 'links'} {self.least:g} m apart"
+
     def values(self, samples: PoseSamples) -> FloatArray:
         """Compute the distances of all pairs, shape (n, pairs)."""
         return self.distances_m(samples)

@@ -55,6 +55,11 @@ class KappaCap:
             raise_key="route.kappa_max",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"kappa at most {self.cap:g}"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute 1/kappa - 1/cap, shape (n, 1)."""
         return np.abs(samples.signed_inverse_kappa)[:, None] - 1.0 / self.cap

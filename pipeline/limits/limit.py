@@ -62,6 +62,10 @@ class Limit(Protocol):
         """How the limit is named in messages."""
 
     @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words: "links 0.03 m apart"."""
+
+    @property
     def cost(self) -> int:
         """Rank among the limits of a pose: cheap ones are checked first."""
 

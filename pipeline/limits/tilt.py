@@ -58,6 +58,12 @@ class TiltLimit:
             raise_key="task.tilt_max_deg",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        least, largest = np.rad2deg(self.largest_rad)
+        return f"|rx| at most {least:g} deg, |rz| at most {largest:g} deg"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute what is left of the limits in both directions, shape (n, 4)."""
         tilt = samples.pose[:, TILT_COLUMNS]
