@@ -1,5 +1,6 @@
 """Results of a run that is over."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from pipeline.errors import (
 from pipeline.run import Stage, open_results
 from pipeline.run.reading import with_retime
 from tests.run.fake_stages import FakeStages
+from tests.run.folders import ALL
 
 Change = Callable[..., Config]
 
@@ -42,6 +44,20 @@ class TestReading:
         (tmp_path / "path.npz").write_bytes(b"mine")
         with pytest.raises(UsageError, match=r"removed or changed after the run: path\.npz"):
             open_results(tmp_path, Stage.REFINE)
+
+    def test_results_of_another_version(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
+        """Results made by other code can still be read, and are made again when stages run."""
+        stages.run(fast_config, tmp_path)
+        state = json.loads((tmp_path / "state.json").read_text())
+        for record in state["stages"].values():
+            record["fingerprint"] = "0" * 64
+        (tmp_path / "state.json").write_text(json.dumps(state))
+        stages.taken()
+        results = open_results(tmp_path, *list(Stage)[:-1])
+        assert results.trajectory.duration_s == 2.0
+        assert len(results.certificate.chains) == 3
+        stages.run(fast_config, tmp_path)
+        assert stages.taken() == ALL
 
     def test_other_period(self, fast_config: Config) -> None:
         """Another period is held against what configurations allow."""

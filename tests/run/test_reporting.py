@@ -84,6 +84,17 @@ def test_a_page_that_cannot_be_made_hides_no_failure(tmp_path: Path, fast_config
     assert (tmp_path / "failed" / "route.json").exists()
 
 
+def test_a_summary_of_another_version_is_refused(tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
+    """A key that this version reads and that one did not write is named, with what to do."""
+
+    def refuse(*_: object) -> bytes:
+        raise KeyError("gap")
+
+    stages.run(fast_config, tmp_path)
+    with pytest.raises(UsageError, match=r"written by another version: the summary has no 'gap'\.\n.*run the pipeline"):
+        write_report(tmp_path, specs=stages.with_row(Stage.FIGURES, report=refuse))
+
+
 def test_writing_it_again_spoils_nothing(tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
     """After the command the results are as good as before: nothing is run again."""
     stages.run(fast_config, tmp_path)

@@ -46,13 +46,11 @@ def test_a_copy_has_the_same_code(copy: Path) -> None:
         ("summary/route.py", '"steps"', '"positions"', ["route", "figures"]),
         # Results are written as tables with so many decimals, and hashes of tables are in the report.
         ("export/csv.py", "DECIMALS = 12", "DECIMALS = 6", ["route", "refine", "certify", "retime", "figures"]),
-        ("route/regions/build.py", "import", "import  ", [str(stage) for stage in STAGES if stage != "refine"]),
-        ("route/metric.py", "import", "import  ", [str(stage) for stage in STAGES]),
+        ("route/regions/build.py", "import", "import  ", ["regions", "route"]),
         ("route/planner.py", "import", "import  ", ["route"]),
         ("refine/refiner.py", "import", "import  ", ["refine"]),
-        ("certify/chain.py", "import", "import  ", ["certify"]),
-        ("retime/toppra.py", "import", "import  ", ["retime", "figures"]),
-        ("retime/jerk/solve.py", "import", "import  ", ["retime", "figures"]),
+        ("certify/certify.py", "import", "import  ", ["certify"]),
+        ("retime/retime.py", "import", "import  ", ["retime", "figures"]),
         ("machine/kinematics.py", "import", "import  ", [str(stage) for stage in STAGES]),
         ("report/assets/page.css", "{", "{ ", ["figures"]),
         ("figures/style.py", "import", "import  ", ["figures"]),
@@ -69,10 +67,10 @@ def test_a_change_counts_for_the_stages_that_run_it(
     assert stages_with_other_code(copy) == stages
 
 
-@pytest.mark.parametrize("file", SOURCES, ids=lambda file: file.relative_to(PACKAGE).as_posix())
-def test_imports_are_those_that_python_sees(file: Path) -> None:
-    """Reading the statements alone finds what reading the whole syntax tree finds."""
-    assert imports_of(file.read_text()) == set(imports_in(ast.parse(file.read_text())))
+def test_imports_are_those_that_python_sees() -> None:
+    """Reading the statements alone finds what reading the whole syntax tree finds, in every module."""
+    for file in SOURCES:
+        assert imports_of(file.read_text()) == set(imports_in(ast.parse(file.read_text()))), file
 
 
 def imports_in(tree: ast.AST) -> Iterator[tuple[str, str | None]]:
@@ -90,16 +88,16 @@ def imports_in(tree: ast.AST) -> Iterator[tuple[str, str | None]]:
         yield from imports_in(child)
 
 
-@pytest.mark.parametrize(
-    "file", [file for file in SOURCES if file.name == "__init__.py"], ids=lambda file: file.parent.name
-)
-def test_packages_do_nothing_when_imported(file: Path) -> None:
+def test_packages_do_nothing_when_imported() -> None:
     """A package on the way to a module is left out of the code: it must not have effects of its own."""
-    inert = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.ClassDef, ast.If)
-    for node in ast.parse(file.read_text()).body:
-        is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-        is_name = isinstance(node, ast.Assign) and all(isinstance(one, ast.Name | ast.Tuple) for one in node.targets)
-        assert isinstance(node, inert) or is_text or is_name
+    inert = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.ClassDef)
+    for file in (file for file in SOURCES if file.name == "__init__.py"):
+        for node in ast.parse(file.read_text()).body:
+            is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+            is_name = isinstance(node, ast.Assign) and all(
+                isinstance(one, ast.Name | ast.Tuple) for one in node.targets
+            )
+            assert isinstance(node, inert) or is_text or is_name, file
 
 
 def test_names_count_as_the_modules_that_define_them(tmp_path: Path) -> None:
