@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.config.file import dump_config
-from pipeline.run.source_code import PACKAGE
+from pipeline.run.up_to_date.source_code import PACKAGE
 from tests.cli.calls import subprocess_env
 
 

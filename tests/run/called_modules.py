@@ -14,8 +14,8 @@ from typing import Any
 
 from pipeline.config.file import load_config
 from pipeline.run import Results, RunOptions, run_pipeline
-from pipeline.run.source_code import PACKAGE
 from pipeline.run.stage_specs import SPECS, StageSpec
+from pipeline.run.up_to_date.source_code import PACKAGE
 from pipeline.stage import Stage
 
 

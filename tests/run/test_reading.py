@@ -24,14 +24,14 @@ class TestReading:
     """Results of a run that is over."""
 
     def test_missing_stage(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
-        """A result that was not made is told."""
+        """A missing result is reported."""
         stages.run(fast_config, tmp_path, last=Stage.ROUTE)
         with pytest.raises(UsageError, match="no result of refine yet"):
             open_results(tmp_path, Stage.REFINE)
         assert len(open_results(str(tmp_path), Stage.ROUTE).route) == 4
 
     def test_failed_stage(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
-        """A failed stage has no result, and its reason is told."""
+        """A failed stage has no result, and its reason is reported."""
         stages.failures["refine"] = NoSolutionError("refine", "too narrow", "widen")
         with pytest.raises(NoSolutionError):
             stages.run(fast_config, tmp_path)

@@ -72,7 +72,7 @@ def test_it_goes_when_a_new_run_begins(tmp_path: Path, fast_config: Config, stag
 
 
 def test_a_page_that_cannot_be_made_hides_no_failure(tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
-    """Where the report of a failed run fails, too, the failure of the run is what is told."""
+    """If the report of a failed run fails too, the failure of the run is reported."""
     stages.failures["route"] = NoSolutionError("route", "none", "more")
 
     def refuse(*_: object) -> bytes:

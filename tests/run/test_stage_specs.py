@@ -11,8 +11,8 @@ import pytest
 import yaml
 
 from pipeline.config import Config
-from pipeline.run.source_code import modules_of, shapes_results
 from pipeline.run.stage_specs import SPECS, Deferred, StageSpec, code_roots, report_of, spec_of
+from pipeline.run.up_to_date.source_code import modules_of, shapes_results
 from pipeline.stage import STAGES, Stage
 from tests.cli.calls import subprocess_env
 

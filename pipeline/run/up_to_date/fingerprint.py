@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
-from pipeline.run.source_code import code_sha256
 from pipeline.run.stage_specs import Specs, code_roots, spec_of
+from pipeline.run.up_to_date.source_code import code_sha256
 from pipeline.stage import Stage
 from pipeline.summary.versions import package_version
 

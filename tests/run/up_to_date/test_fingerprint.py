@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from pipeline.config import Config
-from pipeline.run.fingerprint import fingerprint
 from pipeline.run.stage_specs import SPECS
+from pipeline.run.up_to_date.fingerprint import fingerprint
 from pipeline.stage import Stage
 
 Change = Callable[..., Config]
