@@ -35,7 +35,7 @@ MADE_STEP_BY_STEP = {"Results"}
 
 
 def test_the_names_are_these() -> None:
-    """A name that comes or goes is a change for everybody's notebooks: it is made here, too."""
+    """A new or removed name changes everybody's notebooks: it is also changed here."""
     assert sorted(pipeline.__all__) == sorted(PUBLIC)
     assert sorted(dir(pipeline)) == sorted(PUBLIC)
 
@@ -59,7 +59,7 @@ def test_results_cannot_be_changed() -> None:
 
 
 def test_unknown_names_are_attribute_errors() -> None:
-    """A name that is not there is told as Python tells it."""
+    """A missing name is an ordinary AttributeError."""
     with pytest.raises(AttributeError, match="no_such_name"):
         _ = pipeline.no_such_name
     with pytest.raises(ImportError):

@@ -22,7 +22,7 @@ from pipeline.run.reporter import Quiet, Reporter
 from pipeline.run.results import Results
 from pipeline.run.run_report import Outcome, RunReport
 from pipeline.run.stage_specs import SPECS, Specs, report_of, spec_of
-from pipeline.run.up_to_date import expected_fingerprint, matching_records, why_outdated
+from pipeline.run.up_to_date.check import expected_fingerprint, matching_records, why_outdated
 from pipeline.stage import Stage
 from pipeline.summary.whole import summarise
 

@@ -13,7 +13,7 @@ from pipeline.summary.section import failure_section
 
 
 def is_proven_infeasible(error: PipelineError) -> bool:
-    """Tell whether a failure is a proof that there is no solution, and not a limit of time or of other routes."""
+    """Check whether a failure proves that there is no solution, rather than too little time or too few routes."""
     if isinstance(error, InfeasibleError):
         return True
     if not isinstance(error, NoSolutionError):

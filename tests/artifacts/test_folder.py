@@ -21,7 +21,7 @@ from tests.artifacts.saved import put
 
 
 class TestFolder:
-    """A run folder changes all at once and loses nothing."""
+    """A run folder changes in one step and loses nothing."""
 
     def change(self, path: Path, files: dict[str, bytes], superseded: list[str], state: State | None = None) -> None:
         """Change a run folder in one step."""
@@ -78,7 +78,7 @@ class TestFolder:
         assert {**after, ".lock": b""} == {**before, ".lock": b""}
 
     def test_one_run_at_a_time(self, tmp_path: Path) -> None:
-        """A second run into the same folder is refused, and told who is there."""
+        """A second run into the same folder is refused, and the process of the first is named."""
         with (
             open_run_folder(tmp_path),
             pytest.raises(UsageError, match=f"process {os.getpid()}.*writing to"),
@@ -103,7 +103,7 @@ class TestFolder:
 
     @pytest.mark.parametrize("name", ["config.yaml", "trajectory.csv", "figures/mine.png"])
     def test_foreign_files_are_not_overwritten(self, tmp_path: Path, name: str) -> None:
-        """A folder with files of the same names that is no run folder is left alone."""
+        """A folder that is not a run folder but has files of the same names is left alone."""
         put(tmp_path, {name: b"mine"})
         reserved = [pattern for spec in SPECS for pattern in spec.patterns]
         with pytest.raises(UsageError, match=f"already holds {name}"), open_run_folder(tmp_path, reserved):
@@ -111,7 +111,7 @@ class TestFolder:
         assert [path for path in tmp_path.rglob("*") if path.is_file()] == [tmp_path / name]
 
     def test_a_file_is_no_folder(self, tmp_path: Path) -> None:
-        """A file in the place of the folder is told as such."""
+        """A file in place of the folder is refused."""
         (tmp_path / "out").touch()
         with pytest.raises(UsageError, match="is a file"), open_run_folder(tmp_path / "out"):
             pass

@@ -26,7 +26,7 @@ def record(**values: Any) -> Record:
 
 
 def test_state_round_trip(tmp_path: Path) -> None:
-    """What a folder remembers is what the next run reads."""
+    """The next run reads the state that was written."""
     state = State(config_sha256="c", stages={Stage.ROUTE: record(files={"route.npz": "h"})})
     with open_run_folder(tmp_path) as folder:
         folder.change(state, {"route.npz": b"r"}, [], "name: a\n", {"name": "a"})
@@ -41,7 +41,7 @@ def test_unreadable_state_is_no_results(tmp_path: Path, content: bytes) -> None:
 
 
 def test_no_folder_has_no_state(tmp_path: Path) -> None:
-    """Where no run was there is no state."""
+    """Without a run there is no state."""
     assert read_state(tmp_path / "none") is None
 
 

@@ -81,7 +81,7 @@ class TestProcess:
         )
 
     def test_help_loads_no_solver(self) -> None:
-        """Help appears at once: nothing that takes long to load is loaded."""
+        """Help appears immediately: nothing that loads slowly is loaded."""
         script = (
             "import sys\nfrom typer.testing import CliRunner\nfrom pipeline.cli import app\n"
             "assert CliRunner().invoke(app, ['run', '--help']).exit_code == 0\n"

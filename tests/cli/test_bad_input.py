@@ -33,7 +33,7 @@ class TestBadInput:
     def test_bad_values(
         self, call: Call, config_file: Path, stages: FakeStages, changes: dict[str, Any], expected: str
     ) -> None:
-        """Every bad value is told with its key, in every command that reads it, before anything is touched."""
+        """Every bad value is reported with its key, by every command that reads it, before anything is changed."""
         bad = edit(config_file, **changes)
         for command in ("run", "check"):
             result = call(command, bad)
@@ -62,7 +62,7 @@ class TestBadInput:
         ],
     )
     def test_bad_files(self, call: Call, tmp_path: Path, text: str, expected: str) -> None:
-        """Files that are no configuration at all are told what is wrong with them."""
+        """Files that are not configurations at all are refused with the reason."""
         (tmp_path / "bad.yaml").write_text(text)
         result = call("run", "bad.yaml")
         assert result.exit_code == 2

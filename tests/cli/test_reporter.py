@@ -15,7 +15,7 @@ class TestReporters:
     """Progress on terminals and elsewhere."""
 
     def test_choice(self) -> None:
-        """Lines move on terminals only, and not when solvers write there, too."""
+        """Lines move on terminals only, and not if solvers write there too."""
         terminal = Console(file=StringIO(), force_terminal=True, legacy_windows=False, _environ={"TERM": "xterm"})
         dumb = Console(file=StringIO(), force_terminal=True, _environ={"TERM": "dumb"})
         assert isinstance(make_reporter(terminal, verbose=False), LiveReporter)

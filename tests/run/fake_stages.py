@@ -15,8 +15,9 @@ from pipeline.retime import way_back
 from pipeline.run import Reporter, Results, RunOptions, RunReport, run_pipeline
 from pipeline.run.makers.certificate import certificate_product, no_certificate
 from pipeline.run.makers.figures import figures_product
+from pipeline.run.makers.grid_cache import cached_grid
 from pipeline.run.makers.path import path_product
-from pipeline.run.makers.regions import cached_grid, regions_product
+from pipeline.run.makers.regions import regions_product
 from pipeline.run.makers.route import route_product
 from pipeline.run.makers.trajectory import trajectory_product
 from pipeline.run.product import Product

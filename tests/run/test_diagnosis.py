@@ -27,7 +27,7 @@ KEY = "route.step_budget"
 
 @pytest.fixture(scope="module")
 def narrow(change) -> Config:
-    """Take a small task with too few steps, on a grid whose ends are close to singular: few values to look at."""
+    """Take a small task with too few steps, on a grid whose ends are close to singular: few values to try."""
     config = load_config(CONFIGS / "tiny.yaml")
     tilts = {"route__grid__rx_step_deg": 10, "route__grid__rz_step_deg": 10, "task__tilt_max_deg": 10}
     return change(config, **tilts, route__step_budget=4)
@@ -92,7 +92,7 @@ def explained_by(explain: Callable[..., Diagnosis]) -> Specs:
 
 
 def test_interrupted_diagnosis(tmp_path: Path, narrow: Config) -> None:
-    """Ctrl-C ends the diagnosis, not the message: the failure is told and kept."""
+    """Ctrl-C ends the diagnosis, not the message: the failure is reported and kept."""
 
     def interrupted(*_: object) -> Diagnosis:
         raise KeyboardInterrupt
@@ -106,7 +106,7 @@ def test_interrupted_diagnosis(tmp_path: Path, narrow: Config) -> None:
 
 @pytest.mark.parametrize("trouble", [ValueError, MemoryError, SystemExit])
 def test_failed_diagnosis(tmp_path: Path, narrow: Config, trouble: type) -> None:
-    """Whatever else ends the diagnosis is told, and what is known of the route was kept before."""
+    """Whatever else ends the diagnosis is reported; the failure of the route was recorded before."""
 
     def fails(*_: object) -> Diagnosis:
         raise trouble

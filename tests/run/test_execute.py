@@ -172,7 +172,7 @@ class TestRange:
         assert stages.calls == ["refine", "certify", "retime", "figures"]
 
     def test_from_without_earlier_results(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
-        """Without a folder to build on, the user is told, and none is made."""
+        """Without earlier results there is an error, and no folder is made."""
         with pytest.raises(UsageError, match="there are none in"):
             stages.run(fast_config, tmp_path / "new", first=Stage.REFINE)
         assert not (tmp_path / "new").exists()

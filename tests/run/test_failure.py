@@ -29,7 +29,7 @@ class TestFailure:
     """Failed stages leave a diagnosis, and no result."""
 
     def test_no_solution(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
-        """Reason, advice and diagnosis are kept, the summary tells them, later parts are skipped."""
+        """Reason, advice and diagnosis are kept and in the summary; later parts are skipped."""
         diagnosis = {"status": "infeasible", "cut": np.arange(3), "bound": np.inf}
         stages.failures["refine"] = NoSolutionError("refine", "no way", "widen it", diagnosis)
         with pytest.raises(NoSolutionError) as caught:
@@ -64,7 +64,7 @@ class TestFailure:
     def test_a_failed_way_back_leaves_the_way_there(
         self, tmp_path: Path, fast_config: Config, stages: FakeStages
     ) -> None:
-        """The motion is a result, what fails is told as failed every time, and no file of an older way back stays."""
+        """The motion is a result, the failed part is reported every time, and no file of an older way back stays."""
         stages.run(fast_config, tmp_path).require_complete()
         stages.no_way_back = NoSolutionError("retime", "on the way back, c2 is too weak", "a stronger one")
         report = stages.run(fast_config, tmp_path, first=Stage.RETIME)
@@ -149,7 +149,7 @@ class TestFailure:
         key: str,
         value: float,
     ) -> None:
-        """What is no result of a stage leaves the folder as it was, results and configuration of the last run."""
+        """An error that is not a result of a stage leaves results and configuration of the last run as they were."""
         stages.run(fast_config, tmp_path)
         before = content(tmp_path)
         stages.failures[stage] = error

@@ -72,7 +72,7 @@ def test_it_goes_when_a_new_run_begins(tmp_path: Path, fast_config: Config, stag
 
 
 def test_a_page_that_cannot_be_made_hides_no_failure(tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
-    """Where the report of a failed run fails, too, the failure of the run is what is told."""
+    """If the report of a failed run fails too, the failure of the run is reported."""
     stages.failures["route"] = NoSolutionError("route", "none", "more")
 
     def refuse(*_: object) -> bytes:
@@ -82,6 +82,17 @@ def test_a_page_that_cannot_be_made_hides_no_failure(tmp_path: Path, fast_config
         run_pipeline(fast_config, tmp_path, specs=stages.with_row(Stage.FIGURES, report=refuse))
     assert not (tmp_path / failure_report(Stage.ROUTE)).exists()
     assert (tmp_path / "failed" / "route.json").exists()
+
+
+def test_a_summary_of_another_version_is_refused(tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
+    """A key that this version reads and that one did not write is named, with what to do."""
+
+    def refuse(*_: object) -> bytes:
+        raise KeyError("gap")
+
+    stages.run(fast_config, tmp_path)
+    with pytest.raises(UsageError, match=r"written by another version: the summary has no 'gap'\.\n.*run the pipeline"):
+        write_report(tmp_path, specs=stages.with_row(Stage.FIGURES, report=refuse))
 
 
 def test_writing_it_again_spoils_nothing(tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:

@@ -33,7 +33,7 @@ class TestCertify:
         assert not (tmp_path / "out" / "certificate.json").exists()
 
     def test_tolerances_are_asked_for(self, call: Call, config_file: Path, stages: FakeStages, tmp_path: Path) -> None:
-        """They are searched, and told; the configuration stays what it is."""
+        """They are searched and reported; the configuration does not change."""
         result = call("certify", config_file, "--tolerance", "--out", tmp_path / "out")
         assert result.exit_code == 0
         assert "link lengths may be wrong by 0.10 mm" in result.stdout
@@ -104,7 +104,7 @@ class TestCertify:
     def test_a_certificate_that_does_not_hold(
         self, call: Call, config_file: Path, stages: FakeStages, tmp_path: Path
     ) -> None:
-        """What was not verified is told, with exit code 1."""
+        """A claim that is not verified is reported, with exit code 1."""
         call("certify", config_file, "--out", tmp_path / "out")
         result = call("certify", "--check", tmp_path / "out" / "certificate.json")
         assert result.exit_code == 1

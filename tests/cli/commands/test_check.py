@@ -15,7 +15,7 @@ class TestCheck:
     """The machine and its task, shown."""
 
     def test_a_load_too_heavy_for_the_start(self, call: Call, config_file: Path) -> None:
-        """It is told before anything is planned, with what can help there, and with what the machine holds."""
+        """It is reported before anything is planned, with what can help, and with what the machine holds."""
         result = call("check", edit(config_file, machine__dynamics__load_kg=300.0))
         assert result.exit_code == 1
         assert "c1 holds" in result.stdout
@@ -48,12 +48,12 @@ class TestCheck:
         [(["rx"], "4 degrees of freedom in this task (x, y, z, rz); rx held at zero"), (["rx", "rz"], "3 degrees")],
     )
     def test_locked_axes(self, call: Call, config_file: Path, locked: list[str], expected: str) -> None:
-        """Locked axes are no degrees of freedom."""
+        """Locked axes are not degrees of freedom."""
         text = " ".join(call("check", edit(config_file, task__locked_axes=locked)).stdout.split())
         assert expected in text
 
     def test_a_cap_below_the_ends(self, call: Call, config_file: Path) -> None:
-        """A cap on the path's kappa that the start is above already is told before anything is computed."""
+        """A cap on the path's kappa below that of the start is reported before anything is computed."""
         result = call("check", edit(config_file, refine__kappa_max=10.0))
         assert result.exit_code == 2
         assert "refine.kappa_max" in result.stderr

@@ -13,7 +13,7 @@ class TestRun:
     """The commands that run stages."""
 
     def test_run(self, call: Call, config_file: Path, stages: FakeStages, tmp_path: Path) -> None:
-        """A run writes into results/<name>, tells what it did, where it is and what to look at next."""
+        """A run writes to results/<name>, and reports what it did, where its results are and what to do next."""
         result = call("run", config_file)
         assert result.exit_code == 0
         assert (tmp_path / "results" / "quick" / "trajectory.csv").exists()

@@ -29,7 +29,7 @@ def test_json() -> None:
 
 @pytest.mark.parametrize(("ending", "begin"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_picture(tmp_path: Path, ending: str, begin: bytes) -> None:
-    """The picture is written in the format its name ends with, and is told on stderr."""
+    """The picture is written in the format its name ends with, and reported on stderr."""
     picture = tmp_path / f"maps.{ending}"
     result = call("workspace", AGDER, "--step", 0.1, "--picture", picture)
     assert result.exit_code == 0

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-PACKAGE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).parents[2]
 """The folder of this package."""
 
 _NAME = PACKAGE.name
@@ -63,7 +63,7 @@ def code_sha256(roots: tuple[str, ...], package: Path = PACKAGE) -> str:
 
 
 def shapes_results(module: str) -> bool:
-    """Tell whether results depend on the code of a module of this package.
+    """Check whether results depend on the code of a module of this package.
 
     They depend on sections of the configuration by their values alone. In `run`, the makers shape results; the other
     modules decide what runs, and pass results on as they are.
@@ -129,7 +129,7 @@ class _Files(NamedTuple):
 
 @functools.cache
 def _files(package: Path) -> _Files:
-    """List the files of the package; assets in a folder that is no package belong to the package around it."""
+    """List the files of the package; assets in a folder that is not a package belong to the package around it."""
     modules: dict[str, str] = {}
     assets: dict[str, list[str]] = {}
     owners: dict[str, str] = {}

@@ -111,7 +111,7 @@ class TestCaching:
         """Another version of the package makes all results outdated."""
         stages.run(fast_config, tmp_path)
         stages.taken()
-        monkeypatch.setattr("pipeline.run.fingerprint.package_version", lambda: "99.0")
+        monkeypatch.setattr("pipeline.run.up_to_date.fingerprint.package_version", lambda: "99.0")
         stages.run(fast_config, tmp_path)
         assert stages.taken() == ALL
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from pipeline.artifacts import Record
 from pipeline.config import Config
-from pipeline.run.fingerprint import fingerprint
 from pipeline.run.stage_specs import Specs, spec_of
+from pipeline.run.up_to_date.fingerprint import fingerprint
 from pipeline.stage import Stage
 
 Records = Mapping[Stage, Record]
@@ -43,7 +43,7 @@ def matching_records(specs: Specs, config: Config, records: Records) -> dict[Sta
 
 
 def _matches(specs: Specs, stage: Stage, config: Config, records: Records) -> bool:
-    """Tell whether a record was made from the configuration, or from a sufficient one, and the records before it."""
+    """Check whether a record was made from the configuration, or from a sufficient one, and the records before it."""
     upstream = _upstream_hashes(specs, stage, records)
     if upstream is None:
         return False

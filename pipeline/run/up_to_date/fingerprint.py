@@ -4,9 +4,8 @@ from collections.abc import Mapping
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
-from pipeline.run.config_parts import grid_part
-from pipeline.run.source_code import code_sha256
-from pipeline.run.stage_specs import SPECS, Specs, code_roots, spec_of
+from pipeline.run.stage_specs import Specs, code_roots, spec_of
+from pipeline.run.up_to_date.source_code import code_sha256
 from pipeline.stage import Stage
 from pipeline.summary.versions import package_version
 
@@ -28,16 +27,5 @@ def fingerprint(specs: Specs, stage: Stage, config: Config, upstream: Mapping[St
             "upstream": upstream,
             "version": package_version(),
             "code": code_sha256(code_roots(specs, stage)),
-        }
-    )
-
-
-def grid_fingerprint(config: Config) -> str:
-    """Hash everything that the regions of grid and gates depend on: start, goal, name and limits do not count."""
-    return config_sha256(
-        {
-            **grid_part(config),
-            "version": package_version(),
-            "code": code_sha256(code_roots(SPECS, Stage.REGIONS)),
         }
     )

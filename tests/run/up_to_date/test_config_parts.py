@@ -8,8 +8,8 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.machine import Machine
-from pipeline.run.config_parts import regions_part
 from pipeline.run.stage_specs import SPECS, spec_of
+from pipeline.run.up_to_date.config_parts import regions_part
 from pipeline.stage import Stage
 
 Change = Callable[..., Config]
@@ -31,7 +31,7 @@ class Recorder:
 
 
 def declared(config: Config, stage: Stage, path: str) -> bool:
-    """Tell whether a key is part of what a stage may read."""
+    """Check whether a key is part of what a stage may read."""
     part: Any = spec_of(SPECS, stage).config_part(config)
     for key in path.split("."):
         if not isinstance(part, dict) or key not in part:
