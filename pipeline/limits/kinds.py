@@ -33,7 +33,7 @@ KINDS: tuple[LimitKind, ...] = (kappa, link_link, link_rail, tilt, avoid, actuat
 
 
 def pose_limits(machine: Machine, kappa_max: float) -> list[Limit]:
-    """Return what makes a pose usable at some x: cheap limits first, since each is checked on what the last one left."""
+    """Return what makes a pose usable at some x, cheap limits first: each is checked on what the last one left."""
     limits = [limit for kind in KINDS for limit in kind.for_poses(machine, kappa_max)]
     return sorted(limits, key=lambda limit: limit.cost)
 

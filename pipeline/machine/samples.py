@@ -1,6 +1,6 @@
 """The machine at many poses: kinematic and static quantities, each computed once, when first needed."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Self
 
@@ -83,6 +83,12 @@ class PoseSamples:
     def reach_m(self) -> FloatArray:
         """C_x - A_x of the primary links: positive in mode R, negative in mode L. Shape (n, 3)."""
         return reach_along_rails(self.machine, self.pose, self.carts_m)
+
+    def with_known(self, **values: FloatArray) -> Self:
+        """Return the samples with known quantities, by their names here, so that they are not recomputed."""
+        known = replace(self)
+        known.__dict__.update(values)
+        return known
 
     def take(self, rows: IntArray | BoolArray) -> Self:
         """Keep some of the samples, and what is already known of them."""

@@ -13,17 +13,15 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
+from pipeline.limits.avoid import Box, boxes_to_avoid
+from pipeline.limits.tilt import node_limits_rad
+from pipeline.machine.pose import CONTROLLED, RY, TILT_COLUMNS
 from pipeline.refine.coarse import corner_parameters, move_of
-from pipeline.refine.path_limits import TILTS
 from pipeline.refine.result import Path
 from pipeline.refine.sides import sides_at
-from pipeline.route.metric import CONTROLLED, step_sizes
-from pipeline.route.regions.boxes import Box, boxes_to_avoid
+from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 
-_RY = 4
-_LOCK_SHARE = 0.8
-"""Share of a locked axis' tolerance allowed at the nodes; the rest is for what happens between them."""
 _BULGE = 0.02
 """Grid steps that a node keeps from the wall of its cells: between two nodes the path bends outwards."""
 _SIDE_MARGIN_M = 1e-4
@@ -47,8 +45,7 @@ class Corridor:
 def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corridor:
     """Bound the poses of nodes at s (k,), the first and the last of which are the start and the goal."""
     low, high = _cells_around(config, route, coarse, s)
-    for axis, column in TILTS:
-        limit = _tilt_limit(config, axis)
+    for column, limit in zip(TILT_COLUMNS, node_limits_rad(config), strict=True):
         low[:, column] = np.clip(low[:, column], -limit, limit)
         high[:, column] = np.clip(high[:, column], -limit, limit)
     _avoid(config, coarse.pose(s), low, high)
@@ -56,18 +53,15 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corri
     _visit(config, route, s, visit_parameters(coarse, route), low, high)
     sides = _sides_around(route, coarse, s)
     # Start, goal and poses to visit are as they are.
-    sides[(low == high).all(axis=1, where=np.arange(6) != _RY)] = 0.0
+    sides[(low == high).all(axis=1, where=np.arange(6) != RY)] = 0.0
     return Corridor(low, high, sides, _SIDE_MARGIN_M)
 
 
 def cells_excess(config: Config, route: Route, coarse: Path, s: FloatArray, pose: FloatArray) -> FloatArray:
     """How far poses (n, 6) at s (n,) are outside the cells of the corridor, in grid steps, negative inside; (n,)."""
-    if config.refine.corridor == "free":
-        return np.full(len(s), -np.inf)
     low, high = _cells(config, route, move_of(coarse, s))
     beyond = np.maximum(low - pose, pose - high)[:, CONTROLLED] / step_sizes(config.route)
-    outside: FloatArray = beyond.max(axis=1)
-    return outside
+    return np.asarray(beyond.max(axis=1), dtype=float)
 
 
 def visit_parameters(coarse: Path, route: Route) -> FloatArray:
@@ -137,9 +131,3 @@ def _visit(config: Config, route: Route, s: FloatArray, visited: FloatArray, low
             box = Box.of(visit.box)
             low[node, CONTROLLED] = np.maximum(low[node, CONTROLLED], box.low)
             high[node, CONTROLLED] = np.minimum(high[node, CONTROLLED], box.high)
-
-
-def _tilt_limit(config: Config, axis: str) -> float:
-    if axis in config.task.locked_axes:
-        return _LOCK_SHARE * float(np.deg2rad(config.refine.lock_tolerance_deg))
-    return max(float(np.deg2rad(config.task.tilt_max_deg - config.refine.tilt_margin_deg)), 0.0)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
-from pipeline.refine.measure import sample_path
+from pipeline.refine.measure import kappa_trapezoids, sample_path
 from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE, clamped_knots
 from pipeline.route.metric import arc_length
@@ -16,7 +16,7 @@ _AS_LARGE = 1e-6
 """Relative difference within which errors are equal: neighbours share a jump, and none is marked without the other."""
 _TOO_NEAR = 0.25
 """Share of the spacing: nodes nearer to each other make programs that solvers cannot scale."""
-_LOOKS_PER_INTERVAL = 8
+_SAMPLES_PER_INTERVAL = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,15 +73,13 @@ def _roughness(path: Path, edges: FloatArray) -> FloatArray:
 
 def _missed(mesh: Mesh, path: Path, steps: FloatArray) -> FloatArray:
     """What the trapezoidal rule misses of the integral of kappa between neighbouring nodes (k,). Shape (k - 1,)."""
-    part = np.linspace(0.0, 1.0, _LOOKS_PER_INTERVAL + 1)[:-1]
+    part = np.linspace(0.0, 1.0, _SAMPLES_PER_INTERVAL + 1)[:-1]
     s = np.append((mesh.s[:-1, None] + part * np.diff(mesh.s)[:, None]).ravel(), 1.0)
     samples = sample_path(path, s)
-    length, at = arc_length(samples.pose, steps), slice(None, None, _LOOKS_PER_INTERVAL)
-    pieces = np.diff(length) * (samples.kappa[1:] + samples.kappa[:-1]) / 2.0
-    kappa, chords = samples.kappa[at], np.diff(arc_length(samples.pose[at], steps))
-    trapezoids = chords * (kappa[1:] + kappa[:-1]) / 2.0
-    missed: FloatArray = np.abs(pieces.reshape(-1, _LOOKS_PER_INTERVAL).sum(axis=1) - trapezoids)
-    return missed
+    length, at = arc_length(samples.pose, steps), slice(None, None, _SAMPLES_PER_INTERVAL)
+    fine = kappa_trapezoids(samples.kappa, np.diff(length)).reshape(-1, _SAMPLES_PER_INTERVAL).sum(axis=1)
+    rough = kappa_trapezoids(samples.kappa[at], np.diff(arc_length(samples.pose[at], steps)))
+    return np.asarray(np.abs(fine - rough), dtype=float)
 
 
 def _most(error: FloatArray) -> BoolArray:

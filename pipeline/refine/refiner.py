@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
+from pipeline.limits.kappa import require_ends_below_cap
 from pipeline.machine.geometry import Machine
 from pipeline.progress import Progress, silent
 from pipeline.refine.check import Violation, find_violations
@@ -13,7 +14,6 @@ from pipeline.refine.coarse import coarse_path
 from pipeline.refine.corridor import visit_parameters
 from pipeline.refine.directions import end_directions
 from pipeline.refine.mesh import adapted_mesh, even_mesh, with_nodes
-from pipeline.refine.path_limits import require_cap
 from pipeline.refine.peak.lower import lower_peak
 from pipeline.refine.result import Refinement
 from pipeline.refine.solve import (
@@ -51,7 +51,7 @@ def refine_path(
         after the configured rounds; for the latter two the last path is in its `diagnosis`.
     """
     steps = step_sizes(config.route)
-    require_cap(config, (route.kappa[0], route.kappa[-1]))
+    require_ends_below_cap(config, (route.kappa[0], route.kappa[-1]))
     directions = end_directions(config, machine, route)
     coarse = coarse_path(machine, route, steps)
     problem = Problem(config, machine, route, coarse, steps, directions, progress, verbose)

@@ -12,9 +12,10 @@ from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, table_cells
 from pipeline.config import Config
 from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.proof import boxes_of
+from pipeline.limits.kappa import path_cap
+from pipeline.limits.tilt import path_limits_deg
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.measure import PathSamples
-from pipeline.refine.path_limits import kappa_cap, tilt_limits_deg
 from pipeline.report.data import Proof, Table
 from pipeline.route.metric import arc_length, step_sizes
 from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
@@ -56,12 +57,12 @@ def workspace_part(machine: Machine) -> tuple[Table, str]:
 def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
     """Put what is proven for every point of the path beside what is allowed."""
     rows = [
-        ("κ", f"at most {bounds.kappa:.3f}", f"at most {kappa_cap(config):g}"),
+        ("κ", f"at most {bounds.kappa:.3f}", f"at most {path_cap(config):g}"),
         ("sign of det H", f"{bounds.det_sign:+d} everywhere".replace("-", "−"), "never changes"),
     ]
     for name, bound, limits in zip(ACTUATORS, bounds.actuators_m, machine.actuator_limits_m, strict=True):
         rows.append((name, f"{bound[0]:.4f} to {bound[1]:.4f} m", f"{limits[0]:g} to {limits[1]:g} m"))
-    tilts = zip(("|rx|", "|rz|"), np.rad2deg(bounds.tilt_rad), tilt_limits_deg(config), strict=True)
+    tilts = zip(("|rx|", "|rz|"), np.rad2deg(bounds.tilt_rad), path_limits_deg(config), strict=True)
     rows += [(name, f"at most {tilt:.2f}°", f"at most {limit:g}°") for name, tilt, limit in tilts]
     if len(bounds.pairs):
         rows.append(("least distance of axes", *_distance(machine, bounds, int(np.argmin(bounds.distances_m)))))

@@ -127,48 +127,6 @@ def test_it_works_in_another_thread(light_config: Config, machine: Machine, rout
     assert ended == ["refine"]
 
 
-@pytest.mark.parametrize(
-    ("change", "what"),
-    [
-        ({"task": {"tilt_max_deg": 5.0}}, "tilt too large"),
-        ({"route": {"kappa_max": 25.0}}, "kappa above"),
-        ({"task": {"locked_axes": ("rz",)}}, "tilt too large"),
-    ],
-)
-def test_each_breach_of_the_configuration_is_found(
-    light_config: Config, route: Route, refinement: Refinement, change: dict[str, dict[str, object]], what: str
-) -> None:
-    """Stricter limits than the path was made for are seen."""
-    sections = {name: getattr(light_config, name).model_copy(update=values) for name, values in change.items()}
-    found = find_violations(light_config.model_copy(update=sections), route, refinement.path, refinement.coarse)
-    assert [what in breach.what for breach in found] == [True]
-
-
-@pytest.mark.parametrize(
-    ("change", "what"),
-    [
-        ({"link_link_m": 0.05}, "links too close"),
-        ({"link_rail_m": 0.6}, "too close to a rail"),
-        ({"strokes_m": np.array([[0.95, 1.1], [1.05, 1.4]])}, "beyond stroke"),
-    ],
-)
-def test_each_breach_of_the_machine_is_found(
-    light_config: Config, route: Route, refinement: Refinement, change: dict[str, object], what: str
-) -> None:
-    """Stricter clearances and strokes than the path was made for are seen."""
-    path = replace(refinement.path, machine=replace(refinement.path.machine, **change))
-    found = find_violations(light_config, route, path, refinement.coarse)
-    assert [what in breach.what for breach in found] == [True]
-
-
-def test_a_path_that_cannot_close_is_a_breach(light_config: Config, route: Route, refinement: Refinement) -> None:
-    """Lost closure is told with the place."""
-    spline = refinement.path.spline
-    far = replace(refinement.path, spline=type(spline)(spline.t, spline.c + [0.0, 0.0, 5.0, 0.0, 0.0], spline.k))
-    found = find_violations(light_config, route, far, refinement.coarse)
-    assert "no solution" in str(found[0])
-
-
 @pytest.mark.slow
 def test_the_reference_machine_keeps_its_figures(agder_config: Config, machine: Machine) -> None:
     """At least 18 % less integral of kappa, no larger kappa, and the surrogate within 1 % of the true one."""

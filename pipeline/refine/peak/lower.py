@@ -6,10 +6,10 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
+from pipeline.limits.kappa import path_cap
 from pipeline.machine.clearance import link_distances, link_rail_distances
 from pipeline.refine.corridor import corridor
 from pipeline.refine.mesh import midpoints
-from pipeline.refine.path_limits import kappa_cap
 from pipeline.refine.peak.constraints import PathConstraints, least_distances
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
 from pipeline.refine.peak.sqp import Descent, PeakObjective, PeakProblem, descend
@@ -92,7 +92,7 @@ def _aim_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:
     For the integral, too, the largest kappa is to be less than on the coarse path, and never more where that can be.
     """
     config, ends = problem.config, float(max(iterate.kappa[0], iterate.kappa[-1]))
-    cap = _BELOW_CAP * kappa_cap(config)
+    cap = _BELOW_CAP * path_cap(config)
     if config.refine.objective != "integral":
         return ends, max(cap, ends)
     coarse = problem.coarse_kappa_max
