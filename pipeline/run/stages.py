@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
-from pipeline.progress import Progress
+from pipeline.progress import Monitor, Progress
 from pipeline.run.fingerprint import grid_fingerprint, with_proof
 from pipeline.stage import Stage
 from pipeline.summary.sections import Section
@@ -153,7 +153,7 @@ def make_path(results: Results, progress: Progress, verbose: bool) -> Product:
     from pipeline.route.metric import step_sizes
     from pipeline.summary.sections import path_section
 
-    results.refinement = refine_path(results.config, results.machine, results.route, progress, verbose)
+    results.refinement = refine_path(results.config, results.machine, results.route, Monitor(progress, verbose))
     progress(f"measuring both paths at {results.config.refine.check_points:,} points")
     coarse, refined = results.samples
     steps = step_sizes(results.config.route)

@@ -17,7 +17,7 @@ from pipeline.config.file import parse_config
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import CERTAIN, of_everything, of_lengths
 from pipeline.machine import Machine, inverse_kinematics
-from pipeline.progress import Progress, silent
+from pipeline.progress import QUIET, Monitor, Progress, silent
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory
 from pipeline.route.regions.build import RegionTable
@@ -209,12 +209,10 @@ def stages(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> Stages:
         fake.enter("route", progress)
         return make_route(machine, fake.objective)
 
-    def refine_path(
-        config: Config, machine: Machine, route: Route, progress: Progress = silent, verbose: bool = False
-    ) -> Refinement:
+    def refine_path(config: Config, machine: Machine, route: Route, monitor: Monitor = QUIET) -> Refinement:
         assert len(route) == 4
-        fake.verbose.append(verbose)
-        fake.enter("refine", progress)
+        fake.verbose.append(monitor.verbose)
+        fake.enter("refine", monitor.progress)
         return make_refinement(machine)
 
     def certify_path(config: Config, machine: Machine, path: Path, progress: Progress = silent) -> Certificate:
