@@ -4,7 +4,7 @@ from typing import Protocol
 
 from pipeline.config import Config
 from pipeline.limits import actuators, avoid, kappa, link_link, link_rail, tilt
-from pipeline.limits.limit import Limit
+from pipeline.limits.limit import Limit, NodeLimit
 from pipeline.limits.measures import Measure
 from pipeline.limits.relaxation import Relaxation
 from pipeline.machine.geometry import Machine
@@ -46,6 +46,11 @@ def move_limits(config: Config, machine: Machine) -> list[Limit]:
 def path_limits(config: Config, machine: Machine) -> list[Limit]:
     """Return what has to hold all along a path."""
     return [limit for kind in KINDS for limit in kind.for_path(config, machine)]
+
+
+def node_limits(config: Config, machine: Machine) -> list[NodeLimit]:
+    """Return the limits of a path that both programs of stage two keep at their nodes."""
+    return [limit for limit in path_limits(config, machine) if isinstance(limit, NodeLimit)]
 
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.limits import NodeLimit, path_limits
+from pipeline.limits import node_limits
 from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path, Refinement, coarse_path, refine_path
@@ -63,8 +63,7 @@ def peak(quick_config: Config, machine: Machine, route: Route, coarse: Path, ste
     samples = PoseSamples(machine, coarse.pose(points.s), coarse.q(points.s))
     limits = [
         LeastValues(limit, np.full(limit.values(samples).shape, limit.least))
-        for limit in path_limits(quick_config, machine)
-        if isinstance(limit, NodeLimit)
+        for limit in node_limits(quick_config, machine)
     ]
     required = PathConstraints(corridor(quick_config, route, coarse, points.s), limits)
     return PeakProblem(points, required, free, machine.actuator_limits_m)

@@ -15,7 +15,7 @@ NONE = np.zeros(0)
 
 
 def test_it_is_even_with_further_nodes_where_asked_for() -> None:
-    """Twenty nodes, one of them doubled by a visit elsewhere, and as many coefficients as asked for."""
+    """Twenty nodes, one of them doubled by a visit elsewhere, and as many coefficients as given."""
     mesh = even_mesh(20, 9, np.array([0.5]))
     assert len(mesh.s) == 21
     assert 0.5 in mesh.s

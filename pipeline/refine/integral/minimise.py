@@ -3,7 +3,7 @@
 from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
-from pipeline.limits import NodeLimit, path_limits
+from pipeline.limits import node_limits
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine.corridor import corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
@@ -67,7 +67,7 @@ def program_data(problem: Problem, initial: MeshSolution, exponent: float, evenn
     return ProgramData(
         mesh=initial.mesh,
         corridor=corridor(config, problem.route, problem.coarse, initial.mesh.s),
-        limits=[limit for limit in path_limits(config, problem.machine) if isinstance(limit, NodeLimit)],
+        limits=node_limits(config, problem.machine),
         clearance_margin_m=config.refine.clearance_margin_m,
         reach_m=float(problem.steps[:3].max()),
         steps=problem.steps,

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
-from pipeline.limits import NodeLimit, path_limits
+from pipeline.limits import node_limits
 from pipeline.limits.kappa import path_cap
 from pipeline.refine.corridor import corridor
 from pipeline.refine.mesh import midpoints
@@ -21,7 +21,7 @@ from pipeline.refine.splines import DEGREE
 from pipeline.status import Status
 
 _BELOW_COARSE = 0.97
-"""Share of the coarse path's largest kappa that an objective which improves on it aims at: peaks are to come down."""
+"""Share of the coarse path's largest kappa that an objective which improves on it aims at: peaks shall fall."""
 _BELOW_CAP = 0.995
 """Share of the cap that counts as it: between two points kappa may be a little higher than at them."""
 
@@ -66,10 +66,12 @@ def peak_problem(problem: Problem, initial: MeshSolution) -> tuple[PeakProblem, 
     if iterate is None:
         return None
     margin = config.refine.clearance_margin_m
-    limits = [limit for limit in path_limits(config, machine) if isinstance(limit, NodeLimit)]
     required = PathConstraints(
         corridor=corridor(config, problem.route, problem.coarse, s),
-        limits=[least_values(limit, limit.values(iterate.samples), limit.node_margin(margin)) for limit in limits],
+        limits=[
+            least_values(limit, limit.values(iterate.samples), limit.node_margin(margin))
+            for limit in node_limits(config, machine)
+        ],
     )
     return PeakProblem(points, required, problem.directions, machine.actuator_limits_m), iterate
 

@@ -1,4 +1,4 @@
-"""How an iterate moves along s: evenly, and at its ends as fast and in the directions asked for."""
+"""How an iterate moves along s: evenly, and at its ends fast enough and in the configured directions."""
 
 from collections.abc import Iterator
 from functools import lru_cache

@@ -1,9 +1,9 @@
 """Lowering the largest kappa of a path: sequential quadratic programming in actuator space.
 
-Damping of the steps (`step`) grows until the path that a step gives is as good as promised, and falls while steps keep
-their promises. There are no poses among the unknowns, so that no equation has to be met and every iterate is a path.
-The interior-point method that finds the least integral gets lost here, because kappa is at its bound along much of a
-path.
+Damping of the steps (`step`) grows until a step brings enough of the gain that its program predicts, and falls while
+steps bring most of it. There are no poses among the unknowns, so that no equation has to be met and every iterate is a
+path. The interior-point method that finds the least integral gets lost here, because kappa is at its bound along much
+of a path.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from pipeline.solvers import interrupts_noted
 
 _DAMPING_FIRST, _MORE, _LESS, _TRIALS = 500.0, 4.0, 0.4, 15
 _KEPT, _WELL_KEPT = 0.1, 0.7
-"""Share of the promised gain that a step has to bring, and from which on the next one may be longer."""
+"""Share of the predicted gain that a step has to bring, and from which on the next one may be longer."""
 _LEAST_GAIN = 2e-5
 """Relative gain below which another step is not worth its time."""
 _RESTORED, _RESTORING = 1e-7, 5
@@ -44,9 +44,9 @@ def descend(problem: PeakProblem, objective: PeakObjective, initial: Iterate, ma
         if step is None:
             return Descent(restore_feasibility(problem, iterate), steps, True)
         iterate, damping = step.iterate, step.damping
-        if abs(step.promised) < _LEAST_GAIN * objective.value(iterate):
+        if abs(step.predicted) < _LEAST_GAIN * objective.value(iterate):
             return Descent(restore_feasibility(problem, iterate), steps, True)
-        if step.gain > _WELL_KEPT * step.promised:
+        if step.gain > _WELL_KEPT * step.predicted:
             damping *= _LESS
     return Descent(iterate, max_steps, False)
 
@@ -70,21 +70,21 @@ def restore_feasibility(problem: PeakProblem, iterate: Iterate) -> Iterate:
 class _Step:
     iterate: Iterate
     gain: float
-    promised: float
+    predicted: float
     damping: float
 
 
 def _step(problem: PeakProblem, objective: PeakObjective, iterate: Iterate, damping: float) -> _Step | None:
-    """Find a step that keeps enough of its promise, with growing damping; None if there is none."""
+    """Find a step that brings enough of its predicted gain, with growing damping; None if there is none."""
     program = StepProgram(problem, objective, iterate)
     value, excess = objective.value(iterate), problem.excess(iterate)
     for _ in range(_TRIALS):
-        change, promised = program.solve(damping)
+        change, predicted = program.solve(damping)
         tried = None if change is None else _moved(problem, iterate, change)
         # Where constraints were broken, restoring them may cost something.
-        least_gain = _KEPT * promised if promised > 0.0 else promised / _KEPT
+        least_gain = _KEPT * predicted if predicted > 0.0 else predicted / _KEPT
         if tried is not None and _acceptable(problem, objective, tried, value - least_gain, excess):
-            return _Step(tried, value - objective.value(tried), promised, damping)
+            return _Step(tried, value - objective.value(tried), predicted, damping)
         damping *= _MORE
     return None
 

@@ -60,7 +60,7 @@ class StepProgram:
         return np.append(low.ravel(), [target, -length / 2.0]), np.append(high.ravel(), [cap, length])
 
     def solve(self, damping: float) -> tuple[FloatArray | None, float]:
-        """Find the change of the coefficients (n, 5) and the gain it promises; None where there is none."""
+        """Find the change of the coefficients (n, 5) and the predicted gain; None if the solver fails."""
         result = self._solver(
             h=self._curvature + damping * self._squared,
             g=self._gradient,

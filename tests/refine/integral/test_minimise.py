@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
-from pipeline.limits import NodeLimit, path_limits
+from pipeline.limits import node_limits
 from pipeline.machine import Machine
 from pipeline.refine.integral.ipopt import IpoptOptions
 from pipeline.refine.integral.minimise import guess_from, minimise_integral, program_data, solve_on_mesh
@@ -38,7 +38,7 @@ def test_the_integral_falls_and_the_surrogate_knows_it(problem: Problem, initial
 def test_the_program_gets_the_limits_of_nodes(problem: Problem, initial: MeshSolution) -> None:
     """Those that have rows; the guess is the initial path at its nodes."""
     data, guess = program_data(problem, initial, FROBENIUS, 1.0), guess_from(initial)
-    kept = [limit for limit in path_limits(problem.config, problem.machine) if isinstance(limit, NodeLimit)]
+    kept = node_limits(problem.config, problem.machine)
     assert [limit.wording.name for limit in data.limits] == [limit.wording.name for limit in kept]
     np.testing.assert_array_equal(guess.nodes.pose, initial.path.node_pose)
     np.testing.assert_array_equal(guess.coefficients, initial.path.spline.c)

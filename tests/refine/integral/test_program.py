@@ -8,7 +8,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from pipeline.config import Config
-from pipeline.limits import NodeLimit, path_limits
+from pipeline.limits import node_limits
 from pipeline.machine import Machine, condition_number
 from pipeline.machine.kinematics import newton
 from pipeline.machine.samples import PoseSamples
@@ -23,10 +23,6 @@ from pipeline.route.metric import arc_length
 FREE = np.full((2, 5), np.nan)
 
 
-def _limits(config: Config, machine: Machine) -> list[NodeLimit]:
-    return [limit for limit in path_limits(config, machine) if isinstance(limit, NodeLimit)]
-
-
 @pytest.fixture(scope="module")
 def data(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray) -> ProgramData:
     """Give the data of a small program."""
@@ -34,7 +30,7 @@ def data(quick_config: Config, machine: Machine, route: Route, coarse: Path, ste
     return ProgramData(
         mesh=Mesh(s, clamped_knots(9)),
         corridor=corridor(quick_config, route, coarse, s),
-        limits=_limits(quick_config, machine),
+        limits=node_limits(quick_config, machine),
         clearance_margin_m=0.001,
         reach_m=0.2,
         steps=steps,
@@ -100,7 +96,7 @@ def test_rows_and_unknowns_of_every_limit_are_in_the_program(
 ) -> None:
     """At the guess every pair within reach keeps its distance; vectors stand between coefficients and length."""
     machine = replace(guess.nodes.machine, link_rail_m=0.05 if checks_rails else np.nan)
-    limits = _limits(quick_config, machine)
+    limits = node_limits(quick_config, machine)
     assert len(limits) == 1 + checks_rails
     guess = replace(guess, nodes=replace(guess.nodes, machine=machine))
     program = build_program(replace(data, limits=limits, reach_m=10.0), guess)

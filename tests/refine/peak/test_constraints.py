@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.limits import NodeLimit, path_limits
+from pipeline.limits import node_limits
 from pipeline.machine import Machine, link_distances
 from pipeline.machine.working_modes import reach_along_rails
 from pipeline.refine.peak.constraints import Constraint, LeastValues, least_values
@@ -20,8 +20,7 @@ H = 1e-6
 @pytest.fixture(scope="module")
 def guarded(peak: PeakProblem, quick_config: Config, machine: Machine) -> PeakProblem:
     """Require a distance to rails, too, sides at some points, and a direction at the start."""
-    limits = path_limits(quick_config, replace(machine, link_rail_m=0.3))
-    (rail,) = (limit for limit in limits if isinstance(limit, NodeLimit) and "rail" in limit.wording.name)
+    _, rail = node_limits(quick_config, replace(machine, link_rail_m=0.3))
     sides = np.zeros_like(peak.required.corridor.sides)
     sides[3, 0], sides[-4, 2] = -1.0, 1.0
     directions = peak.directions.copy()

@@ -58,8 +58,8 @@ def test_running_out_of_steps_is_reported(peak: PeakProblem, iterate: Iterate) -
 def test_the_target_is_not_undercut_at_a_cost(peak: PeakProblem, iterate: Iterate, lowest: Iterate) -> None:
     """Above the target the largest kappa counts; with a target that is met initially the mean of kappa alone does."""
     between = 0.5 * (lowest.kappa.max() + iterate.kappa.max())
-    aimed = descend(peak, PeakObjective(1.0, 10.0, between, np.inf, 12.0), iterate, 200).iterate
+    targeted = descend(peak, PeakObjective(1.0, 10.0, between, np.inf, 12.0), iterate, 200).iterate
     free = descend(peak, PeakObjective(1.0, 10.0, float(iterate.kappa.max()), np.inf, 12.0), iterate, 200).iterate
-    assert aimed.kappa.max() <= between * (1.0 + 1e-6)
-    assert free.integral <= aimed.integral * (1.0 + 1e-3)
-    assert aimed.integral < iterate.integral
+    assert targeted.kappa.max() <= between * (1.0 + 1e-6)
+    assert free.integral <= targeted.integral * (1.0 + 1e-3)
+    assert targeted.integral < iterate.integral
