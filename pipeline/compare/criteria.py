@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from pipeline.compare.motion import MotionFigures, at_duration
+from pipeline.limits import Measure, measures
 from pipeline.refine.measure import PathFigures
 
 Preference = Literal["lower", "higher", "neither"]
@@ -60,6 +61,12 @@ def _path(name: str, unit: str, prefers: Preference, resolution: float, attribut
     return Criterion(name, unit, prefers, resolution, lambda one: getattr(one.path, attribute))
 
 
+def _measure(measure: Measure) -> Criterion:
+    return Criterion(
+        measure.name, measure.unit, measure.prefers, measure.resolution, lambda one: one.path.measures[measure.key]
+    )
+
+
 def _motion(name: str, unit: str, resolution: float, attribute: str, paced: bool = False) -> Criterion:
     def read(one: MeasuredPath) -> float | None:
         motion = one.paced if paced else one.motion
@@ -75,9 +82,7 @@ CRITERIA = (
     _path("largest kappa", "", "lower", 1e-6, "kappa_max"),
     _path("largest kappa at s", "", "neither", 1e-6, "kappa_max_s"),
     _path("length", "steps", "lower", 1e-6, "length"),
-    _path("least link-link distance", "m", "higher", 1e-5, "min_link_distance_m"),
-    _path("least link-rail distance", "m", "higher", 1e-5, "min_rail_distance_m"),
-    _path("largest tilt", "deg", "lower", 1e-4, "max_tilt_deg"),
+    *(_measure(measure) for measure in measures()),
     _path("closure residual", "m", "lower", 1e-9, "closure_residual_m"),
     Criterion("working-mode changes", "", "neither", 0.5, lambda one: one.path.mode_changes),
     _motion("duration", "s", 1e-6, "duration_s"),

@@ -1,5 +1,6 @@
 """The cap on kappa, and with it the distance from Type-II singularities."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
+from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.limits.limit import Limit, Wording
 from pipeline.limits.measures import Measure
 from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
@@ -97,6 +99,21 @@ class KappaCap:
 def path_cap(config: Config) -> float:
     """Return the cap on kappa along a path: the smaller of refine.kappa_max, if given, and route.kappa_max."""
     return min(config.refine.kappa_max or np.inf, config.route.kappa_max)
+
+
+def require_ends_below_cap(config: Config, kappas: Sequence[float]) -> None:
+    """Check that the cap on the path's kappa leaves room for start and goal, whose kappas are given.
+
+    Raises
+    ------
+    ConfigError
+        If refine.kappa_max is below one of them.
+    """
+    cap, largest = config.refine.kappa_max, max(kappas)
+    if cap is not None and cap < largest:
+        raise ConfigError(
+            [ConfigIssue("refine.kappa_max", f"is {cap:g}; kappa at the start or the goal is {largest:.2f}")]
+        )
 
 
 def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:

@@ -4,7 +4,7 @@ from typing import Protocol
 
 from pipeline.config import Config
 from pipeline.limits import actuators, avoid, kappa, link_link, link_rail, tilt
-from pipeline.limits.limit import Limit, ProvenLimit
+from pipeline.limits.limit import Limit, NodeLimit, ProvenLimit
 from pipeline.limits.measures import Measure
 from pipeline.limits.proof import CertificateEntry, CertificateKey
 from pipeline.limits.relaxation import Relaxation
@@ -58,6 +58,11 @@ def proven_limits(config: Config, machine: Machine) -> list[ProvenLimit]:
 def certificate_keys() -> tuple[CertificateKey, ...]:
     """Return the keys of all bounds that a certificate states, each once."""
     return tuple(dict.fromkeys(key for kind in KINDS for key in kind.CERTIFICATE.keys))
+
+
+def node_limits(config: Config, machine: Machine) -> list[NodeLimit]:
+    """Return the limits of a path that both programs of stage two keep at their nodes."""
+    return [limit for limit in path_limits(config, machine) if isinstance(limit, NodeLimit)]
 
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:

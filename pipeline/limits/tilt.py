@@ -82,7 +82,8 @@ class TiltLimit:
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return both tilts in degrees."""
         degrees = np.rad2deg(samples.pose[:, TILT_COLUMNS])
-        rows = zip(TILT_AXES, degrees.T, np.rad2deg(self.largest_rad).tolist(), strict=True)
+        # Degrees as they were typed, without the rounding of the conversion.
+        rows = zip(TILT_AXES, degrees.T, np.rad2deg(self.largest_rad).round(12).tolist(), strict=True)
         return tuple(Curve(axis, "deg", values, -limit, limit) for axis, values, limit in rows)
 
     @property

@@ -1,10 +1,10 @@
 """The corridor: which poses the refined path may have at each s.
 
-Everywhere the path goes through the working modes of the route in their order, for which its budget and its difference
-from other routes were proven; only around the place where an arm changes may it do so to and fro. At s between two
-neighbouring steps of the route, besides, the corridor is the box that holds both, widened by a number of cells; a free
-corridor has no box. Within either the tilt limit holds, a locked axis keeps to its tolerance, and a box to avoid cuts
-at the one of its sides that the coarse path is farthest beyond. Start, goal and poses to visit are exact.
+The path goes through the working modes of the route in their order, for which its budget and its difference from other
+routes were proven; only around the place where an arm changes may it do so back and forth. Between two neighbouring
+steps of the route the corridor is also the box that holds both, widened by a number of cells; a free corridor has no
+box. In both cases the tilt limit holds, a locked axis keeps its tolerance, and a box to avoid cuts off the corridor at
+the side that the coarse path is farthest beyond. Start, goal and poses to visit are exact.
 """
 
 from dataclasses import dataclass
@@ -14,28 +14,33 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits.avoid import Box, boxes_to_avoid
+from pipeline.limits.tilt import node_limits_rad
+from pipeline.machine.pose import CONTROLLED, RY, TILT_COLUMNS
 from pipeline.refine.coarse import corner_parameters, move_of
-from pipeline.refine.path_limits import TILTS
 from pipeline.refine.result import Path
 from pipeline.refine.sides import sides_at
-from pipeline.route.metric import CONTROLLED, step_sizes
+from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 
-_RY = 4
-_LOCK_SHARE = 0.8
-"""Share of a locked axis' tolerance allowed at the nodes; the rest is for what happens between them."""
 _BULGE = 0.02
-"""Grid steps that a node keeps from the wall of its cells: between two nodes the path bends outwards."""
+"""Grid steps that a node keeps from the wall of its cells: between two nodes the path bulges outwards."""
 _SIDE_MARGIN_M = 1e-4
-"""What a cart keeps at the nodes from changing its side of the platform where it must not."""
+"""Distance that a cart keeps at the nodes from the other side of its platform joint where it must not change."""
 
 
 @dataclass(frozen=True, eq=False)
 class Corridor:
-    """What bounds nodes: poses `low`, `high` (k, 6), and the least `side` (k, 3) * (cart - platform joint) along X.
+    """Bounds of nodes.
 
-    A side is 1 where the cart of an arm has to be at larger x than its platform joint (mode R), -1 where at smaller
-    (L), and 0 where the arm is free; `side_margin_m` is kept.
+    Attributes
+    ----------
+    low, high : (k, 6)
+        Bounds of the poses.
+    sides : (k, 3)
+        1 where the cart of an arm has to be at larger x than its platform joint (mode R), -1 where at smaller x (L),
+        0 where the arm is free.
+    side_margin_m : float
+        Least side * (cart - platform joint) along X.
     """
 
     low: FloatArray
@@ -47,8 +52,7 @@ class Corridor:
 def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corridor:
     """Bound the poses of nodes at s (k,), the first and the last of which are the start and the goal."""
     low, high = _cells_around(config, route, coarse, s)
-    for axis, column in TILTS:
-        limit = _tilt_limit(config, axis)
+    for column, limit in zip(TILT_COLUMNS, node_limits_rad(config), strict=True):
         low[:, column] = np.clip(low[:, column], -limit, limit)
         high[:, column] = np.clip(high[:, column], -limit, limit)
     _avoid(config, coarse.pose(s), low, high)
@@ -56,29 +60,25 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corri
     _visit(config, route, s, visit_parameters(coarse, route), low, high)
     sides = _sides_around(route, coarse, s)
     # Start, goal and poses to visit are as they are.
-    sides[(low == high).all(axis=1, where=np.arange(6) != _RY)] = 0.0
+    sides[(low == high).all(axis=1, where=np.arange(6) != RY)] = 0.0
     return Corridor(low, high, sides, _SIDE_MARGIN_M)
 
 
 def cells_excess(config: Config, route: Route, coarse: Path, s: FloatArray, pose: FloatArray) -> FloatArray:
-    """How far poses (n, 6) at s (n,) are outside the cells of the corridor, in grid steps, negative inside; (n,)."""
-    if config.refine.corridor == "free":
-        return np.full(len(s), -np.inf)
+    """Compute how far poses (n, 6) at s (n,) are outside a corridor of cells, in grid steps, negative inside. (n,)."""
     low, high = _cells(config, route, move_of(coarse, s))
     beyond = np.maximum(low - pose, pose - high)[:, CONTROLLED] / step_sizes(config.route)
-    outside: FloatArray = beyond.max(axis=1)
-    return outside
+    return np.asarray(beyond.max(axis=1), dtype=float)
 
 
 def visit_parameters(coarse: Path, route: Route) -> FloatArray:
-    """Parameter s of every visit, in their order, shape (visits,)."""
+    """Return the parameter s of every visit, in their order, shape (visits,)."""
     steps = [int(np.argmax(route.visits == number)) for number in range(1, int(route.visits.max()) + 1)]
-    visited: FloatArray = corner_parameters(coarse)[steps]
-    return visited
+    return corner_parameters(coarse)[steps]
 
 
 def _cells(config: Config, route: Route, move: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Boxes around both steps of moves (n,), widened. Shapes (n, 6)."""
+    """Compute the boxes around both steps of moves (n,), widened. Shapes (n, 6)."""
     here, there = route.pose[move], route.pose[move + 1]
     widening = np.full(6, np.inf)
     widening[CONTROLLED] = config.refine.corridor_cells * step_sizes(config.route)
@@ -86,7 +86,7 @@ def _cells(config: Config, route: Route, move: IntArray) -> tuple[FloatArray, Fl
 
 
 def _cells_around(config: Config, route: Route, coarse: Path, s: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Boxes for nodes s (k,): what is common to all moves between the node before and the one after. Shapes (k, 6).
+    """Compute boxes for nodes s (k,): what all moves from the node before to the one after share. Shapes (k, 6).
 
     The path between two nodes is then inside as well, wherever it passes from one box to the next.
     """
@@ -99,21 +99,21 @@ def _cells_around(config: Config, route: Route, coarse: Path, s: FloatArray) -> 
     bulge[CONTROLLED] = min(_BULGE, config.refine.corridor_cells / 2.0) * step_sizes(config.route)
     low = np.stack([all_low[a : b + 1].max(axis=0) for a, b in zip(first, last, strict=True)]) + bulge
     high = np.stack([all_high[a : b + 1].min(axis=0) for a, b in zip(first, last, strict=True)]) - bulge
-    # Where nodes are too sparse for a common part the box of the node's own move has to do.
+    # Where nodes are too sparse to have a common part, the box of the node's own move is used.
     none = (low > high).any(axis=1)
     low[none], high[none] = all_low[move[none]], all_high[move[none]]
     return low, high
 
 
 def _sides_around(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
-    """Sides for nodes s (k,): also those that a neighbouring node has to keep, unless they contradict. Shape (k, 3)."""
+    """Compute sides for nodes s (k,), those of neighbouring nodes included unless they contradict. Shape (k, 3)."""
     sides = sides_at(route, coarse, s)
     around = np.sign(sides + np.vstack([sides[1:], sides[-1:]]) + np.vstack([sides[:1], sides[:-1]]))
     return np.where(sides == 0.0, around, sides)
 
 
 def _avoid(config: Config, pose: FloatArray, low: FloatArray, high: FloatArray) -> None:
-    """Cut the corridor (k, 6) along boxes to avoid; `pose` (k, 6) is that of the coarse path."""
+    """Cut the corridor (k, 6) along boxes to avoid; `pose` (k, 6) are those of the coarse path."""
     steps, margin = step_sizes(config.route), np.full(5, config.refine.clearance_margin_m)
     margin[3:] = np.deg2rad(config.refine.tilt_margin_deg)
     controlled, nodes = pose[:, CONTROLLED], np.arange(len(pose))
@@ -128,7 +128,7 @@ def _avoid(config: Config, pose: FloatArray, low: FloatArray, high: FloatArray) 
 
 
 def _visit(config: Config, route: Route, s: FloatArray, visited: FloatArray, low: FloatArray, high: FloatArray) -> None:
-    """Narrow the corridor (k, 6) to what is to be visited, at the nodes nearest to the route's visits."""
+    """Narrow the corridor (k, 6) to the visits of the task, at the nodes nearest to those of the route."""
     for number, (visit, at) in enumerate(zip(config.task.visit, visited, strict=True), start=1):
         node = int(np.abs(s - at).argmin())
         if visit.box is None:
@@ -137,9 +137,3 @@ def _visit(config: Config, route: Route, s: FloatArray, visited: FloatArray, low
             box = Box.of(visit.box)
             low[node, CONTROLLED] = np.maximum(low[node, CONTROLLED], box.low)
             high[node, CONTROLLED] = np.minimum(high[node, CONTROLLED], box.high)
-
-
-def _tilt_limit(config: Config, axis: str) -> float:
-    if axis in config.task.locked_axes:
-        return _LOCK_SHARE * float(np.deg2rad(config.refine.lock_tolerance_deg))
-    return max(float(np.deg2rad(config.task.tilt_max_deg - config.refine.tilt_margin_deg)), 0.0)

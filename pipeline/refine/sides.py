@@ -10,11 +10,11 @@ from pipeline.route.result import Route
 
 
 def sides_at(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
-    """Give the side of every arm at s (n,): 1 for mode R, -1 for L, 0 where the arm may change. Shape (n, 3).
+    """Return the side of every arm at s (n,): 1 for mode R, -1 for L, 0 where the arm may change. Shape (n, 3).
 
-    An arm may change between the middle of the way from the change before and the middle of the way to the next one,
-    of whichever arm: so every change finds its own best place, and their order stays that of the route. Where one arm
-    changes to and fro it keeps half of these ways free, and goes through the mode between in the other half.
+    An arm may change from half-way after the change before to half-way before the next one, of whichever arm: every
+    change finds its own best place, and their order stays that of the route. Where one arm changes back and forth, half
+    of that is free on either side of the change; in the other half the arm keeps the mode in between.
     """
     moves, arms = np.nonzero(np.diff(MODE_SIGNS[route.modes], axis=0))
     place = corner_parameters(coarse)[_gate_steps(route, moves, arms)]
@@ -34,6 +34,5 @@ def sides_at(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
 
 
 def _gate_steps(route: Route, moves: IntArray, arms: IntArray) -> IntArray:
-    """Step of the route at whose gate the arm changes: before or after the move that it changes in."""
-    steps: IntArray = np.where(route.gates[moves] == arms + 1, moves, moves + 1)
-    return steps
+    """Return the steps of the route at whose gates the arms change: before or after the moves they change in."""
+    return np.asarray(np.where(route.gates[moves] == arms + 1, moves, moves + 1))

@@ -7,12 +7,12 @@ from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.limits.avoid import Box
 from pipeline.machine import Machine
+from pipeline.machine.pose import CONTROLLED, TILT_COLUMNS
 from pipeline.refine import Path, coarse_path, refine_path
 from pipeline.refine.coarse import move_of
 from pipeline.refine.corridor import corridor, visit_parameters
 from pipeline.refine.measure import sample_path
 from pipeline.route import Route, build_regions, plan_route
-from pipeline.route.metric import CONTROLLED
 
 S = np.linspace(0.0, 1.0, 101)
 
@@ -39,7 +39,7 @@ def test_no_tilt_beyond_its_limit_less_the_margin(quick_config: Config, route: R
     refine = quick_config.refine.model_copy(update={"tilt_margin_deg": 2.0})
     bounds = corridor(quick_config.model_copy(update={"refine": refine}), route, coarse, S)
     limit = np.deg2rad(28.0) + 1e-12
-    for column in (3, 5):
+    for column in TILT_COLUMNS:
         assert bounds.high[:, column].max() <= limit
         assert bounds.low[:, column].min() >= -limit
 
@@ -73,7 +73,7 @@ def test_a_margin_wider_than_the_corridor_leaves_a_tilt_without_freedom(
     refine = quick_config.refine.model_copy(update={"corridor_cells": 0.0, "tilt_margin_deg": 15.0})
     bounds = corridor(quick_config.model_copy(update={"refine": refine}), route, coarse, S)
     assert (bounds.low <= bounds.high).all()
-    assert np.rad2deg(np.abs(bounds.low[1:-1, [3, 5]]).max()) <= 15.0 + 1e-9
+    assert np.rad2deg(np.abs(bounds.low[1:-1, TILT_COLUMNS]).max()) <= 15.0 + 1e-9
 
 
 @pytest.fixture(scope="module")

@@ -53,12 +53,12 @@ def test_a_path_has_the_working_modes_of_its_route(
     assert figures.mode_changes == route.mode_changes == 3
 
 
-def test_other_working_modes_are_a_breach(light_config: Config, route: Route, refinement: Refinement) -> None:
-    """A path along a route whose first and third arm change in each other's place is told to be in other modes."""
+def test_other_working_modes_are_a_violation(light_config: Config, route: Route, refinement: Refinement) -> None:
+    """A path along a route whose first and third arm change in each other's place is reported to be in other modes."""
     swapped = [MODES.index(name[::-1]) for name in route.mode_names]
     gates = np.array([0, 3, 2, 1])[route.gates]
     other = replace(route, gates=gates, modes=np.array(swapped))
-    found = [breach.what for breach in find_violations(light_config, other, refinement.path, refinement.coarse)]
+    found = [violation.what for violation in find_violations(light_config, other, refinement.path, refinement.coarse)]
     assert any("another working mode" in what for what in found)
 
 
@@ -66,27 +66,30 @@ def test_a_budget_of_changes_is_that_of_the_path_too(
     light_config: Config, route: Route, refinement: Refinement
 ) -> None:
     """Three changes are within a budget of three, and one too many for a budget of two."""
-    for budget, told in ((3, False), (2, True)):
+    for budget, reported in ((3, False), (2, True)):
         limited = light_config.task.budget.model_copy(update={"mode_changes": budget})
         config = light_config.model_copy(update={"task": light_config.task.model_copy(update={"budget": limited})})
-        found = [breach.what for breach in find_violations(config, route, refinement.path, refinement.coarse)]
-        assert any("task.budget.mode_changes" in what for what in found) == told
+        found = [violation.what for violation in find_violations(config, route, refinement.path, refinement.coarse)]
+        assert any("task.budget.mode_changes" in what for what in found) == reported
 
 
-def test_an_arm_that_changes_to_and_fro_has_to_do_so(
+def test_an_arm_that_changes_back_and_forth_has_to_do_so(
     light_config: Config, route: Route, refinement: Refinement
 ) -> None:
-    """Between two changes of one arm its side is asked for, and a path without them is told to leave modes out."""
+    """Between two changes of one arm its side is required, and a path without them is reported to leave modes out."""
     modes, gates = np.zeros_like(route.modes), np.zeros_like(route.gates)
     modes[4:8] = MODES.index("RLL")
     gates[[3, 8]] = 1
-    to_and_fro = replace(route, modes=modes, gates=gates)
+    back_and_forth = replace(route, modes=modes, gates=gates)
     s = np.linspace(0.0, 1.0, 4_001)
-    sides = sides_at(to_and_fro, refinement.coarse, s)
+    sides = sides_at(back_and_forth, refinement.coarse, s)
     first, last = corner_parameters(refinement.coarse)[[3, 8]]
     middle = np.abs(s - (first + last) / 2.0) < 0.24 * (last - first)
     np.testing.assert_array_equal(sides[middle], np.tile([1.0, -1.0, -1.0], (middle.sum(), 1)))
     values = sides[:, 0][np.append(True, np.diff(sides[:, 0]) != 0.0)]
     np.testing.assert_array_equal(values, [-1.0, 0.0, 1.0, 0.0, -1.0])
-    found = [breach.what for breach in find_violations(light_config, to_and_fro, refinement.path, refinement.coarse)]
+    found = [
+        violation.what
+        for violation in find_violations(light_config, back_and_forth, refinement.path, refinement.coarse)
+    ]
     assert any("leaves out" in what or "another working mode" in what for what in found)

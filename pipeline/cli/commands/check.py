@@ -33,15 +33,15 @@ def check(
     import numpy as np
 
     from pipeline.cli.machine_report import machine_report
+    from pipeline.limits.kappa import require_ends_below_cap
     from pipeline.machine.geometry import build_machine
-    from pipeline.refine.path_limits import require_cap
     from pipeline.retime import require_ends_held
     from pipeline.route.regions.endpoints import task_endpoints
 
     loaded = load_task(config)
     machine = build_machine(loaded.machine)
     ends = task_endpoints(loaded, machine)
-    require_cap(loaded, [end.kappa for end in ends])
+    require_ends_below_cap(loaded, [end.kappa for end in ends])
     console = results_console()
     for part in machine_report(loaded, machine, ends):
         console.print(part)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def make_path(results: "Results", monitor: Monitor) -> Product:
     """Smooth the route, and measure the path against the route joined by straight lines."""
     config = results.config
-    refinement = refine_path(config, results.machine, results.route, monitor.progress, monitor.verbose)
+    refinement = refine_path(config, results.machine, results.route, monitor)
     monitor.progress(f"measuring both paths at {config.refine.check_points:,} points")
     return path_product(results, refinement)
 
