@@ -14,6 +14,8 @@ LINK_RAIL = {
     "pipeline.limits.kinds": "the list of kinds",
     "pipeline.machine.clearance": "the geometry",
     "pipeline.machine.geometry": "the value in the machine",
+    "pipeline.machine.__init__": "the public name of the geometry",
+    "pipeline.workspace.table": "the setting of a workspace as numbers",
     "pipeline.config.machine": "the key",
     "pipeline.certify.recheck.claims.axis_distances": "the independent check",
 }

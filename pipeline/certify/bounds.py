@@ -7,8 +7,8 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.chain import Chain
+from pipeline.limits.interface.limit import ProvenLimit
 from pipeline.limits.kappa import DET_SIGN, KAPPA, KappaCap
-from pipeline.limits.limit import ProvenLimit
 
 
 @dataclass(frozen=True, eq=False)

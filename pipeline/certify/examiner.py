@@ -6,8 +6,8 @@ from pipeline.certify.chain import BoxBounds
 from pipeline.certify.reasons import Reason
 from pipeline.config import CertifyConfig
 from pipeline.inclusion.proven_box import ProvenBox
+from pipeline.limits.interface.limit import ProvenLimit
 from pipeline.limits.kappa import KappaCap
-from pipeline.limits.limit import ProvenLimit
 
 _SHARP_ENOUGH = 1e-5
 """Boxes are not halved below this width only to bound kappa more sharply."""

@@ -4,6 +4,10 @@ A new kind of limit is a module with the functions of `LimitKind`, its entry in 
 `certify.recheck` if it is proven.
 """
 
+from pipeline.limits.interface.limit import Curve, Limit, NodeLimit, ProvenLimit, ShownLimit, Wording, admits, admitted
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import RegionFilter, Relaxation
 from pipeline.limits.kinds import (
     KINDS,
     LimitKind,
@@ -16,10 +20,6 @@ from pipeline.limits.kinds import (
     proven_limits,
     relaxations,
 )
-from pipeline.limits.limit import Curve, Limit, NodeLimit, ProvenLimit, ShownLimit, Wording, admits, admitted
-from pipeline.limits.measures import Measure
-from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
-from pipeline.limits.relaxation import RegionFilter, Relaxation
 
 __all__ = [
     "KINDS",

@@ -10,10 +10,10 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
-from pipeline.limits.relaxation import RegionFilter, Relaxation, with_values
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import RegionFilter, Relaxation, with_values
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.machine.samples import PoseSamples
 

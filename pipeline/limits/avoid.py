@@ -6,10 +6,10 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import BoxConfig, Config
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.proof import CertificateEntry
-from pipeline.limits.relaxation import Relaxation
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.relaxation import Relaxation
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 

@@ -8,15 +8,15 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.limits.limit import Curve, Wording
-from pipeline.limits.proof import CertificateKey, ProvenQuantity, Side
-from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.limits.interface.limit import Curve, Wording
+from pipeline.limits.interface.proof import CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import LINKS
 from pipeline.machine.samples import PoseSamples
 
 if TYPE_CHECKING:
     from pipeline.inclusion.proven_box import ProvenBox
-    from pipeline.limits.rows import Nodes, ProgramPart
+    from pipeline.limits.interface.rows import Nodes, ProgramPart
 
 PROOF_SLACK_M = 5e-5
 """What proven bounds of distances are weakened by, so that other arithmetic can verify them."""

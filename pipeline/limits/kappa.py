@@ -9,10 +9,10 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.errors import ConfigError, ConfigIssue
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
-from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 

@@ -4,10 +4,10 @@ from typing import Protocol
 
 from pipeline.config import Config
 from pipeline.limits import actuators, avoid, kappa, link_link, link_rail, tilt
-from pipeline.limits.limit import Limit, NodeLimit, ProvenLimit
-from pipeline.limits.measures import Measure
-from pipeline.limits.proof import CertificateEntry, CertificateKey
-from pipeline.limits.relaxation import Relaxation
+from pipeline.limits.interface.limit import Limit, NodeLimit, ProvenLimit
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey
+from pipeline.limits.interface.relaxation import Relaxation
 from pipeline.machine.geometry import Machine
 
 

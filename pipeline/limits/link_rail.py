@@ -5,10 +5,10 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.limits.axis_distance import DISTANCE, AxisDistance, distance_relaxation
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.proof import CertificateEntry
-from pipeline.limits.relaxation import Relaxation
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.relaxation import Relaxation
 from pipeline.machine.clearance import link_rail_distances, rail_pairs
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples

@@ -8,10 +8,10 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.limits.limit import Curve, Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
-from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.limits.interface.limit import Curve, Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_AXES, TILT_COLUMNS
 from pipeline.machine.samples import PoseSamples

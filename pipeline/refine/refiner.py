@@ -10,7 +10,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.refine.check import Violation, find_violations
-from pipeline.refine.corridor import visit_parameters
+from pipeline.refine.corridor.cells import visit_parameters
 from pipeline.refine.integral.minimise import minimise_integral
 from pipeline.refine.mesh import adapted_mesh, even_mesh, with_nodes
 from pipeline.refine.peak.lower import lower_peak

@@ -16,10 +16,10 @@ from pipeline.limits import path_limits
 from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.machine.kinematics import pose_jacobian
 from pipeline.machine.working_modes import working_modes
-from pipeline.refine.corridor import cells_excess
+from pipeline.refine.corridor.cells import cells_excess
+from pipeline.refine.corridor.sides import sides_at
 from pipeline.refine.measure import PathSamples, relative_speed
 from pipeline.refine.result import Path
-from pipeline.refine.sides import sides_at
 from pipeline.route.result import Route
 
 _ROUNDING = 1e-9

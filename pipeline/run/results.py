@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from pipeline.config import Config
 from pipeline.config.choices import Proof
 from pipeline.machine.geometry import Machine
+from pipeline.run.config_parts import with_proof
 from pipeline.run.stage_specs import SPECS, Specs, spec_of
-from pipeline.run.up_to_date.config_parts import with_proof
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from pipeline.artifacts.layout import (
     failure_pattern,
 )
 from pipeline.config import Config
-from pipeline.run.up_to_date.config_parts import (
+from pipeline.run.config_parts import (
     certify_part,
     refine_part,
     regions_part,

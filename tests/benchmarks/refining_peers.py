@@ -16,7 +16,7 @@ from pipeline.config import Config
 from pipeline.machine import build_machine
 from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.symbolic import statics_function
-from pipeline.refine.corridor import visit_parameters
+from pipeline.refine.corridor.cells import visit_parameters
 from pipeline.refine.integral.minimise import guess_from, program_data
 from pipeline.refine.integral.program import Program, build_program
 from pipeline.refine.mesh import even_mesh

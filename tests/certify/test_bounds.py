@@ -11,10 +11,10 @@ from pipeline.certify.chain import BoxBounds, Chain, close_chain
 from pipeline.certify.problem import build_problem
 from pipeline.inclusion.closure import working_precision
 from pipeline.limits import ProvenLimit
+from pipeline.limits.interface.proof import ProvenQuantity
 from pipeline.limits.kappa import KappaCap
 from pipeline.limits.link_link import for_poses
 from pipeline.limits.link_rail import for_poses as rails_for_poses
-from pipeline.limits.proof import ProvenQuantity
 from pipeline.machine import Machine
 from pipeline.refine import Path
 

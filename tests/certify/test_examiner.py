@@ -13,8 +13,8 @@ from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.limits import CertificateKey, ProvenLimit, ProvenQuantity, Side, proven_limits
+from pipeline.limits.interface.limit import Wording
 from pipeline.limits.kappa import KappaCap
-from pipeline.limits.limit import Wording
 from pipeline.limits.tilt import TiltLimit
 from pipeline.machine import Machine
 from pipeline.refine import Path

@@ -8,7 +8,7 @@ from pipeline.limits import node_limits
 from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path, Refinement, coarse_path, refine_path
-from pipeline.refine.corridor import corridor
+from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.peak.constraints import LeastValues, PathConstraints
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
 from pipeline.refine.peak.problem import PeakProblem

@@ -5,7 +5,7 @@ from scipy.interpolate import BSpline
 from pipeline.errors import NoSolutionError
 from pipeline.limits import node_limits
 from pipeline.machine.samples import PoseSamples
-from pipeline.refine.corridor import corridor
+from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
 from pipeline.refine.integral.program import InitialGuess, ProgramData, build_program
 from pipeline.refine.problem import FROBENIUS, SCHATTEN, MeshSolution, Problem

@@ -25,12 +25,12 @@ from scipy.sparse import csr_array
 
 from pipeline.arrays import FloatArray
 from pipeline.limits import NodeLimit
-from pipeline.limits.rows import Nodes, Row, Unknowns
+from pipeline.limits.interface.rows import Nodes, Row, Unknowns
 from pipeline.machine.geometry import PRIMARY, Machine
 from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.symbolic import closure_function, joints_function
-from pipeline.refine.corridor import Corridor
+from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.integral.derivatives import derivative_options
 from pipeline.refine.integral.node_kappa import NodeKappa
 from pipeline.refine.mesh import Mesh

@@ -12,7 +12,7 @@ from scipy.sparse import csr_array, hstack
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.limits import NodeLimit
 from pipeline.machine.pose import CONTROLLED
-from pipeline.refine.corridor import Corridor
+from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, slopes
 
 _POSE_SLACK, _SIDE_SLACK_M = 0.01, 0.001

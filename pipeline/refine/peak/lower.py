@@ -8,7 +8,7 @@ from scipy.interpolate import BSpline
 from pipeline.errors import NoSolutionError
 from pipeline.limits import node_limits
 from pipeline.limits.kappa import path_cap
-from pipeline.refine.corridor import corridor
+from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.mesh import midpoints
 from pipeline.refine.objective import TIE_BREAK
 from pipeline.refine.peak.constraints import PathConstraints, least_values

@@ -8,8 +8,8 @@ from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.progress import Monitor
 from pipeline.route.regions.table import RegionTable
+from pipeline.run.config_parts import grid_part
 from pipeline.run.stage_specs import SPECS, code_roots
-from pipeline.run.up_to_date.config_parts import grid_part
 from pipeline.run.up_to_date.source_code import code_sha256
 from pipeline.stage import Stage
 from pipeline.summary.versions import package_version

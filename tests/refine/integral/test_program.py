@@ -13,7 +13,7 @@ from pipeline.machine import Machine, condition_number
 from pipeline.machine.kinematics import newton
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
-from pipeline.refine.corridor import corridor
+from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.integral.program import InitialGuess, Program, ProgramData, build_program
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.splines import DEGREE, clamped_knots, fit

@@ -17,8 +17,8 @@ from pipeline.limits.avoid import Box, boxes_to_avoid
 from pipeline.limits.tilt import node_limits_rad
 from pipeline.machine.pose import CONTROLLED, RY, TILT_COLUMNS
 from pipeline.refine.coarse import corner_parameters, move_of
+from pipeline.refine.corridor.sides import sides_at
 from pipeline.refine.result import Path
-from pipeline.refine.sides import sides_at
 from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
-from pipeline.limits.proof import ProvenQuantity
+from pipeline.limits.interface.proof import ProvenQuantity
 from pipeline.machine.samples import PoseSamples
 
 if TYPE_CHECKING:
     from pipeline.inclusion.proven_box import ProvenBox
-    from pipeline.limits.rows import Nodes, ProgramPart
+    from pipeline.limits.interface.rows import Nodes, ProgramPart
 
 
 @dataclass(frozen=True)

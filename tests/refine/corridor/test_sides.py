@@ -12,7 +12,7 @@ from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.refine import Path, Refinement, measure_path, refine_path, sample_path
 from pipeline.refine.check import find_violations
 from pipeline.refine.coarse import corner_parameters
-from pipeline.refine.sides import sides_at
+from pipeline.refine.corridor.sides import sides_at
 from pipeline.route import Route
 from pipeline.route.metric import step_sizes
 

@@ -8,8 +8,8 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.machine import Machine
+from pipeline.run.config_parts import regions_part
 from pipeline.run.stage_specs import SPECS, spec_of
-from pipeline.run.up_to_date.config_parts import regions_part
 from pipeline.stage import Stage
 
 Change = Callable[..., Config]

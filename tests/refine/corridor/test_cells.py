@@ -10,7 +10,7 @@ from pipeline.machine import Machine
 from pipeline.machine.pose import CONTROLLED, TILT_COLUMNS
 from pipeline.refine import Path, coarse_path, refine_path
 from pipeline.refine.coarse import move_of
-from pipeline.refine.corridor import corridor, visit_parameters
+from pipeline.refine.corridor.cells import corridor, visit_parameters
 from pipeline.refine.measure import sample_path
 from pipeline.route import Route, build_regions, plan_route
 
