@@ -14,6 +14,7 @@ from .errors import (
     ConfigError as ConfigError,
     UsageError as UsageError,
     NoSolutionError as NoSolutionError,
+    InfeasibleError as InfeasibleError,
     ForwardKinematicsError as ForwardKinematicsError,
 )
 
@@ -83,11 +84,12 @@ from .stage import (
 )
 from .run import (
     Results as Results,
+    RunOptions as RunOptions,
     RunReport as RunReport,
     run_pipeline as run_pipeline,
     open_results as open_results,
 )
-from .artifacts.path_file import (
+from .artifacts.results.path import (
     load_path as load_path,
     save_path as save_path,
 )
@@ -144,6 +146,7 @@ from .figures.maps.kappa_map import (
     kappa_map as kappa_map,
 )
 from .figures import (
+    RunData as RunData,
     all_figures as all_figures,
     clearance_figure as clearance_figure,
     kappa_figure as kappa_figure,

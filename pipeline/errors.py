@@ -1,10 +1,10 @@
-"""What can go wrong, told so that a user can act on it; every class carries its exit code."""
+"""What can go wrong, reported so that a user can act on it; every class has its exit code."""
 
 from dataclasses import dataclass
 
 
 class PipelineError(Exception):
-    """Base of all errors meant for the user's eyes; the command line prints them without a traceback."""
+    """Base of all errors meant for users; the command line prints them without a traceback."""
 
     exit_code = 1
 
@@ -33,7 +33,7 @@ class ConfigError(PipelineError):
 
 
 class UsageError(PipelineError):
-    """A command was given something it cannot work with (a missing run folder, an unknown stage)."""
+    """A command was given something it cannot use (a missing run folder, an unknown stage)."""
 
     exit_code = 2
 
@@ -50,13 +50,13 @@ class NoSolutionError(PipelineError):
 
 
 class InfeasibleError(NoSolutionError):
-    """It is proven that there is no solution."""
+    """A stage has proven that there is no solution."""
 
 
 class UnfitConfigError(NoSolutionError):
-    """A stage ended without a result for what the configuration asks: which only shows in the stage.
+    """A stage found that the configuration cannot be met.
 
-    Old results go, as after every failure, and the exit code is that of a bad configuration.
+    Old results are superseded, as after every failure; the exit code is that of a bad configuration.
     """
 
     exit_code = 2

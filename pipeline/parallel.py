@@ -1,6 +1,6 @@
-"""Work in blocks: small enough for fast memory, on all processors, the results in order.
+"""Work in blocks: small enough for the cache, on all processors, with the results in order.
 
-NumPy lets go of the interpreter's lock in its loops, so that threads are enough.
+NumPy releases the interpreter's lock in its loops, so that threads are enough.
 """
 
 import os
@@ -11,7 +11,7 @@ from typing import TypeVar
 _T = TypeVar("_T")
 
 WORKERS = min(os.cpu_count() or 1, 4)
-"""Threads that work at once; beyond a few they wait for memory and for each other."""
+"""Number of threads; more than a few only wait for memory and for each other."""
 
 
 def blocks(count: int, size: int) -> list[slice]:

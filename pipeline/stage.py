@@ -4,7 +4,7 @@ from enum import StrEnum
 
 
 class Stage(StrEnum):
-    """What a run consists of, in order."""
+    """A stage of a run, in order."""
 
     REGIONS = "regions"
     ROUTE = "route"

@@ -1,4 +1,4 @@
-"""One vocabulary for how a solver ended, whichever solver it was."""
+"""How a solver ended: one vocabulary for all solvers."""
 
 from enum import StrEnum
 

@@ -15,9 +15,11 @@ import pipeline
 PROJECT = Path(__file__).parents[1]
 
 NAMES = """
-CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format InverseSolution
+CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format InfeasibleError
+InverseSolution
 KappaMap KappaProfile MODES Machine MeasuredPath Measurement MeasurementComparison MotionFigures NoSolutionError Path
-PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunReport RunsRow
+PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunData RunOptions RunReport
+RunsRow
 SimulationSetting Stage Trajectory TrajectoryFigures TrajectorySamples UsageError Workspace WorkspaceRow
 WorkspaceSetting all_figures blended build_machine build_regions certify_path clearance_figure compare_measurement
 compare_paths compare_runs condition_number det_sign dump_config error_rows format_samples forward_kinematics
@@ -33,7 +35,7 @@ MADE_STEP_BY_STEP = {"Results"}
 
 
 def test_the_names_are_these() -> None:
-    """A name that comes or goes is a change for everybody's notebooks: it is made here, too."""
+    """A new or removed name changes everybody's notebooks: it is also changed here."""
     assert sorted(pipeline.__all__) == sorted(PUBLIC)
     assert sorted(dir(pipeline)) == sorted(PUBLIC)
 
@@ -57,7 +59,7 @@ def test_results_cannot_be_changed() -> None:
 
 
 def test_unknown_names_are_attribute_errors() -> None:
-    """A name that is not there is told as Python tells it."""
+    """A missing name is an ordinary AttributeError."""
     with pytest.raises(AttributeError, match="no_such_name"):
         _ = pipeline.no_such_name
     with pytest.raises(ImportError):

@@ -1,8 +1,8 @@
-"""Result files: the only place that knows their names, how they are written, and what they load back to."""
+"""Result files: the only package that knows their names, how they are written, and how they are loaded back."""
 
-from pipeline.artifacts.files import json_bytes, plain, sha256, write_whole
+from pipeline.artifacts.files import json_bytes, jsonable, sha256, write_whole
 from pipeline.artifacts.folder import RunFolder, open_run_folder, read_run_folder
-from pipeline.artifacts.layout import existing_files, failure_names, failure_picture, sights
+from pipeline.artifacts.layout import existing_files
 from pipeline.artifacts.state import Record, State, read_state
 
 __all__ = [
@@ -10,14 +10,11 @@ __all__ = [
     "RunFolder",
     "State",
     "existing_files",
-    "failure_names",
-    "failure_picture",
     "json_bytes",
+    "jsonable",
     "open_run_folder",
-    "plain",
     "read_run_folder",
     "read_state",
     "sha256",
-    "sights",
     "write_whole",
 ]

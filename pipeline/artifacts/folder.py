@@ -1,4 +1,4 @@
-"""The run folder: locked while it is written to, changed all at once, and nothing in it ever lost."""
+"""The run folder: locked while a run writes to it, changed in one step, with old results kept."""
 
 import contextlib
 import fcntl
@@ -7,8 +7,8 @@ import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from pipeline.artifacts.files import json_bytes, parked, remove_partial, write_whole
-from pipeline.artifacts.layout import CONFIG, LOCK, STATE, SUMMARY, SUPERSEDED, foreign_files
+from pipeline.artifacts.files import json_bytes, remove_partial, staged, write_whole
+from pipeline.artifacts.layout import CONFIG, LOCK, STATE, SUMMARY, SUPERSEDED, existing_files
 from pipeline.artifacts.state import State, read_state
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, load_config
@@ -21,9 +21,9 @@ class RunFolder:
     Attributes
     ----------
     path : Path
-        Where it is.
+        The folder.
     state : State
-        What its results were made from; unreadable state counts as no results.
+        What its results were made from; an unreadable state counts as no results.
     """
 
     def __init__(self, path: Path, state: State) -> None:
@@ -39,10 +39,10 @@ class RunFolder:
         config_yaml: str,
         summary: Mapping[str, object],
     ) -> None:
-        """Put new files into the folder, move superseded ones away, and remember the new state.
+        """Add new files to the folder, move superseded ones away, and record the new state.
 
-        Everything new is complete on disk before anything old moves. Where that is cut short, what moved is
-        among the superseded files and the state no longer fits, so that the stage counts as not done.
+        All new files are complete on disk before any old file moves. If the process is killed in between, the files
+        that moved are among the superseded ones, and the state no longer matches: the stage counts as not done.
         """
         bookkeeping = {
             CONFIG: config_yaml.encode(),
@@ -51,7 +51,7 @@ class RunFolder:
         }
         unchanged = {name for name in superseded if name in files and self._holds(name, files[name])}
         new = {name: content for name, content in files.items() if name not in unchanged}
-        with parked(self.path, {**new, **bookkeeping}) as place:
+        with staged(self.path, {**new, **bookkeeping}) as place:
             self._move_away([name for name in superseded if name not in unchanged])
             place()
         self.state = state
@@ -60,7 +60,7 @@ class RunFolder:
         return (self.path / name).read_bytes() == content
 
     def _move_away(self, names: list[str]) -> None:
-        """Move files into this run's folder of superseded ones, with copies of what says where they are from."""
+        """Move files to this run's folder of superseded ones, with copies of the configuration, summary and state."""
         if not names:
             return
         if self._attic is None:
@@ -76,22 +76,27 @@ class RunFolder:
 
 
 @contextlib.contextmanager
-def open_run_folder(path: Path) -> Iterator[RunFolder]:
-    """Make or open a run folder and keep other runs out of it until the end.
+def open_run_folder(path: Path, reserved: Iterable[str] = ()) -> Iterator[RunFolder]:
+    """Create or open a run folder, and lock it against other runs until the end.
 
-    The lock is the operating system's own: it goes with the process, however that ends.
+    The operating system holds the lock: it is released when the process ends, however it ends.
+
+    Parameters
+    ----------
+    reserved : iterable of str
+        Patterns of result files, which must not exist in a folder that is not a run folder yet.
 
     Raises
     ------
     UsageError
-        When another run is at work there, or the folder holds files of ours without being a run folder.
+        When another run is writing there, or files with the names of results exist in what is not a run folder.
     """
     if path.exists() and not path.is_dir():
         raise UsageError(f"{path} is a file; --out needs a folder")
-    if not (path / STATE).exists() and (foreign := foreign_files(path)):
+    if not (path / STATE).exists() and (foreign := existing_files(path, (CONFIG, SUMMARY, *reserved))):
         raise UsageError(
-            f"{path} already holds {', '.join(foreign[:3])}, but is no run folder (it has no {STATE}): nothing "
-            "was touched.\n  What to change: give another folder with --out, or move these files away."
+            f"{path} already holds {', '.join(foreign[:3])}, but is not a run folder (it has no {STATE}): nothing "
+            "was changed.\n  What to change: give another folder with --out, or move these files away."
         )
     path.mkdir(parents=True, exist_ok=True)
     with _locked(path):
@@ -104,18 +109,18 @@ def open_run_folder(path: Path) -> Iterator[RunFolder]:
 
 
 def read_run_folder(path: Path) -> tuple[Config, State]:
-    """Read the configuration and state of a run folder, to look at its results.
+    """Read the configuration and state of a run folder.
 
     Raises
     ------
     UsageError
-        When it is no run folder, or its configuration was changed.
+        When it is not a run folder, or its configuration was changed.
     """
     state = read_state(path) if path.is_dir() else None
     if state is None or not state.config_sha256:
-        what = "is no run folder" if path.exists() else "does not exist"
+        what = "is not a run folder" if path.exists() else "does not exist"
         raise UsageError(
-            f"{path} {what}.\n  What to change: name the folder a run has written to, such as results/agder."
+            f"{path} {what}.\n  What to change: give the folder a run has written to, such as results/agder."
         )
     config = load_config(path / CONFIG)
     if config_sha256(config) != state.config_sha256:
@@ -128,15 +133,15 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
 
 @contextlib.contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    # Opened for appending: the other run's number must not be lost before the lock is known to be free.
+    # Opened for appending: the process number of another run must stay until the lock is known to be free.
     with (path / LOCK).open("a+") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             lock.seek(0)
             raise UsageError(
-                f"another run (process {lock.read().strip() or 'unknown'}) is at work in {path}.\n"
-                "  What to change: wait for it to end, or give another folder with --out."
+                f"another run (process {lock.read().strip() or 'unknown'}) is writing to {path}.\n"
+                "  What to change: wait until it ends, or give another folder with --out."
             ) from None
         lock.truncate(0)
         lock.write(str(os.getpid()))

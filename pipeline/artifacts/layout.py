@@ -1,9 +1,9 @@
-"""The names of all files of a run folder, and which stage they belong to."""
+"""The names of all files of a run folder."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
-from pipeline.stage import STAGES, Stage
+from pipeline.stage import Stage
 
 CONFIG = "config.yaml"
 SUMMARY = "summary.json"
@@ -23,80 +23,40 @@ TRAJECTORY_JSON = "trajectory.json"
 BACK_CSV = "trajectory_back.csv"
 BACK_JSON = "trajectory_back.json"
 REPORT = "report.html"
+FIGURES = "figures"
 
-RESULT = {
-    Stage.REGIONS: REGIONS_NPZ,
-    Stage.ROUTE: ROUTE_NPZ,
-    Stage.REFINE: PATH_NPZ,
-    Stage.CERTIFY: CERTIFICATE_JSON,
-    Stage.RETIME: TRAJECTORY_NPZ,
-}
-"""The file each stage's result is loaded back from, exactly."""
-
-_FIXED = {
-    Stage.REGIONS: (REGIONS_NPZ,),
-    Stage.ROUTE: (ROUTE_NPZ, ROUTE_CSV),
-    Stage.REFINE: (PATH_NPZ, PATH_CSV),
-    Stage.CERTIFY: (CERTIFICATE_JSON,),
-    Stage.RETIME: (TRAJECTORY_NPZ, TRAJECTORY_CSV, TRAJECTORY_JSON, BACK_CSV, BACK_JSON),
-    Stage.FIGURES: (REPORT,),
-}
-_FIGURES = "figures"
-_PICTURE_KINDS = ("png", "pdf")
+_FIGURE_KINDS = ("png", "pdf")
+FIGURE_PATTERNS = tuple(f"{FIGURES}/*.{kind}" for kind in _FIGURE_KINDS)
+"""What the names of figures match."""
 _FAILED = "failed"
-_SIGHTS = {
-    Stage.REGIONS: ((REGIONS_NPZ, "the region table, one array per column"),),
-    Stage.ROUTE: ((ROUTE_CSV, "the route, one row per step"),),
-    Stage.REFINE: ((PATH_NPZ, "the path as splines"), (PATH_CSV, "the path, densely sampled")),
-    Stage.CERTIFY: ((CERTIFICATE_JSON, "the proof that the path is free of singularities, and its bounds"),),
-    Stage.RETIME: (
-        (TRAJECTORY_CSV, "for the controller: one row per period"),
-        (BACK_CSV, "the same for the way back"),
-    ),
-    Stage.FIGURES: (
-        (REPORT, "to open in a browser: the machine in motion, kappa around it, the proof, all figures"),
-        (_FIGURES, "pictures: the route, the machine, kappa, clearance, motion over time"),
-    ),
-}
 
 
 def figure_names(title: str) -> dict[str, str]:
-    """Where the picture with this name goes, by the kind of file: as pixels and as vectors."""
-    return {kind: f"{_FIGURES}/{title}.{kind}" for kind in _PICTURE_KINDS}
+    """Name the files of a figure by their kind: as pixels and as vectors."""
+    return {kind: f"{FIGURES}/{title}.{kind}" for kind in _FIGURE_KINDS}
 
 
 def failure_names(stage: Stage) -> tuple[str, str]:
-    """Where the diagnosis of a failed stage goes: its text and numbers, its arrays."""
+    """Name the files of a failed stage's diagnosis: its text and numbers, its arrays."""
     return f"{_FAILED}/{stage}.json", f"{_FAILED}/{stage}.npz"
 
 
 def failure_picture(stage: Stage) -> str:
-    """Where the picture of a failed stage goes."""
+    """Name the picture of a failed stage."""
     return f"{_FAILED}/{stage}.png"
 
 
 def failure_report(stage: Stage) -> str:
-    """Where the report of a run that failed at a stage goes."""
+    """Name the report of a run that failed at a stage."""
     return f"{_FAILED}/{stage}.html"
 
 
-def existing_files(folder: Path, stage: Stage) -> list[str]:
-    """List the files of a stage in a folder, those of its failure included; names relative to the folder."""
-    names = [*_FIXED[stage], *failure_names(stage), failure_picture(stage), failure_report(stage)]
-    if stage is Stage.FIGURES:
-        found = [path.name for kind in _PICTURE_KINDS for path in (folder / _FIGURES).glob(f"*.{kind}")]
-        names += sorted(f"{_FIGURES}/{name}" for name in found)
-    return [name for name in names if (folder / name).is_file()]
+def failure_pattern(stage: Stage) -> str:
+    """Give what the names of all files of a failed stage match."""
+    return f"{_FAILED}/{stage}.*"
 
 
-def foreign_files(folder: Path) -> list[str]:
-    """Files that bear the name of a result in a folder that is not known to be a run folder."""
-    stages = [name for stage in STAGES for name in existing_files(folder, stage)]
-    return [name for name in (CONFIG, SUMMARY) if (folder / name).exists()] + stages
-
-
-def sights(folder: Path, stages: Iterable[Stage]) -> list[tuple[Path, str]]:
-    """List what is worth looking at after these stages, and what it is."""
-    known = [sight for stage in stages for sight in _SIGHTS[stage]]
-    found = [(folder / name, what) for name, what in (*known, (SUMMARY, "every figure of this run"))]
-    return [(path, what) for path, what in found if path.exists()]
+def existing_files(folder: Path, patterns: Iterable[str]) -> list[str]:
+    """List the files in a folder whose names, relative to it, match one of the patterns."""
+    found = [path for pattern in patterns for path in sorted(folder.glob(pattern)) if path.is_file()]
+    return [path.relative_to(folder).as_posix() for path in found]

@@ -1,29 +1,30 @@
-"""Grid regions kept by content beside the run folders: dear to compute, and the same whatever start and goal are."""
+"""Grid regions cached beside the run folders: costly to compute, and independent of start and goal."""
 
 import contextlib
 import os
 from pathlib import Path
 
 from pipeline.artifacts.files import write_whole
-from pipeline.artifacts.pack import npz_bytes, pack_regions, read_npz, readable, unpack_regions
+from pipeline.artifacts.npz import npz_bytes, read_npz, readable
+from pipeline.artifacts.results.regions import pack_regions, unpack_regions
 from pipeline.errors import UsageError
 from pipeline.route.regions.table import RegionTable
 
 FOLDER = ".regions"
-"""Where the tables are, in the folder that holds the run folders."""
+"""Name of the cache in the folder that holds the run folders."""
 KEPT = 8
-"""How many tables stay: those that were used last."""
+"""Number of tables kept: the most recently used ones."""
 
 
 def load_grid(runs: Path, key: str) -> RegionTable | None:
-    """Load the table that was kept under this key; None where there is none, or none that can be read.
+    """Load the table cached under a key; None if there is none, or it cannot be read.
 
     Parameters
     ----------
     runs : Path
         The folder that holds the run folders.
     key : str
-        Hash of all that the table depends on.
+        Hash of everything the table depends on.
     """
     path = _path(runs, key)
     try:
@@ -36,12 +37,12 @@ def load_grid(runs: Path, key: str) -> RegionTable | None:
 
 
 def keep_grid(runs: Path, key: str, table: RegionTable) -> None:
-    """Keep a table under this key, and the tables used last beside it; the run goes on where that fails."""
+    """Cache a table under a key, and drop the least recently used ones; a failure to write is ignored."""
     path = _path(runs, key)
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, npz_bytes(pack_regions(table)))
-        # Whatever a killed process left half written grows old like all others.
+        # Files that a killed process left half written age like all others.
         by_age = sorted(path.parent.iterdir(), key=lambda file: file.stat().st_mtime_ns, reverse=True)
         for file in by_age[KEPT:]:
             file.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""What a run folder remembers: for each stage what its result was made from, and the hashes of its files."""
+"""The state of a run folder: for each stage, what its result was made from and the hashes of its files."""
 
 from pathlib import Path
 from typing import Any, Literal
@@ -6,7 +6,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pipeline.artifacts.files import sha256
-from pipeline.artifacts.layout import RESULT, STATE
+from pipeline.artifacts.layout import STATE
 from pipeline.stage import Stage
 
 
@@ -35,12 +35,8 @@ class Record(BaseModel):
     files: dict[str, str]
     summary: dict[str, Any]
 
-    def result_sha256(self, stage: Stage) -> str:
-        """Hash of the file the result is loaded from: later stages depend on it."""
-        return self.files.get(RESULT[stage], "")
-
     def damage(self, folder: Path) -> list[str]:
-        """Files that are missing or no longer what was written."""
+        """List the files that are missing or no longer what was written."""
         return [name for name, expected in self.files.items() if sha256(folder / name) != expected]
 
 

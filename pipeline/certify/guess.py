@@ -1,4 +1,4 @@
-"""Where boxes are put: cubics through poses found by Newton's method. Nothing of it is part of the proof."""
+"""Where boxes are placed: cubics through poses found by Newton's method. The proof does not rely on them."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ _INTERPOLATE = np.linalg.inv(np.vander(_NODES, _TERMS, increasing=True))
 
 
 def guess_box(path: Path, first: float, last: float) -> Box | None:
-    """Put a cubic through four poses within an interval of s; None where the closures have no solution."""
+    """Fit a cubic through four poses within an interval of s; None if the closures have no solution there."""
     centre, half = middle(first, last)
     try:
         poses = path.pose(centre + half * _NODES)
@@ -26,5 +26,5 @@ def guess_box(path: Path, first: float, last: float) -> Box | None:
 
 
 def point_box(s: float, pose: FloatArray, radius: FloatArray = _THINNEST) -> Box:
-    """Make the box of a single s about a pose (6,)."""
+    """Make a box at a single s about a pose (6,)."""
     return Box(s, s, np.vstack([pose, np.zeros((_TERMS - 1, 6))]), radius)

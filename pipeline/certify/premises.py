@@ -1,21 +1,24 @@
-"""What a proof rests on besides the path: the machine, the limits and both ends, as one hash."""
+"""What a proof rests on apart from the path: the machine, the limits and both ends, as one hash."""
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
-from pipeline.refine.path_limits import kappa_cap, tilt_limits_deg
+from pipeline.limits import KINDS
 
 
 def premises_sha256(config: Config) -> str:
-    """Hash the machine's geometry and clearance, the limits of kappa and tilt, and start and goal, as configured.
+    """Hash the machine's geometry and clearance, the values that the proven limits follow from, and start and goal.
 
-    Of the configuration and not of the numbers computed from it, so that every processor finds the same hash.
+    These are the configured values, not numbers computed from them, so that every processor finds the same hash.
     """
     machine = config.machine.model_dump(mode="json")
     task = config.task.model_dump(mode="json")
+    limits: dict[str, object] = {}
+    for kind in KINDS:
+        limits |= kind.CERTIFICATE.premises(config)
     return config_sha256(
         {
             "machine": {key: machine[key] for key in ("rails", "links", "triangle_branch", "clearance")},
             "ends": [task["start"], task["goal"]],
-            "limits": {"kappa_max": kappa_cap(config), "tilt_deg": tilt_limits_deg(config)},
+            "limits": limits,
         }
     )

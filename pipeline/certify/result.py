@@ -1,18 +1,16 @@
-"""What the proof makes: a certificate, or where and why it breaks."""
+"""The result of a proof: a certificate, or where and why it ends."""
 
 import hashlib
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
-from pipeline.arrays import FloatArray
-from pipeline.certify.chain import Break, Chain
+from pipeline.certify.bounds import Bounds
+from pipeline.certify.chain import Chain
+from pipeline.certify.reasons import ProofFailure
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.refine.result import Path
-
-F = TypeVar("F")
 
 CERTIFIED = "certified"
 NOT_CERTIFIED = "not certified"
@@ -25,11 +23,11 @@ class ProvenChain:
     Attributes
     ----------
     uncertainty : Uncertainty
-        What may be wrong about the machine.
+        How far the machine may be from its configuration.
     boxes : n boxes
         In order.
     joints : n + 1 boxes
-        Each of a single s: where the boxes begin and end, and are proven to meet.
+        Each at a single s, where the boxes begin and end and are proven to meet.
     """
 
     uncertainty: Uncertainty
@@ -38,52 +36,17 @@ class ProvenChain:
 
 
 @dataclass(frozen=True, eq=False)
-class Bounds:
-    """What is proven for every s; empty boxes prove nothing.
-
-    Attributes
-    ----------
-    kappa : float
-        Upper bound of the condition number.
-    kappa_s : float
-        The middle of the box with the largest bound.
-    det_sign : int
-        Sign of det H along the whole path.
-    pairs : tuple of str
-        The pairs whose distances are bounded.
-    distances_m : (pairs,)
-        Lower bounds.
-    actuators_m : (5, 2)
-        Bounds below and above of carts and telescopes.
-    tilt_rad : (2,)
-        Upper bounds of |rx| and |rz|.
-    start_miss, goal_miss : float
-        How far the ends are from the task's poses at most, metres or radians.
-    """
-
-    kappa: float
-    kappa_s: float
-    det_sign: int
-    pairs: tuple[str, ...]
-    distances_m: FloatArray
-    actuators_m: FloatArray
-    tilt_rad: FloatArray
-    start_miss: float
-    goal_miss: float
-
-
-@dataclass(frozen=True, eq=False)
 class Tolerance:
-    """How wrong the machine may be: the largest eps found for which the chain closes, and the chain.
+    """A calibration tolerance: the largest eps found for which the chain closes, and that chain.
 
     Attributes
     ----------
     eps_m : float
-        Proven: 0 where none was.
+        The proven one; 0 if none was proven.
     refuted_m : float
-        The least eps tried for which the proof did not succeed.
+        The least eps tried for which the proof failed.
     fails_m : float
-        An eps at which some machine was seen to fail (Monte Carlo).
+        An eps at which a sampled machine fails (Monte Carlo); infinite if none did.
     chain : ProvenChain or None
         The proof.
     """
@@ -101,19 +64,19 @@ class Certificate:
     Attributes
     ----------
     path_sha256 : str
-        Of the splines it speaks of.
+        Hash of the splines.
     premises_sha256 : str
-        Of the machine, the limits and the ends it speaks of.
+        Hash of the machine, the limits and the ends.
     precision_bits : int
-        Of the ball arithmetic.
+        Precision of the ball arithmetic.
     chain : ProvenChain
         Boxes proven for the machine as configured.
     bounds : Bounds or None
-        Over all of them; None where not even one is proven.
-    broken : Break or None
-        Where and why the path is refused.
+        Bounds over all boxes; None if no box is proven.
+    failure : ProofFailure or None
+        Where and why the proof ends; None if the path is certified.
     link_length, coordinates : Tolerance or None
-        Calibration tolerances; None where they were not searched.
+        Calibration tolerances; None if they were not searched.
     """
 
     path_sha256: str
@@ -121,18 +84,18 @@ class Certificate:
     precision_bits: int
     chain: ProvenChain
     bounds: Bounds | None
-    broken: Break | None
+    failure: ProofFailure | None
     link_length: Tolerance | None = None
     coordinates: Tolerance | None = None
 
     @property
     def verdict(self) -> str:
-        """Say whether the path is certified."""
-        return CERTIFIED if self.broken is None else NOT_CERTIFIED
+        """Whether the path is certified, in words."""
+        return CERTIFIED if self.failure is None else NOT_CERTIFIED
 
 
-def proven_chain(chain: Chain[F], uncertainty: Uncertainty) -> ProvenChain:
-    """Keep of a chain what it takes to verify it again."""
+def proven_chain(chain: Chain, uncertainty: Uncertainty) -> ProvenChain:
+    """Keep what is needed to verify a chain again."""
     boxes, joints = (tuple(proven.box for proven in part) for part in (chain.inclusions, chain.joints))
     return ProvenChain(uncertainty, boxes, joints)
 

@@ -2,7 +2,9 @@
 
 import itertools
 import shlex
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
@@ -12,57 +14,63 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
 
+if TYPE_CHECKING:
+    from pipeline.run import RunOptions
+    from pipeline.run.stage_specs import Specs
 
-def plan_alternatives(config: Config, folder: Path, count: int, force: bool, verbose: bool, why_not: bool) -> None:
-    """Run stage one for each of the `count` best routes: `folder`, then `folder`-2, `folder`-3 and so on.
+
+def plan_alternatives(config: Config, folder: Path, count: int, options: "RunOptions", specs: "Specs") -> None:
+    """Run stage one for each of the `count` best routes, into `folder`, `folder`-2, `folder`-3 and so on.
 
     Raises
     ------
     NoSolutionError
-        When there are fewer; those that exist were shown and kept.
+        When there are fewer; those that exist are shown and kept.
     UsageError
-        When one of the folders beside `folder` holds another run; nothing was touched.
+        When one of the folders beside `folder` holds another run; nothing was changed.
     """
-    from pipeline.artifacts.results import load_route
-    from pipeline.run import run_pipeline
+    from pipeline.run import open_results, run_pipeline
 
     runs = [_of_rank(config, folder, rank) for rank in range(1, count + 1)]
-    _require_room(runs[1:])
-    where, table = folder, Table("route", "sum of kappa", "largest kappa", "steps", "working modes", "folder", box=None)
+    _refuse_other_runs(runs[1:])
+    last, table = folder, Table("route", "sum of kappa", "largest kappa", "steps", "working modes", "folder", box=None)
     missing: NoSolutionError | None = None
-    for rank, (chosen, beside) in enumerate(runs, start=1):
+    for rank, (chosen, target) in enumerate(runs, start=1):
+        why_not = options.why_not and rank == 1
         try:
-            with make_reporter(messages_console(), verbose) as reporter:
-                run_pipeline(chosen, beside, None, Stage.ROUTE, force, reporter, verbose, why_not and rank == 1)
+            with make_reporter(messages_console(), options.verbose) as reporter:
+                run_pipeline(chosen, target, replace(options, why_not=why_not), reporter, specs)
         except NoSolutionError as error:
             missing = error
             break
-        where = beside
-        route = load_route(where)
+        last = target
+        route = open_results(target, Stage.ROUTE).route
         modes = " ".join(name for name, _ in itertools.groupby(route.mode_names))
-        table.add_row(str(rank), f"{route.objective:.3f}", f"{route.kappa_max:.2f}", str(len(route)), modes, str(where))
+        table.add_row(str(rank), f"{route.objective:.3f}", f"{route.kappa_max:.2f}", str(len(route)), modes, str(last))
     console = results_console()
     if table.row_count:
+        from pipeline.artifacts.layout import CONFIG
+
         console.print(table)
-        path, out = shlex.quote(str(where / "config.yaml")), shlex.quote(str(where))
-        console.print(f"Next: gantry-tau run {path} --out {out}, or of another folder", soft_wrap=True)
+        path, out = shlex.quote(str(last / CONFIG)), shlex.quote(str(last))
+        console.print(f"Next: gantry-tau run {path} --out {out}, or with another folder", soft_wrap=True)
     if missing is not None:
         raise missing
 
 
 def _of_rank(config: Config, folder: Path, rank: int) -> tuple[Config, Path]:
     """Give the configuration and the run folder of a route."""
-    if rank == 1:
-        return config.model_copy(update={"route": config.route.model_copy(update={"alternative": 1})}), folder
     route = config.route.model_copy(update={"alternative": rank})
-    # Folders such as . and .. have no name of their own to put a number behind.
+    if rank == 1:
+        return config.model_copy(update={"route": route}), folder
+    # Folders such as . and .. have no name of their own to which a number can be added.
     named = folder if folder.name.strip(".") else folder.resolve()
     beside = named.parent / f"{named.name}-{rank}"
     return config.model_copy(update={"route": route, "name": f"{config.name}-{rank}"}), beside
 
 
-def _require_room(runs: list[tuple[Config, Path]]) -> None:
-    """Make sure that folders nobody has named hold no run but an alternative of the same rank."""
+def _refuse_other_runs(runs: list[tuple[Config, Path]]) -> None:
+    """Refuse folders that the user did not name if they hold anything but an alternative of the same rank."""
     from pipeline.artifacts.layout import CONFIG
     from pipeline.config.file import load_config
 
@@ -70,6 +78,6 @@ def _require_room(runs: list[tuple[Config, Path]]) -> None:
         there = folder / CONFIG
         if there.exists() and load_config(there).route.alternative != config.route.alternative:
             raise UsageError(
-                f"{folder} already holds another run, no alternative number {config.route.alternative}: nothing was "
-                "touched.\n  What to change: give another folder with --out, or move that one away."
+                f"{folder} already holds another run, not alternative number {config.route.alternative}: nothing was "
+                "changed.\n  What to change: give another folder with --out, or move that one away."
             )

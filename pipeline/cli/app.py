@@ -1,4 +1,4 @@
-"""The application: its name, its version, and what becomes of errors."""
+"""The application: its name, its version, and how errors are reported."""
 
 import os
 import signal
@@ -10,7 +10,7 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from pipeline.cli import looks, measuring, runs, workspace
+from pipeline.cli.commands import certify, check, compare, export, measured, report, run, workspace
 from pipeline.cli.console import messages_console, print_error
 from pipeline.errors import PipelineError
 
@@ -24,12 +24,12 @@ One YAML file describes the machine and the task. A run turns it into a
 route (which regions, which working modes), a path (a smooth curve in
 actuator space) and a trajectory (that curve in time, for the controller).
 
-Exit codes: 0 done; 1 no solution, told with the reason and what to change;
+Exit codes: 0 done; 1 no solution, with the reason and what to change;
 2 bad usage or configuration; 130 interrupted.
 """
 
 _BEGIN = (
-    "gantry-tau check configs/agder.yaml    (what the machine is, and whether it can be at start and goal)",
+    "gantry-tau check configs/agder.yaml    (the machine, and whether it can be at start and goal)",
     "gantry-tau run configs/agder.yaml    (everything, into results/agder)",
     "gantry-tau compare results/agder    (the smooth path against the route it came from)",
 )
@@ -38,8 +38,8 @@ _BEGIN = (
 class _Interrupt(KeyboardInterrupt):
     """Ctrl-C, as a class of its own.
 
-    CPython remembers when a plain KeyboardInterrupt leaves code that was given as text (a dataclass being made while a
-    module is imported), and then ends the process by the signal, whatever has become of the exception.
+    CPython remembers if a plain KeyboardInterrupt leaves code that was given as text (a dataclass created while a
+    module is imported), and then ends the process by the signal, even if the exception was handled.
     """
 
 
@@ -60,14 +60,14 @@ class _Group(TyperGroup):
             _stop_writing()
             raise typer.Exit(_BROKEN_PIPE) from None
         except OSError as error:
-            # What is written takes another file's place last: that one is the one the user knows.
+            # Files are written under temporary names and then renamed: the second name is the one the user knows.
             file = error.filename2 or error.filename
             print_error(f"{file}: {error.strerror}" if file else str(error))
             raise typer.Exit(_USAGE) from None
 
 
 def _epilog(examples: tuple[str, ...]) -> str:
-    # Only paragraphs keep their own line.
+    # Only paragraphs start on a new line.
     return "\n\n".join(("[bold]Examples[/bold]", *(escape(example) for example in examples)))
 
 
@@ -85,7 +85,7 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from pipeline.summary.sections import PACKAGE, package_version
+        from pipeline.summary.versions import PACKAGE, package_version
 
         typer.echo(f"{PACKAGE} {package_version()}")
         raise typer.Exit
@@ -100,8 +100,9 @@ def _root(
     pass
 
 
-for _command, _examples in (*runs.COMMANDS, *looks.COMMANDS, *workspace.COMMANDS, *measuring.COMMANDS):
-    app.command(epilog=_epilog(_examples))(_command)
+for _group in (run, certify, check, compare, report, export, workspace, measured):
+    for _command, _examples in _group.COMMANDS:
+        app.command(epilog=_epilog(_examples))(_command)
 
 
 def main() -> None:
@@ -116,6 +117,6 @@ def _interrupt(_signal: int, _frame: FrameType | None) -> NoReturn:
 
 
 def _stop_writing() -> None:
-    """Send what is left to nowhere: the reader is gone, and Python would complain at its exit."""
+    """Discard further output: the reader is gone, and Python would complain at exit."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())

@@ -1,61 +1,18 @@
-"""What a machine and its task are, as tables: geometry, reach, grid, start and goal."""
+"""A machine and its task as tables: geometry, reach, grid, start and goal."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from rich.console import RenderableType
 from rich.table import Table
 
-from pipeline.arrays import FloatArray
+from pipeline.cli.output import text_table
 from pipeline.config import Config
-from pipeline.machine import condition_number, inverse_kinematics, min_distances, statics_matrix
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.retime import resting_forces
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
-
-_REACH_STEP_M = 0.04
-
-
-@dataclass(frozen=True)
-class Reach:
-    """The part of the YZ plane a machine can use without tilt in one working mode; (least, largest), None if empty."""
-
-    x_m: tuple[float, float] | None
-    y_m: tuple[float, float] | None
-    z_m: tuple[float, float] | None
-    area_m2: float
-
-
-def usable_reach(machine: Machine, mode: int, kappa_max: float) -> Reach:
-    """Measure, on a grid, where arms reach, strokes, carts and clearances are kept, and kappa is within its cap."""
-    size = np.nansum([np.nanmax(machine.lengths_m), np.linalg.norm(machine.platform_points_m, axis=1).max()])
-    low, high = machine.rails_m.min(axis=0) - size, machine.rails_m.max(axis=0) + size
-    y, z = (np.arange(a, b, _REACH_STEP_M) for a, b in zip(low, high, strict=True))
-    controlled = np.zeros((len(y) * len(z), 5))
-    controlled[:, 1:3] = np.stack(np.meshgrid(y, z), axis=-1).reshape(-1, 2)
-    solution = inverse_kinematics(machine, controlled, np.full(len(controlled), mode))
-    rows = np.flatnonzero(solution.reachable)
-    pose, q = solution.pose[rows], solution.q_m[rows]
-    # q was computed at x = 0, and all carts move with x.
-    least = (machine.travel_m[:, 0] - q[:, :3]).max(axis=1)
-    largest = (machine.travel_m[:, 1] - q[:, :3]).min(axis=1)
-    strokes = machine.strokes_m
-    usable = (least <= largest) & np.all((q[:, 3:] >= strokes[:, 0]) & (q[:, 3:] <= strokes[:, 1]), axis=1)
-    kappa = condition_number(statics_matrix(machine, pose, q[:, :3]))
-    links, rails = min_distances(machine, pose, q[:, :3])
-    # Without a limit for rails theirs is NaN, and no distance is below it.
-    usable &= (kappa <= kappa_max) & (links >= machine.link_link_m) & ~(rails < machine.link_rail_m)
-    if not usable.any():
-        return Reach(None, None, None, 0.0)
-    x = np.concatenate([least[usable], largest[usable]])
-    y, z = pose[usable, 1], pose[usable, 2]
-    return Reach(_span(x), _span(y), _span(z), len(y) * _REACH_STEP_M**2)
-
-
-def _span(values: FloatArray) -> tuple[float, float]:
-    return float(values.min()), float(values.max())
+from pipeline.workspace.reach import STEP_M, usable_reach
 
 
 def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> list[RenderableType]:
@@ -83,10 +40,7 @@ def _degrees_of_freedom(config: Config) -> str:
 
 def _table(title: str, *columns: str, text: int = 1) -> Table:
     """Make a table whose first `text` columns are words, the others numbers."""
-    table = Table(title=title, title_justify="left")
-    for index, column in enumerate(columns):
-        table.add_column(column, justify="left" if index < text else "right")
-    return table
+    return text_table(title, columns, (), range(text))
 
 
 def _actuators(machine: Machine) -> Table:
@@ -99,7 +53,7 @@ def _actuators(machine: Machine) -> Table:
 
 
 def _limits(machine: Machine) -> Table:
-    masses = "" if machine.masses is not None else "; no masses are given, so that forces are not looked at"
+    masses = "" if machine.masses is not None else "; no masses are given, so forces are not checked"
     units = ("velocity m/s", "acceleration m/s^2", "jerk m/s^3", "force N")
     table = _table(f"Limits of motion{masses}", "of", *units)
     rows = np.column_stack([machine.velocity_mps, machine.acceleration_mps2, machine.jerk_mps3, machine.force_n])
@@ -126,7 +80,7 @@ def _links(machine: Machine) -> Table:
 def _reach(config: Config, machine: Machine) -> Table:
     cap = config.route.kappa_max
     table = _table(
-        f"Reach without tilt (kappa up to {cap:g}, strokes, carts and clearance kept; to {_REACH_STEP_M:g} m)",
+        f"Reach without tilt (kappa up to {cap:g}, strokes, carts and clearance kept; to {STEP_M:g} m)",
         "working mode",
         "x m",
         "y m",
@@ -146,7 +100,7 @@ def _grid(config: Config) -> Table:
     axes = grid_axes(config)
     count = len(MODES) * int(np.prod([len(axis) for axis in axes]))
     table = _table(
-        f"Grid: {count:,} candidates in {len(MODES)} working modes, gates come on top",
+        f"Grid: {count:,} candidates in {len(MODES)} working modes, plus gates",
         "axis",
         "least",
         "largest",
@@ -186,7 +140,7 @@ def _ends(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> 
 
 
 def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tuple[str, list[float], str]]:
-    """Tell what each drive, and the links, hold at start and goal; nothing without masses."""
+    """Give the forces that each drive, and the links, hold at start and goal; nothing without masses."""
     forces = resting_forces(machine, np.stack([end.pose for end in ends]), np.stack([end.q_m[:3] for end in ends]))
     if not forces:
         return

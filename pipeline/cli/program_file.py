@@ -20,47 +20,50 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         When the task takes more than one program, or the file has no known ending.
     """
     _check(config, target)
-    from pipeline.route.bounds.budgets import budgets
-    from pipeline.route.metric import step_sizes
     from pipeline.route.moves.candidates import find_moves
-    from pipeline.route.programs.compact import build_compact_model
+    from pipeline.route.problem import RouteProblem
     from pipeline.route.programs.exclusions import excluded_pairs
-    from pipeline.route.programs.paper import build_paper_model, paper_size
+    from pipeline.route.programs.whole import WHOLE_PROGRAMS
     from pipeline.route.regions.build import build_regions
     from pipeline.route.search.states import expand_states
-    from pipeline.solvers.highs import write_model
+    from pipeline.solvers import highs
 
     machine = build_machine(config.machine)
     with console.status("regions and moves"):
         regions = build_regions(config, machine)
-        layout = expand_states(regions, find_moves(config, machine, regions), np.zeros((0, len(regions)), dtype=bool))
-        exclusions = excluded_pairs(config, layout.regions, layout.moves)
-    N = config.route.step_budget
-    count = len(layout.regions)
-    size = paper_size(count, N, len(exclusions), len(np.unique(exclusions.source)), budgets(config))
+        problem = RouteProblem.of(config, machine, regions, find_moves(config, machine, regions))
+        graph = expand_states(regions, problem.moves, np.zeros((0, len(regions)), dtype=bool))
+        exclusions = excluded_pairs(config, graph.regions, graph.moves)
+    name, N, count = config.route.formulation, config.route.step_budget, len(graph.regions)
+    whole = WHOLE_PROGRAMS[name]
+    size = whole.size(count, N, len(exclusions), len(np.unique(exclusions.source)), problem.budgets)
     console.print(
-        f"{count:,} regions, N = {N}; the paper's program: {size.columns:,} variables ({size.booleans:,} "
+        f"{count:,} regions, N = {N}; the {name} program: {size.columns:,} variables ({size.booleans:,} "
         f"of them boolean), {size.rows:,} rows, {size.entries:,} entries"
     )
-    build = build_paper_model if config.route.formulation == "paper" else build_compact_model
     with console.status(f"writing {target}"):
-        model = build(layout.regions, exclusions, step_sizes(config.route), N, budgets(config))
-        # Written beside the target and renamed, so that a file that is there is whole.
+        program = whole.build(graph.regions, exclusions, problem.steps, N, problem.budgets)
+        # Written beside the target and renamed, so that the target is always complete.
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             beside = Path(folder) / f"program{target.suffix}"
-            write_model(model, beside)
+            highs.write_program(program, beside)
             beside.replace(target)
-    console.print(f"{target}: the {config.route.formulation} program")
+    console.print(f"{target}: the {name} program")
 
 
 def _check(config: Config, target: Path) -> None:
     """Refuse what is not one program, and endings that no solver reads."""
-    if config.route.formulation == "core":
-        raise UsageError("--write-mps goes with --formulation paper or --formulation compact")
-    if config.route.objective != "sum":
-        raise UsageError(f"--write-mps goes with route.objective sum: {config.route.objective} takes several programs")
-    if config.route.alternative > 1:
-        rank = config.route.alternative
-        raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} takes the better routes first")
+    from pipeline.route.programs.whole import WHOLE_PROGRAMS
+    from pipeline.route.search.objective import OBJECTIVES
+
+    options = config.route
+    if options.formulation not in WHOLE_PROGRAMS:
+        raise UsageError(f"--write-mps goes with {' or '.join(f'--formulation {name}' for name in WHOLE_PROGRAMS)}")
+    if not OBJECTIVES[options.objective].single_program:
+        single = " or ".join(name for name, objective in OBJECTIVES.items() if objective.single_program)
+        raise UsageError(f"--write-mps goes with route.objective {single}: {options.objective} needs several programs")
+    if options.alternative > 1:
+        rank = options.alternative
+        raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} needs the better routes first")
     if target.suffix not in (".mps", ".lp"):
         raise UsageError(f"--write-mps {target}: the file's name has to end in .mps (or .lp)")

@@ -1,4 +1,4 @@
-"""Progress of a run on stderr: a live line on a terminal, now and then a plain one elsewhere."""
+"""Progress of a run on stderr: a live line on a terminal, occasional plain lines elsewhere."""
 
 import time
 from types import TracebackType
@@ -17,12 +17,12 @@ _WIDTH = max(len(stage) for stage in STAGES)
 
 
 def _without_stage(message: str, stage: Stage) -> str:
-    """Shorten a message that names the stage itself: the line it goes to does so already."""
+    """Remove the name of the stage from a message: the line already has it."""
     return message.removeprefix(f"{stage}: ")
 
 
 class PlainReporter:
-    """Lines for logs and pipes, and for terminals that solvers write to as well."""
+    """Lines for logs and pipes, and for terminals that solvers also write to."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -36,7 +36,7 @@ class PlainReporter:
         pass
 
     def begin(self, stage: Stage) -> ProgressFunction:
-        """Say that a stage begins; later messages appear when the last one is old enough."""
+        """Report that a stage begins; later messages appear if the last one is old enough."""
         self._console.print(f"{stage}: started", soft_wrap=True)
         said = time.monotonic()
 
@@ -50,13 +50,13 @@ class PlainReporter:
         return progress
 
     def end(self, stage: Stage, outcome: str, seconds: float) -> None:
-        """Say how a stage ended."""
+        """Report how a stage ended."""
         took = "" if outcome == "unchanged" else f" ({seconds:.1f} s)"
         self._console.print(f"{stage}: {outcome}{took}", soft_wrap=True)
 
 
 class LiveReporter:
-    """A line that moves: stage, what it is doing, how far it is, for how long; finished stages stay above it."""
+    """A live line with stage, activity, progress and time; finished stages stay above it."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -83,19 +83,19 @@ class LiveReporter:
         self._live.stop()
 
     def begin(self, stage: Stage) -> ProgressFunction:
-        """Show a stage as working."""
+        """Show a stage as running."""
         self._task = self._live.add_task("", total=None, stage=f"{stage:<{_WIDTH}}")
         task = self._live.tasks[-1]
 
         def progress(message: str, fraction: float | None = None) -> None:
-            # Without a total the bar pulses: the stage works, and cannot say how far it is.
+            # Without a total the bar pulses: the stage does not know its progress.
             task.total = None if fraction is None else 1.0
             self._live.update(task.id, description=_without_stage(message, stage), completed=fraction or 0.0)
 
         return progress
 
     def end(self, stage: Stage, outcome: str, seconds: float) -> None:
-        """Leave a line about a stage that ended."""
+        """Leave a line for a stage that ended."""
         if self._task is not None:
             self._live.remove_task(self._task)
             self._task = None
@@ -104,6 +104,6 @@ class LiveReporter:
 
 
 def make_reporter(console: Console, verbose: bool) -> PlainReporter | LiveReporter:
-    """Choose how to show progress: live where the terminal can, and has not been given to the solvers' logs."""
+    """Choose how to show progress: live on terminals that can do that, unless solvers write their logs there."""
     live = console.is_terminal and not console.is_dumb_terminal and not verbose
     return LiveReporter(console) if live else PlainReporter(console)

@@ -1,17 +1,23 @@
-"""What a run did, as a short table: each stage, how it went, and its key figures in words."""
+"""What a run did, as a short table: each stage, its status, and its key figures in words."""
+
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from pipeline.run import RunReport
-from pipeline.summary.sections import failed_part
-from pipeline.summary.wording import key_figures
+from pipeline.summary.section import failed_part
+
+if TYPE_CHECKING:
+    from pipeline.run import RunReport
+    from pipeline.run.stage_specs import Specs
 
 _UNCHANGED = "unchanged"
 
 
-def stage_table(report: RunReport) -> Table:
+def stage_table(report: "RunReport", specs: "Specs") -> Table:
     """Tabulate the stages of a run."""
-    table = Table(title=f"{report.summary['name']}: what was done", title_justify="left")
+    from pipeline.run.stage_specs import spec_of
+
+    table = Table(title=f"{report.summary['name']}: stages", title_justify="left")
     table.add_column("stage")
     table.add_column("status")
     table.add_column("seconds", justify="right")
@@ -22,5 +28,6 @@ def stage_table(report: RunReport) -> Table:
             status += " in part"
         if outcome.outcome == _UNCHANGED:
             status += f", {_UNCHANGED}"
-        table.add_row(outcome.stage, status, f"{outcome.seconds:.1f}", key_figures(outcome.stage, outcome.section))
+        words = spec_of(specs, outcome.stage).words(outcome.section)
+        table.add_row(outcome.stage, status, f"{outcome.seconds:.1f}", words)
     return table

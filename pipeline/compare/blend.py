@@ -1,12 +1,12 @@
-"""The coarse path as a controller would drive it: straight moves in actuator space whose corners are rounded.
+"""The coarse path as a controller would drive it: straight moves in actuator space with rounded corners.
 
-A corner q_i between moves of directions m_0 and m_1 (unit vectors over actuator length l) becomes a blend of half
+A corner q_i between moves in directions m_0 and m_1 (unit vectors, over actuator length l) becomes a blend of half
 width d that leaves the first move d before the corner and joins the second d after it:
 
     q'(u) = m_0 + (m_1 - m_0) (6 u^5 - 15 u^4 + 10 u^3),   u = (l - l_i + d) / (2 d) in [0, 1]
 
-It passes the corner at a distance of 5/32 d |m_1 - m_0|, its largest. So q has three continuous derivatives, which
-motion with limited jerk needs, and is of degree six.
+Its largest distance from the corner is 5/32 d |m_1 - m_0|, when it passes it. q is of degree six and has three
+continuous derivatives, which motion with limited jerk needs.
 """
 
 from dataclasses import replace
@@ -19,14 +19,14 @@ from pipeline.machine.kinematics import forward_kinematics
 from pipeline.refine.result import Path
 
 TOLERANCE_M = 0.005
-"""Distance from a corner, in actuator space, that a controller is allowed by default."""
+"""Default of the largest distance from a corner, in actuator space."""
 
 _DEGREE = 6
 _JOINED = 3
-"""Knots in one place: they leave degree minus this many derivatives continuous."""
+"""Multiplicity of knots: degree minus this many derivatives are continuous."""
 _PASSED = 5.0 / 32.0
 _MOST_OF_A_MOVE = 0.499
-"""Part of a move that a blend at one of its ends may take: a little less than half, so that blends do not meet."""
+"""Fraction of a move that a blend at either end may take: a little less than half, so that blends do not meet."""
 
 
 def blended(coarse: Path, tolerance_m: float = TOLERANCE_M) -> Path:
@@ -37,8 +37,7 @@ def blended(coarse: Path, tolerance_m: float = TOLERANCE_M) -> Path:
     coarse : Path
         Straight moves between corners.
     tolerance_m : float
-        Largest distance of the new path from a corner, in metres of actuator space. Less is used where a move is too
-        short for it.
+        Largest distance of the new path from a corner, in metres of actuator space; less where moves are too short.
 
     Returns
     -------
@@ -59,16 +58,15 @@ def blended(coarse: Path, tolerance_m: float = TOLERANCE_M) -> Path:
 
 
 def _half_widths(lengths: FloatArray, directions: FloatArray, tolerance_m: float) -> FloatArray:
-    """Half widths d (corners - 2,) of the blends at all corners within the path."""
+    """Compute the half widths d (corners - 2,) of the blends at all inner corners."""
     turns = np.linalg.norm(np.diff(directions, axis=0), axis=1)
     room = _MOST_OF_A_MOVE * np.minimum(lengths[:-1], lengths[1:])
     with np.errstate(divide="ignore"):
-        wanted: FloatArray = np.minimum(tolerance_m / (_PASSED * turns), room)
-    return wanted
+        return np.asarray(np.minimum(tolerance_m / (_PASSED * turns), room))
 
 
 def _knots(at: FloatArray, half: FloatArray) -> FloatArray:
-    """Clamped knots over actuator length, where blends begin and end."""
+    """Place clamped knots over actuator length, where blends begin and end."""
     inner = np.sort(np.concatenate([at[1:-1] - half, at[1:-1] + half]))
     clamped = [np.zeros(_DEGREE + 1), np.repeat(inner, _JOINED), np.full(_DEGREE + 1, at[-1])]
     return np.concatenate(clamped)

@@ -1,4 +1,4 @@
-"""What paths are compared by: each quantity with its unit, its better direction and what counts as equal."""
+"""The criteria that paths are compared by, a row each: unit, which value is better, and what counts as equal."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from pipeline.compare.motion import MotionFigures, at_duration
+from pipeline.limits import Measure, measures
 from pipeline.refine.measure import PathFigures
 
 Preference = Literal["lower", "higher", "neither"]
@@ -14,16 +15,16 @@ Preference = Literal["lower", "higher", "neither"]
 
 @dataclass(frozen=True)
 class MeasuredPath:
-    """A path in numbers, as far as they are known.
+    """A path in numbers; None for what is not known.
 
     Attributes
     ----------
     path : PathFigures
-        Of the curve itself.
+        Figures of the curve itself.
     motion : MotionFigures or None
-        Of the curve in time.
+        Figures of the curve in time.
     paced : MotionFigures or None
-        The same motion slowed down to the duration of the slowest it is compared with.
+        Figures of the same motion, slowed down to the duration of the slowest one in the comparison.
     """
 
     path: PathFigures
@@ -32,7 +33,7 @@ class MeasuredPath:
 
 
 def paced_alike(measured: Sequence[MeasuredPath]) -> list[MeasuredPath]:
-    """Slow all motions down to the longest duration, so that their peaks say which curve is the smoother one."""
+    """Slow all motions down to the longest duration, so that their peaks show which curve is smoother."""
     durations = [one.motion.duration_s for one in measured if one.motion is not None]
     if len(durations) < len(measured):
         return list(measured)
@@ -41,8 +42,8 @@ def paced_alike(measured: Sequence[MeasuredPath]) -> list[MeasuredPath]:
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """What is compared: its name and unit, which value is better, and the difference below which two are equal."""
+class Criterion:
+    """A criterion: name and unit, the better direction, the difference up to which values are equal, how it is read."""
 
     name: str
     unit: str
@@ -51,35 +52,39 @@ class Quantity:
     read: Callable[[MeasuredPath], float | None]
 
     def value(self, measured: MeasuredPath) -> float | None:
-        """Give the value; None where it is unknown or has no bound."""
+        """Read the value; None where it is unknown or unbounded."""
         value = self.read(measured)
         return None if value is None or not np.isfinite(value) else float(value)
 
 
-def _path(name: str, unit: str, prefers: Preference, resolution: float, attribute: str) -> Quantity:
-    return Quantity(name, unit, prefers, resolution, lambda one: getattr(one.path, attribute))
+def _path(name: str, unit: str, prefers: Preference, resolution: float, attribute: str) -> Criterion:
+    return Criterion(name, unit, prefers, resolution, lambda one: getattr(one.path, attribute))
 
 
-def _motion(name: str, unit: str, resolution: float, attribute: str, paced: bool = False) -> Quantity:
+def _measure(measure: Measure) -> Criterion:
+    return Criterion(
+        measure.name, measure.unit, measure.prefers, measure.resolution, lambda one: one.path.measures[measure.key]
+    )
+
+
+def _motion(name: str, unit: str, resolution: float, attribute: str, paced: bool = False) -> Criterion:
     def read(one: MeasuredPath) -> float | None:
         motion = one.paced if paced else one.motion
         return None if motion is None else getattr(motion, attribute)
 
-    return Quantity(name, unit, "lower", resolution, read)
+    return Criterion(name, unit, "lower", resolution, read)
 
 
-# Differences below the resolution are what sampling and rounding make, not what the paths are. Peaks that are held
-# down by a limit come within a per cent of it.
-QUANTITIES = (
+# Differences below the resolution come from sampling and rounding, not from the paths. Peaks that reach a limit come
+# within a per cent of it.
+CRITERIA = (
     _path("kappa integral", "steps", "lower", 1e-6, "kappa_integral"),
     _path("largest kappa", "", "lower", 1e-6, "kappa_max"),
     _path("largest kappa at s", "", "neither", 1e-6, "kappa_max_s"),
     _path("length", "steps", "lower", 1e-6, "length"),
-    _path("least link-link distance", "m", "higher", 1e-5, "min_link_distance_m"),
-    _path("least link-rail distance", "m", "higher", 1e-5, "min_rail_distance_m"),
-    _path("largest tilt", "deg", "lower", 1e-4, "max_tilt_deg"),
+    *(_measure(measure) for measure in measures()),
     _path("closure residual", "m", "lower", 1e-9, "closure_residual_m"),
-    Quantity("working-mode changes", "", "neither", 0.5, lambda one: one.path.mode_changes),
+    Criterion("working-mode changes", "", "neither", 0.5, lambda one: one.path.mode_changes),
     _motion("duration", "s", 1e-6, "duration_s"),
     _motion("peak cart acceleration", "m/s^2", 2e-2, "cart_acceleration_mps2"),
     _motion("peak telescope acceleration", "m/s^2", 5e-3, "telescope_acceleration_mps2"),
@@ -90,4 +95,4 @@ QUANTITIES = (
     _motion("equally long: cart jerk", "m/s^3", 0.4, "cart_jerk_mps3", paced=True),
     _motion("equally long: telescope jerk", "m/s^3", 0.1, "telescope_jerk_mps3", paced=True),
 )
-"""All quantities, in the order of the table."""
+"""All criteria, in the order of the table."""

@@ -1,9 +1,9 @@
-"""The refined path against the coarse one, in numbers: rows for a table, a report or a test."""
+"""The refined path against the coarse one in numbers: rows for a table, a report or a test."""
 
 from dataclasses import dataclass
 from typing import Literal
 
-from pipeline.compare.criteria import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
+from pipeline.compare.criteria import CRITERIA, Criterion, MeasuredPath, Preference, paced_alike
 
 Better = Literal["coarse", "refined", "equal", "neither"]
 
@@ -18,7 +18,7 @@ class ComparisonRow:
     Attributes
     ----------
     figure, unit : str
-        What is compared and its unit, empty where it has none; a step is the unit of the route's metric.
+        What is compared, and its unit (empty if it has none); a step is the unit of the route's metric.
     coarse, refined : float
         The two values.
     difference : float
@@ -28,7 +28,7 @@ class ComparisonRow:
     prefers : str
         Whether a lower or a higher value is better, or neither.
     better : str
-        The better path; equal below the figure's resolution, neither where there is no better.
+        The better path; equal up to the resolution of the figure, neither where no value is better.
     """
 
     figure: str
@@ -42,41 +42,41 @@ class ComparisonRow:
 
 
 def compare_paths(coarse: MeasuredPath, refined: MeasuredPath) -> list[ComparisonRow]:
-    """Compare two paths by every quantity that is known of both."""
+    """Compare two paths by every criterion that is known for both."""
     coarse, refined = paced_alike([coarse, refined])
     rows = []
-    for quantity in QUANTITIES:
-        before, after = quantity.value(coarse), quantity.value(refined)
+    for criterion in CRITERIA:
+        before, after = criterion.value(coarse), criterion.value(refined)
         if before is not None and after is not None:
-            rows.append(_row(quantity, before, after))
+            rows.append(_row(criterion, before, after))
     return rows
 
 
-def _row(quantity: Quantity, coarse: float, refined: float) -> ComparisonRow:
+def _row(criterion: Criterion, coarse: float, refined: float) -> ComparisonRow:
     difference = refined - coarse
     return ComparisonRow(
-        figure=quantity.name,
-        unit=quantity.unit,
+        figure=criterion.name,
+        unit=criterion.unit,
         coarse=coarse,
         refined=refined,
         difference=difference,
         per_cent=per_cent_of(coarse, difference),
-        prefers=quantity.prefers,
-        better=_better(quantity, difference),
+        prefers=criterion.prefers,
+        better=_better(criterion, difference),
     )
 
 
 def per_cent_of(value: float, difference: float) -> float | None:
-    """Give a difference in per cent of a value; None where that is zero."""
+    """Express a difference in per cent of a value; None where that is zero."""
     return 100.0 * difference / abs(value) if value != 0.0 else None
 
 
-def _better(quantity: Quantity, difference: float) -> Better:
-    if quantity.prefers == "neither":
+def _better(criterion: Criterion, difference: float) -> Better:
+    if criterion.prefers == "neither":
         return "neither"
-    if abs(difference) <= quantity.resolution:
+    if abs(difference) <= criterion.resolution:
         return "equal"
-    return "refined" if (difference < 0.0) == (quantity.prefers == "lower") else "coarse"
+    return "refined" if (difference < 0.0) == (criterion.prefers == "lower") else "coarse"
 
 
 def table_cells(rows: list[ComparisonRow]) -> list[tuple[str, ...]]:
@@ -104,6 +104,6 @@ def markdown_table(rows: list[ComparisonRow]) -> str:
 
 
 def markdown(header: tuple[str, ...], cells: list[tuple[str, ...]], words: tuple[int, ...]) -> str:
-    """Write a Markdown table whose columns `words` are aligned to the left, all others to the right."""
+    """Write a Markdown table with the columns `words` aligned left, all others right."""
     rule = tuple(":--" if column in words else "--:" for column in range(len(header)))
     return "".join("| " + " | ".join(line) + " |\n" for line in (header, rule, *cells))

@@ -1,5 +1,6 @@
-"""How paths move once they are timed in the same way: duration, and peaks of acceleration and jerk."""
+"""Motions along paths that are timed in the same way: duration, and peaks of acceleration and jerk."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError
 from pipeline.refine.result import Path
-from pipeline.retime.result import Trajectory
+from pipeline.retime import Trajectory, retime_path
 
 _INSTANTS = 4_001
 _CARTS, _TELESCOPES = slice(0, 3), slice(3, 5)
@@ -21,7 +22,7 @@ class MotionFigures:
     Attributes
     ----------
     duration_s : float
-        Of the motion from rest to rest.
+        Time from rest to rest.
     cart_acceleration_mps2, telescope_acceleration_mps2 : float
         Peaks of acceleration.
     cart_jerk_mps3, telescope_jerk_mps3 : float
@@ -36,32 +37,34 @@ class MotionFigures:
 
 
 def common_retiming(config: Config) -> RetimeConfig:
-    """Give the settings with which all paths are timed: those of a configuration, at full speed and without waiting."""
+    """Select the settings with which all paths are timed: the configuration's, at full speed and without waiting."""
     return config.retime.model_copy(update={"speed": 1.0, "dwell_s": (0.0, 0.0)})
 
 
-def retimed(config: Config, retiming: RetimeConfig, path: Path) -> Trajectory:
-    """Time a path within the limits of its own machine; pieces that are too coarse for it are halved once.
+def retimed(
+    config: Config,
+    retiming: RetimeConfig,
+    path: Path,
+    retime: Callable[[Config, Path], Trajectory] = retime_path,
+) -> Trajectory:
+    """Time a path within the limits of its own machine; if that fails with limited jerk, again with twice the pieces.
 
     Raises
     ------
     NoSolutionError
         When the path cannot be timed within them.
     """
-    # Solvers take a while to load.
-    from pipeline.retime import retime_path
-
     try:
-        return retime_path(config.model_copy(update={"retime": retiming}), path)
+        return retime(config.model_copy(update={"retime": retiming}), path)
     except NoSolutionError:
         if not retiming.jerk:
             raise
     finer = retiming.model_copy(update={"jerk_pieces": 2 * retiming.jerk_pieces})
-    return retime_path(config.model_copy(update={"retime": finer}), path)
+    return retime(config.model_copy(update={"retime": finer}), path)
 
 
 def measure_motion(trajectory: Trajectory) -> MotionFigures:
-    """Reduce a trajectory to figures, seen at evenly spaced instants."""
+    """Reduce a trajectory to figures, evaluated at evenly spaced instants."""
     t = np.linspace(0.0, trajectory.duration_s, _INSTANTS)
     acceleration = _peaks(trajectory.q(t, 2))
     jerk = (np.inf, np.inf) if trajectory.jerk_jumps else _peaks(trajectory.q(t, 3))

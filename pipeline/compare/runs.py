@@ -1,9 +1,9 @@
-"""Several runs beside each other, in numbers: every one against the first, and which is best."""
+"""Several runs in numbers: each against the first, and which is best."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipeline.compare.criteria import QUANTITIES, MeasuredPath, Preference, Quantity, paced_alike
+from pipeline.compare.criteria import CRITERIA, Criterion, MeasuredPath, Preference, paced_alike
 from pipeline.compare.metrics import markdown, per_cent_of
 
 
@@ -14,15 +14,15 @@ class RunsRow:
     Attributes
     ----------
     figure, unit : str
-        What is compared and its unit, empty where it has none.
+        What is compared, and its unit (empty if it has none).
     prefers : str
         Whether a lower or a higher value is better, or neither.
     values : tuple of float or None
-        One for each run; None where it is not known.
+        One per run; None where it is not known.
     differences, per_cent : tuple of float or None
-        What each value is above the first run's, and the same in per cent of it; None where there is none.
+        Difference of each value from that of the first run, and the same in per cent of it; None where unknown.
     best : tuple of int
-        Numbers of the runs with the best value, from 0; empty where all are equal or there is no better.
+        Numbers of the runs with the best value, from 0; empty if all are equal or no value is better.
     """
 
     figure: str
@@ -35,44 +35,44 @@ class RunsRow:
 
 
 def compare_runs(measured: Sequence[MeasuredPath]) -> list[RunsRow]:
-    """Compare runs by every quantity that is known of at least two of them."""
+    """Compare runs by every criterion that is known for at least two of them."""
     measured = paced_alike(measured)
     rows = []
-    for quantity in QUANTITIES:
-        values = tuple(quantity.value(one) for one in measured)
+    for criterion in CRITERIA:
+        values = tuple(criterion.value(one) for one in measured)
         if sum(value is not None for value in values) >= 2:
-            rows.append(_row(quantity, values))
+            rows.append(_row(criterion, values))
     return rows
 
 
-def _row(quantity: Quantity, values: tuple[float | None, ...]) -> RunsRow:
+def _row(criterion: Criterion, values: tuple[float | None, ...]) -> RunsRow:
     first = values[0]
     differences = tuple(None if first is None or value is None else value - first for value in values)
     per_cent = tuple(None if first is None or change is None else per_cent_of(first, change) for change in differences)
     return RunsRow(
-        quantity.name, quantity.unit, quantity.prefers, values, differences, per_cent, _best(quantity, values)
+        criterion.name, criterion.unit, criterion.prefers, values, differences, per_cent, _best(criterion, values)
     )
 
 
-def _best(quantity: Quantity, values: tuple[float | None, ...]) -> tuple[int, ...]:
+def _best(criterion: Criterion, values: tuple[float | None, ...]) -> tuple[int, ...]:
     known = [value for value in values if value is not None]
-    if quantity.prefers == "neither" or max(known) - min(known) <= quantity.resolution:
+    if criterion.prefers == "neither" or max(known) - min(known) <= criterion.resolution:
         return ()
-    target = min(known) if quantity.prefers == "lower" else max(known)
+    target = min(known) if criterion.prefers == "lower" else max(known)
     return tuple(
         number
         for number, value in enumerate(values)
-        if value is not None and abs(value - target) <= quantity.resolution
+        if value is not None and abs(value - target) <= criterion.resolution
     )
 
 
 def runs_header(names: Sequence[str]) -> tuple[str, ...]:
-    """Give the headings of `runs_cells`."""
+    """Name the columns of `runs_cells`."""
     return ("figure", "unit", *names, "best")
 
 
 def runs_cells(names: Sequence[str], rows: Sequence[RunsRow]) -> list[tuple[str, ...]]:
-    """Format rows as text: five significant digits, beside them difference and per cent against the first run."""
+    """Format rows as text: five significant digits, with difference and per cent against the first run."""
     return [_cells(names, row) for row in rows]
 
 

@@ -1,24 +1,23 @@
 """The proof of a path: how sharp, how fine, and what is proven."""
 
-from typing import Literal
-
 from pydantic import Field
 
+from pipeline.config.choices import Proof
 from pipeline.config.section import Section
 
 
 class CertifyConfig(Section):
     """The proof that a path is free of singularities: boxes along s in ball arithmetic."""
 
-    what: Literal["path", "tolerances", "nothing"] = Field(
-        "path", description="prove the path, search calibration tolerances as well (a minute), or prove nothing"
+    what: Proof = Field(
+        Proof.PATH, description="prove the path, also search calibration tolerances (a minute), or prove nothing"
     )
     precision_bits: int = Field(64, ge=53, le=4_096, description="precision of the ball arithmetic")
     kappa_excess: float = Field(
         0.01,
         gt=0.0,
         le=10.0,
-        description="boxes are halved until the bound of kappa is that near its largest sample, relatively",
+        description="boxes are halved until the bound of kappa exceeds its largest sample by at most this, relatively",
     )
     least_width: float = Field(
         1e-7, gt=1e-12, le=0.1, description="intervals of s narrower than this are not halved: the path is refused"
@@ -27,5 +26,8 @@ class CertifyConfig(Section):
         0.02, gt=1e-4, le=1.0, description="how finely calibration tolerances are bisected, relatively"
     )
     monte_carlo_samples: int = Field(
-        100, ge=0, le=100_000, description="machines drawn to see at which calibration error the path really fails"
+        100,
+        ge=0,
+        le=100_000,
+        description="machines drawn at random to find the calibration error at which the path really fails",
     )

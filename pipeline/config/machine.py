@@ -1,10 +1,11 @@
 """The machine: rails, links, triangle, clearances, limits and masses."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from pipeline.config.choices import TriangleBranch
 from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, require_ordered, wrong
 
 Inertia = Annotated[float, Field(gt=0.0, le=10_000.0)]
@@ -156,8 +157,8 @@ class MachineConfig(Section):
 
     rails: tuple[RailConfig, RailConfig, RailConfig] = Field(description="rails of arms 1, 2, 3")
     links: LinksConfig
-    triangle_branch: Literal["negative", "positive"] = Field(
-        "negative", description="sign of y_platform . (w x u_3c) that the assembled machine keeps"
+    triangle_branch: TriangleBranch = Field(
+        TriangleBranch.NEGATIVE, description="sign of y_platform . (w x u_3c) that the assembled machine keeps"
     )
     clearance: ClearanceConfig
     limits: LimitsConfig

@@ -1,9 +1,10 @@
 """Stage two: meshes, objective, corridor, margins and checks of the smooth path."""
 
-from typing import Literal, Self
+from typing import Self
 
 from pydantic import Field, model_validator
 
+from pipeline.config.choices import Corridor, PathObjective
 from pipeline.config.section import Section, Vector, wrong
 
 
@@ -21,12 +22,12 @@ class RefineConfig(Section):
     max_meshes: int = Field(
         4, ge=1, le=20, description="meshes tried at most, each finer than the one before; 1: no finer"
     )
-    objective: Literal["integral", "maximum", "mixed"] = Field(
-        "integral", description="what is minimised: the integral of kappa, the largest kappa, or both"
+    objective: PathObjective = Field(
+        PathObjective.INTEGRAL, description="what is minimised: the integral of kappa, the largest kappa, or both"
     )
     kappa_max: float | None = Field(None, gt=1.0, description="cap on kappa along the path; null: route.kappa_max")
-    corridor: Literal["cells", "free"] = Field(
-        "cells", description="keep to the route's cells and sequence of working modes, or to the sequence alone"
+    corridor: Corridor = Field(
+        Corridor.CELLS, description="keep to the route's cells and sequence of working modes, or to the sequence alone"
     )
     corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
     start_direction: Vector | None = Field(

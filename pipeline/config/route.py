@@ -1,9 +1,10 @@
 """Stage one: the grid of regions, the mixed-integer program, and how moves are followed."""
 
-from typing import Literal, Self
+from typing import Self
 
 from pydantic import Field, model_validator
 
+from pipeline.config.choices import Formulation, RouteObjective
 from pipeline.config.section import Length, PositiveLength, Section, wrong
 
 
@@ -47,8 +48,8 @@ class RouteConfig(Section):
     grid: GridConfig
     x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
     step_budget: int = Field(25, ge=2, le=500, description="N, the number of positions of the paper")
-    objective: Literal["sum", "bottleneck"] = Field(
-        "sum", description="least sum of kappa (5), or least largest kappa and then least sum"
+    objective: RouteObjective = Field(
+        RouteObjective.SUM, description="least sum of kappa (5), or least largest kappa and then least sum"
     )
     alternative: int = Field(1, ge=1, le=10, description="which of the best routes: 1 is the best")
     alternative_distance: float = Field(
@@ -66,8 +67,9 @@ class RouteConfig(Section):
         0.002, gt=0.0, le=3.0, description="first guess of how far the optimum lies above its bound, relative"
     )
     max_rounds: int = Field(50, ge=1, le=10_000, description="rounds of following, forbidding and solving again")
-    formulation: Literal["core", "compact", "paper"] = Field(
-        "core", description="the program that is solved; compact and paper are over all regions, for small grids"
+    formulation: Formulation = Field(
+        Formulation.CORE,
+        description="the program that is solved; compact and paper are over all regions, for small grids",
     )
     time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
     memory_gb: float = Field(4.0, gt=0.0, le=10_000.0, description="memory that regions and moves may take up")

@@ -1,10 +1,11 @@
 """The task: from where to where, what to visit and avoid, and what may be used up."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from pipeline.config.choices import TiltAxis
 from pipeline.config.section import MODE_PATTERN, Interval, Length, Section, Tilt, require_ordered, wrong
 
 
@@ -86,7 +87,7 @@ class TaskConfig(Section):
     avoid: tuple[BoxConfig, ...] = Field((), description="boxes the TCP must not enter (with tilts: that tilted)")
     budget: BudgetConfig = Field(default_factory=lambda: BudgetConfig())
     tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")
-    locked_axes: tuple[Literal["rx", "rz"], ...] = Field(
+    locked_axes: tuple[TiltAxis, ...] = Field(
         (), description="tilt axes held at zero (the 4-DOF machines: one; the 3-DOF machine: both)"
     )
 

@@ -1,4 +1,4 @@
-"""Results in the forms other programs read: tables, messages and keyframes for controllers and simulators, and back."""
+"""Trajectories in the formats of other programs: tables, messages and keyframes for controllers and simulators."""
 
 import lazy_loader
 

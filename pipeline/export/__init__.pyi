@@ -4,14 +4,20 @@ from .beckhoff import (
 from .beckhoff import (
     read_beckhoff as read_beckhoff,
 )
+from .columns import (
+    TRAJECTORY_COLUMNS as TRAJECTORY_COLUMNS,
+)
+from .columns import (
+    TrajectoryColumn as TrajectoryColumn,
+)
+from .columns import (
+    trajectory_columns as trajectory_columns,
+)
 from .csv import (
     format_csv as format_csv,
 )
 from .csv import (
     read_csv as read_csv,
-)
-from .csv import (
-    trajectory_columns as trajectory_columns,
 )
 from .linuxcnc import (
     format_halstreamer as format_halstreamer,
@@ -22,17 +28,20 @@ from .linuxcnc import (
 from .motion import (
     Motion as Motion,
 )
-from .motion import (
-    motion_of as motion_of,
-)
-from .motion import (
-    needed_decimals as needed_decimals,
-)
 from .mujoco import (
     format_keyframes as format_keyframes,
 )
 from .mujoco import (
     read_keyframes as read_keyframes,
+)
+from .request import (
+    CsvOptions as CsvOptions,
+)
+from .request import (
+    ExportRequest as ExportRequest,
+)
+from .request import (
+    needed_decimals as needed_decimals,
 )
 from .ros2 import (
     format_json as format_json,
@@ -46,9 +55,15 @@ from .ros2 import (
 from .sidecar import (
     sidecar as sidecar,
 )
-from .writing import (
-    CsvOptions as CsvOptions,
+from .trajectory_csv import (
+    format_trajectory_csv as format_trajectory_csv,
+)
+from .trajectory_csv import (
+    read_trajectory_csv as read_trajectory_csv,
 )
 from .writing import (
     format_samples as format_samples,
+)
+from .writing import (
+    read_motion as read_motion,
 )

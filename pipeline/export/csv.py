@@ -1,4 +1,4 @@
-"""Tables as CSV and back: a header, a row per line, LF line ends, a fixed number of decimals."""
+"""Tables as CSV and back: a header, one row per line, LF line ends, a fixed number of decimals."""
 
 import csv
 import io
@@ -8,30 +8,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pipeline.export.columns import PER_ACTUATOR, POSE
-from pipeline.retime.result import TrajectorySamples
-
 DECIMALS = 12
-"""At a period of 1 ms, differencing twice multiplies rounding by up to 4e6: twelve decimals leave 2e-6 m/s^2 of it,
-six would leave 2 m/s^2, as much as the machine's limit. Shorter periods need more: see `needed_decimals`."""
+"""At a period of 1 ms, differencing twice multiplies rounding by up to 4e6: twelve decimals leave 2e-6 m/s^2, six
+would leave 2 m/s^2, as much as the machine's limit. Shorter periods need more: see `needed_decimals`."""
 
 Column = npt.NDArray[Any]
-
-
-def trajectory_columns(samples: TrajectorySamples) -> dict[str, Column]:
-    """Name the columns of `trajectory.csv`: time, the actuators' q, qd and qdd, the pose, kappa."""
-    columns: dict[str, Column] = {"t_s": samples.t_s}
-    for (names, _, _), values in zip(PER_ACTUATOR, (samples.q_m, samples.qd_mps, samples.qdd_mps2), strict=True):
-        columns.update(zip(names, values.T, strict=True))
-    columns.update(zip(POSE, samples.pose.T, strict=True))
-    columns["kappa"] = samples.kappa
-    return columns
+"""Values (n,) of a column: numbers or text."""
 
 
 def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS, separator: str = ",") -> str:
-    """Write equally long columns of numbers, whole numbers or words, floats with a fixed number of decimals.
+    """Write equally long columns of numbers or text, floats with a fixed number of decimals.
 
-    Zero is always written without a sign, and so is what rounds to it.
+    Zero, and whatever rounds to it, is written without a sign.
 
     Raises
     ------
@@ -54,7 +42,7 @@ def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS, s
 
 
 def read_csv(text: str, separator: str = ",") -> dict[str, Column]:
-    """Read a table back: columns of whole numbers as int64, of numbers as float64, all others as words.
+    """Read a table back: columns of integers as int64, of other numbers as float64, all others as text.
 
     Raises
     ------
@@ -82,7 +70,7 @@ def _cells(name: str, values: Column, decimals: int) -> list[str]:
         return [f"{value:.{decimals}f}" for value in rounded.tolist()]
     if values.dtype.kind in "iuU":
         return [str(value) for value in values.tolist()]
-    raise TypeError(f"column {name} must hold numbers or words, not {values.dtype}")
+    raise TypeError(f"column {name} must hold numbers or text, not {values.dtype}")
 
 
 def _parse(cells: list[str]) -> Column:

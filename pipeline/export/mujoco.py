@@ -1,7 +1,7 @@
 """Keyframes for MuJoCo: an MJCF fragment with a key per period, to be included in a model of the five actuators.
 
-The model's first five coordinates have to be sliding joints in the order c1, c2, c3, l2b, l3b; a model with more of
-them needs keys of its own. All digits of every number are written.
+The first five coordinates of the model have to be sliding joints in the order c1, c2, c3, l2b, l3b; a model with more
+coordinates needs keys of its own. All digits of every number are written.
 """
 
 import xml.etree.ElementTree as ElementTree
@@ -9,22 +9,16 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 
 from pipeline.export.motion import Motion
+from pipeline.export.request import ExportRequest
 
 
-def format_keyframes(motion: Motion) -> str:
-    """Write a key for every row: time, positions and velocities.
-
-    Raises
-    ------
-    ValueError
-        When the motion has no velocities.
-    """
-    if motion.qd_mps is None:
-        raise ValueError("keyframes need velocities")
+def format_keyframes(request: ExportRequest) -> str:
+    """Write a key for every row: time, positions and velocities."""
+    samples = request.samples
     keys = [
         f'    <key name="row{k}" time="{t!r}" qpos="{_row(q)}" qvel="{_row(qd)}"/>'
         for k, (t, q, qd) in enumerate(
-            zip(motion.t_s.tolist(), motion.q_m.tolist(), (motion.qd_mps + 0.0).tolist(), strict=True)
+            zip(samples.t_s.tolist(), samples.q_m.tolist(), (samples.qd_mps + 0.0).tolist(), strict=True)
         )
     ]
     return "\n".join(["<mujoco>", "  <keyframe>", *keys, "  </keyframe>", "</mujoco>"]) + "\n"
@@ -36,7 +30,7 @@ def read_keyframes(text: str) -> Motion:
     Raises
     ------
     ValueError
-        When the text is no XML, or has no keys.
+        When the text is not XML, or has no keys.
     """
     try:
         keys = ElementTree.fromstring(text).findall("./keyframe/key")

@@ -1,34 +1,35 @@
 """A trajectory_msgs/JointTrajectory message, as YAML or JSON, and back.
 
-Field names and their meaning are those of the message's definition: joint_names, and points with positions,
-velocities, accelerations and time_from_start in whole seconds and nanoseconds, strictly increasing.
+Fields are those of the message's definition: joint_names, and points with positions, velocities, accelerations and a
+strictly increasing time_from_start in whole seconds and nanoseconds.
 """
 
 import json
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import yaml
 
 from pipeline.export.motion import Motion
+from pipeline.export.request import ExportRequest
 
 _NANO = 1_000_000_000
 
 
-def joint_trajectory(motion: Motion, joint_names: Sequence[str]) -> dict[str, Any]:
-    """Build the message as plain values; the last point has no velocity, as controllers insist on.
+def joint_trajectory(request: ExportRequest) -> dict[str, Any]:
+    """Build the message as plain values; the velocities of the last point are zero, as controllers require.
 
     Raises
     ------
     ValueError
-        When times do not increase from one nanosecond to the next, or the motion does not end at rest.
+        When times do not increase by at least a nanosecond, or the motion does not end at rest.
     """
-    nanoseconds = np.rint(motion.t_s * _NANO).astype(np.int64)
+    samples = request.samples
+    nanoseconds = np.rint(samples.t_s * _NANO).astype(np.int64)
     if not (np.diff(nanoseconds) > 0).all():
         raise ValueError("time_from_start has to increase strictly")
-    if motion.qd_mps is None or motion.qdd_mps2 is None or motion.qd_mps[-1].any():
-        raise ValueError("a joint trajectory needs velocities and accelerations, and ends at rest")
+    if samples.qd_mps[-1].any():
+        raise ValueError("a joint trajectory has to end at rest")
     points = [
         {
             "positions": q,
@@ -38,37 +39,37 @@ def joint_trajectory(motion: Motion, joint_names: Sequence[str]) -> dict[str, An
         }
         for t, q, qd, qdd in zip(
             nanoseconds.tolist(),
-            motion.q_m.tolist(),
-            (motion.qd_mps + 0.0).tolist(),
-            (motion.qdd_mps2 + 0.0).tolist(),
+            samples.q_m.tolist(),
+            (samples.qd_mps + 0.0).tolist(),
+            (samples.qdd_mps2 + 0.0).tolist(),
             strict=True,
         )
     ]
     header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
-    return {"header": header, "joint_names": list(joint_names), "points": points}
+    return {"header": header, "joint_names": list(request.joint_names), "points": points}
 
 
-def format_json(motion: Motion, joint_names: Sequence[str]) -> str:
-    """Write the message as JSON, one point per line, all digits of every number."""
-    message = joint_trajectory(motion, joint_names)
+def format_json(request: ExportRequest) -> str:
+    """Write the message as JSON, one point per line, with all digits of every number."""
+    message = joint_trajectory(request)
     points = ",\n".join(json.dumps(point) for point in message.pop("points"))
     return json.dumps(message)[:-1] + ', "points": [\n' + points + "\n]}\n"
 
 
-def format_yaml(motion: Motion, joint_names: Sequence[str]) -> str:
-    """Write the message as YAML, one point per line; JSON's flow style is YAML, too."""
-    message = joint_trajectory(motion, joint_names)
+def format_yaml(request: ExportRequest) -> str:
+    """Write the message as YAML, one point per line; JSON is valid YAML, too."""
+    message = joint_trajectory(request)
     head = "".join(f"{key}: {json.dumps(value)}\n" for key, value in message.items() if key != "points")
     return head + "points:\n" + "".join(f"- {_flow(point)}\n" for point in message["points"])
 
 
-def read_joint_trajectory(text: str) -> tuple[Motion, tuple[str, ...]]:
+def read_joint_trajectory(text: str) -> Motion:
     """Read a message from YAML or JSON: the motion, and the names of the joints.
 
     Raises
     ------
     ValueError
-        When it is no joint trajectory.
+        When it is not a joint trajectory.
     """
     try:
         message = json.loads(text) if text.lstrip().startswith("{") else yaml.load(text, Loader=_LOADER)
@@ -79,7 +80,7 @@ def read_joint_trajectory(text: str) -> tuple[Motion, tuple[str, ...]]:
             np.array([point[name] for point in points], dtype=float)
             for name in ("positions", "velocities", "accelerations")
         )
-        return Motion(t, q, qd, qdd), tuple(message["joint_names"])
+        return Motion(t, q, qd, qdd, tuple(message["joint_names"]))
     except (KeyError, TypeError, yaml.YAMLError, json.JSONDecodeError) as error:
         raise ValueError(f"not a joint trajectory: {error}") from None
 
@@ -88,7 +89,7 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def _flow(point: dict[str, Any]) -> str:
-    """Write a point in flow style: YAML 1.1 reads numbers such as 1e-05 as words unless they have a point."""
+    """Write a point in flow style: YAML 1.1 reads numbers such as 1e-05 as text unless they have a decimal point."""
     numbers = {name: values for name, values in point.items() if name != "time_from_start"}
     parts = [f"{name}: [{', '.join(_number(value) for value in values)}]" for name, values in numbers.items()]
     stamp = point["time_from_start"]

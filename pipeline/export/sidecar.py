@@ -1,14 +1,14 @@
-"""The sidecar `trajectory.json`: all that a program or a person needs to use `trajectory.csv` rightly."""
+"""The sidecar `trajectory.json`: all that a program or a person needs to use `trajectory.csv` correctly."""
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
-from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
-from pipeline.export.columns import PER_ACTUATOR, trajectory_meanings
+from pipeline.export.columns import POSITIONS, TRAJECTORY_COLUMNS, TrajectoryColumn
 from pipeline.machine.geometry import ACTUATORS, Machine
-from pipeline.retime.quantities import KINDS, limits
+from pipeline.retime.quantities import Quantities
 from pipeline.retime.result import TrajectorySamples
 from pipeline.retime.usage import Usage
 
@@ -22,12 +22,17 @@ _CONVENTIONS = (
 )
 
 
-def sidecar(config: Config, machine: Machine, samples: TrajectorySamples, usage: Usage) -> dict[str, Any]:
-    """Describe a sampled trajectory: columns, period, duration, limits and how much of them is used.
+def sidecar(
+    config: Config,
+    machine: Machine,
+    samples: TrajectorySamples,
+    usage: Usage,
+    columns: Iterable[TrajectoryColumn] = TRAJECTORY_COLUMNS,
+) -> dict[str, Any]:
+    """Describe a sampled trajectory: columns, period, duration, limits and their usage.
 
-    Usage is the largest fraction of each limit, a list in the order of the actuators (forces of links: of the links),
-    null where there is none. All values are plain
-    (dictionaries, lists, texts, numbers), ready to be written as JSON.
+    Usage is the largest fraction of each limit, a list in the order of the actuators (of the links for their forces),
+    null where there is no limit. All values are plain (dictionaries, lists, texts, numbers), ready for JSON.
     """
     return {
         "name": config.name,
@@ -36,33 +41,31 @@ def sidecar(config: Config, machine: Machine, samples: TrajectorySamples, usage:
         "duration_s": samples.duration_s,
         "samples": len(samples),
         "conventions": list(_CONVENTIONS),
-        "columns": [meaning._asdict() for meaning in trajectory_meanings()],
-        "limits": _limits(machine),
+        "columns": [{"name": row.name, "unit": row.unit, "meaning": row.meaning} for row in columns],
+        "limits": _limits(machine, usage.quantities),
         "shared_limits": {
-            "link_force_n": _or_null(machine.link_force_n),
-            "tcp_speed_mps": _or_null(machine.tcp_speed_mps),
-            "tcp_acceleration_mps2": _or_null(machine.tcp_acceleration_mps2),
+            quantity.key: _or_null(quantity.limit(machine)[0])
+            for quantity in usage.quantities
+            if quantity.subjects != ACTUATORS
         },
-        "usage": {kind.name: _list(getattr(usage, kind.name)) for kind in KINDS},
+        "usage": {
+            quantity.name: usage.fractions[quantity.name].tolist() if quantity.name in usage.fractions else None
+            for quantity in usage.quantities
+        },
     }
 
 
-def _list(fractions: FloatArray | None) -> list[float] | None:
-    return None if fractions is None else fractions.tolist()
-
-
-def _limits(machine: Machine) -> dict[str, dict[str, Any]]:
-    """Limits by actuator: where it may be (travel or stroke), and what it may do; null: not limited."""
-    names = {"velocity": "velocity_mps", "acceleration": "acceleration_mps2", "jerk": "jerk_mps3", "force": "force_n"}
-    allowed = limits(machine)
+def _limits(machine: Machine, quantities: Quantities) -> dict[str, dict[str, Any]]:
+    """List the limits of each actuator: positions (travel or stroke) and quantities of its motion; null: no limit."""
+    own = {quantity.key: quantity.limit(machine) for quantity in quantities if quantity.subjects == ACTUATORS}
     return {
         actuator: {
             "column": column,
             "position_m": position,
-            **{key: _or_null(allowed[name][k]) for name, key in names.items()},
+            **{key: _or_null(limit[k]) for key, limit in own.items()},
         }
         for k, (actuator, column, position) in enumerate(
-            zip(ACTUATORS, PER_ACTUATOR[0].names, machine.actuator_limits_m.tolist(), strict=True)
+            zip(ACTUATORS, POSITIONS, machine.actuator_limits_m.tolist(), strict=True)
         )
     }
 

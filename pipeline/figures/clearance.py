@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from pipeline.config import Config
 from pipeline.figures import style
+from pipeline.limits import Curve, ShownLimit, path_limits
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
@@ -13,33 +14,22 @@ from pipeline.route.metric import arc_length, step_sizes
 
 @style.styled
 def clearance_figure(config: Config, machine: Machine, coarse: PathSamples, refined: PathSamples) -> Figure:
-    """Draw the least distances between axes and the tilts over the length, with their limits dashed.
-
-    Distances to rails are shown where the configuration asks for them.
-    """
+    """Draw every limited quantity over the length, a panel each, with its limits dashed."""
     steps = step_sizes(config.route)
-    rails = bool(np.isfinite(machine.link_rail_m))
-    figure = style.new_figure(4.4 if rails else 3.6)
-    panels = list(figure.subplots(4 if rails else 3, 1, sharex=True))
-    for samples, colour, name in (
-        (coarse, style.COARSE, "coarse path"),
-        (refined, style.REFINED, "refined path"),
+    limits = [limit for limit in path_limits(config, machine) if isinstance(limit, ShownLimit)]
+    both = [[curve for limit in limits for curve in limit.curves(samples)] for samples in (coarse, refined)]
+    count = len(both[0])
+    figure = style.new_figure(3.6 + 0.8 * (count - 3))
+    panels = list(figure.subplots(count, 1, sharex=True))
+    for samples, curves, colour, name in (
+        (coarse, both[0], style.COARSE, "coarse path"),
+        (refined, both[1], style.REFINED, "refined path"),
     ):
         length = arc_length(samples.pose, steps)
-        curves = [samples.link_distance_m, *np.rad2deg(samples.pose[:, [3, 5]]).T]
-        if rails:
-            curves.insert(1, samples.rail_distance_m)
         for axes, curve in zip(panels, curves, strict=True):
-            axes.plot(length, curve, color=colour, label=name)
-    _limit_distance(panels[0], "least link-link\ndistance (m)", machine.link_link_m)
-    if rails:
-        _limit_distance(panels[1], "least link-rail\ndistance (m)", machine.link_rail_m)
-    for axes, axis in zip(panels[-2:], ("rx", "rz"), strict=True):
-        limit = config.refine.lock_tolerance_deg if axis in config.task.locked_axes else config.task.tilt_max_deg
-        axes.axhline(-limit, **style.LIMIT_LINE)
-        axes.axhline(limit, **style.LIMIT_LINE)
-        axes.set_ylabel(f"{axis} (deg)")
-        axes.yaxis.set_major_locator(style.angle_locator())
+            axes.plot(length, curve.values, color=colour, label=name)
+    for axes, curve in zip(panels, both[0], strict=True):
+        _draw_limits(axes, curve)
     panels[-1].set_xlabel(style.LENGTH_LABEL)
     panels[-1].set_xlim(left=0.0)
     figure.align_ylabels(panels)
@@ -47,7 +37,13 @@ def clearance_figure(config: Config, machine: Machine, coarse: PathSamples, refi
     return figure
 
 
-def _limit_distance(axes: Axes, label: str, least_m: float) -> None:
-    axes.axhline(least_m, **style.LIMIT_LINE, label="limit")
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(label)
+def _draw_limits(axes: Axes, curve: Curve) -> None:
+    for limit in (curve.least, curve.largest):
+        if np.isfinite(limit):
+            axes.axhline(limit, **style.LIMIT_LINE, label="limit")
+    if np.isinf(curve.largest):
+        axes.set_ylim(bottom=0.0)
+    if curve.unit == "deg":
+        axes.yaxis.set_major_locator(style.angle_locator())
+    name = "\n".join(curve.name.rsplit(" ", 1))
+    axes.set_ylabel(f"{name} ({curve.unit})")

@@ -1,4 +1,4 @@
-"""kappa along the coarse and the refined path, and the working modes they go through."""
+"""kappa along the coarse and the refined path, and the working modes along them."""
 
 from itertools import pairwise
 
@@ -19,14 +19,14 @@ from pipeline.route.result import Route
 _MODE_COLOURS = {-1.0: style.SKY_BLUE, 1.0: style.ORANGE}
 _MODE_LETTERS = {-1.0: "L", 1.0: "R"}
 _LEAST_LABELLED = 0.04
-"""Shortest stretch that gets its letter, as a fraction of the axis."""
+"""Shortest stretch that is labelled, as a fraction of the axis."""
 
 
 @style.styled
 def kappa_figure(config: Config, route: Route, coarse: PathSamples, refined: PathSamples) -> Figure:
-    """Draw kappa over the length, both in the route's metric, and on top the working mode of each arm.
+    """Draw kappa over the path length, in the route's metric, and above it the working mode of each arm.
 
-    The area under a curve is the integral that the refinement minimises and its legend states.
+    The area under a curve is the integral that the refinement minimises; the legend states it.
     """
     steps = step_sizes(config.route)
     lengths = arc_length(coarse.pose, steps), arc_length(refined.pose, steps)
@@ -69,7 +69,7 @@ def _draw_kappa(
 
 
 def _label_maximum(axes: Axes, length: FloatArray, kappa: FloatArray, colour: str, place: tuple[float, float]) -> None:
-    """Write the largest kappa above both curves, each path at its own height, with a line down to it."""
+    """Write the largest kappa above both curves, each path at its own height, with a line to its place."""
     longest, height = place
     worst = int(np.argmax(kappa))
     axes.annotate(
@@ -86,7 +86,7 @@ def _label_maximum(axes: Axes, length: FloatArray, kappa: FloatArray, colour: st
 
 
 def _draw_modes(axes: Axes, modes: list[FloatArray], lengths: tuple[FloatArray, FloatArray]) -> None:
-    """Draw a strip per path and arm, its colour and letter the working mode."""
+    """Draw a strip per path and arm, whose colour and letter are the working mode."""
     axes.grid(False)
     axes.set_title("working mode of each arm", loc="left", fontsize=style.SMALL_TEXT_PT)
     ticks = {}

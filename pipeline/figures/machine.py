@@ -1,7 +1,7 @@
 """The machine in 3-D, at every step of the route (as in Fig. 5 of the paper) or at any poses, small and side by side.
 
-All machines are drawn in one plane by a parallel projection, in one set of axes: that costs a fraction of as many 3-D
-axes, and leaves no room unused.
+All machines are drawn by a parallel projection in one set of 2-D axes: much faster than as many 3-D axes, and without
+unused space.
 """
 
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ _PLATFORM: dict[str, Any] = {"facecolor": style.LIGHT_GREY, "edgecolor": style.B
 
 @dataclass(frozen=True, eq=False)
 class _Stance:
-    """A machine to be drawn: its pose (6,) and actuators (5,), sides of its arms (3,), title, and way of the TCP."""
+    """A machine to draw: pose (6,), actuators (5,), sides of its arms (3,), title, and the path of the TCP so far."""
 
     pose: FloatArray
     q_m: FloatArray
@@ -50,8 +50,8 @@ class _Stance:
 def machine_figure(machine: Machine, route: Route) -> Figure:
     """Draw rails, carts, links and platform at every step of the route, seen from the front, right and above.
 
-    Arms have the colour of their working mode, dashed links are telescopes; routes of more than 30 steps are thinned.
-    The dot is the TCP, its line the way it has come.
+    Arms have the colour of their working mode, dashed links are telescopes; at most 30 steps are drawn. The dot is the
+    TCP, the line its path so far.
     """
     stances = [
         _Stance(
@@ -70,7 +70,7 @@ def machine_figure(machine: Machine, route: Route) -> Figure:
 def postures_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequence[str] | None = None) -> Figure:
     """Draw the machine at poses (n, 6) with actuators (n, 5) side by side, as `machine_figure` does for a route.
 
-    Without titles every machine is named by its working mode.
+    Without titles, the title of a machine is its working mode.
     """
     pose, q_m = np.reshape(pose, (-1, 6)), np.reshape(q_m, (-1, 5))
     sides = np.where(reach_along_rails(machine, pose, q_m[:, :3]) < 0.0, -1.0, 1.0)
@@ -126,12 +126,12 @@ def project(points: FloatArray) -> FloatArray:
 
 
 def _joints(machine: Machine, stance: _Stance) -> tuple[FloatArray, FloatArray]:
-    """Cart and platform joints C_l, A_l, each (6, 3)."""
+    """Compute cart and platform joints C_l, A_l, each (6, 3)."""
     return cart_joints(machine, stance.q_m[:3]), stance.pose[:3] + platform_arms(machine, stance.pose)
 
 
 def _rails(machine: Machine) -> FloatArray:
-    """Both ends of each rail, (3, 2, 3)."""
+    """Compute both ends of each rail. Shape (3, 2, 3)."""
     return np.stack(
         [np.column_stack([machine.travel_m[:, end], machine.rails_m]) for end in (0, 1)],
         axis=1,
@@ -139,7 +139,7 @@ def _rails(machine: Machine) -> FloatArray:
 
 
 def _window(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Least and largest projected coordinates of all there is to draw, each (2,)."""
+    """Compute the least and largest projected coordinates of everything that is drawn, each (2,)."""
     parts = [_rails(machine), tcp_m, *(joints for stance in stances for joints in _joints(machine, stance))]
     seen = np.concatenate([project(part).reshape(-1, 2) for part in parts])
     return seen.min(axis=0) - _MARGIN_M / 2.0, seen.max(axis=0) + _MARGIN_M / 2.0
@@ -170,16 +170,15 @@ def _draw_machine(axes: Axes, machine: Machine, stance: _Stance, origin: FloatAr
 
 
 def _hull(points: FloatArray) -> FloatArray:
-    """Corners of the least convex outline of points (n, 2); the points themselves where they are on one line."""
+    """Compute the corners of the convex hull of points (n, 2); the points themselves if they are collinear."""
     try:
-        corners: FloatArray = points[ConvexHull(points).vertices]
+        return np.asarray(points[ConvexHull(points).vertices])
     except QhullError:
         return points
-    return corners
 
 
 def _triad_place(machine: Machine, sides: FloatArray) -> FloatArray:
-    """Choose a place for the axes beside the first machine: above rail 3, where its arm is not. Shape (3,)."""
+    """Choose a place for the axes of the first machine: above rail 3, away from its arm. Shape (3,)."""
     least, largest = machine.travel_m[2]
     part = 0.8 if sides[2] < 0.0 else 0.0
     y, z = machine.rails_m[2]

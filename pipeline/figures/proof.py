@@ -1,4 +1,4 @@
-"""The certificate beside what was sampled: the proven bound of kappa over every box, above kappa itself."""
+"""The certificate against the samples: the proven bound of kappa over every box, and kappa itself."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,9 +13,9 @@ from pipeline.route.metric import arc_length, step_sizes
 
 @style.styled
 def proof_figure(config: Config, refined: PathSamples, profile: KappaProfile) -> Figure:
-    """Draw the bound of kappa over each box and the sampled kappa over the length; below, by how much they differ.
+    """Draw the bound of kappa over each box, and the sampled kappa, over the path length; below, their difference.
 
-    The difference is of a box's bound and each sample within it, in per cent of the sample: above zero throughout.
+    The difference is that of a box's bound and each sample within it, in per cent of the sample: always above zero.
     """
     length = arc_length(refined.pose, step_sizes(config.route))
     edges = np.interp(profile.edges, refined.s, length)
@@ -37,5 +37,5 @@ def proof_figure(config: Config, refined: PathSamples, profile: KappaProfile) ->
 
 
 def boxes_of(profile: KappaProfile, s: FloatArray) -> IntArray:
-    """Tell which box each s (n,) is in; at an edge the one after it. Shape (n,)."""
+    """Find the box that each s (n,) is in; at an edge, the one after it. Shape (n,)."""
     return np.clip(np.searchsorted(profile.edges, s, side="right") - 1, 0, len(profile.kappa) - 1)

@@ -1,4 +1,4 @@
-"""What the figures read off samples of a path: where the route's steps are."""
+"""Where the steps of the route are among the samples of a path."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from pipeline.route.result import Route
 def corner_samples(coarse: PathSamples, route: Route) -> IntArray:
     """Find the sample of the coarse path nearest in actuator space to each step of the route. Shape (n,).
 
-    Where the route comes to the same place again, each step is found in its turn.
+    Where the route returns to the same place, steps are found in their order.
     """
     spacing = float(np.linalg.norm(np.diff(coarse.q_m, axis=0), axis=1).max())
     found = [0]

@@ -1,7 +1,7 @@
 """One style for all figures: the colours, and sizes that can be read at half a page width.
 
-Figures are laid out at the width they are read at, half an A4 page, with text of 6 points and more. The
-settings hold while a figure is built (`styled`) and leave matplotlib's own as they were.
+Figures are laid out at the width at which they are read, half an A4 page, with text of at least 6 points. The settings
+apply while a figure is built (`styled`); matplotlib's own stay as they are.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ WIDTH_IN = 3.5
 """Width of every figure in inches."""
 DPI = 300
 
-# The palette of Okabe and Ito, which the colour-blind can tell apart.
+# The palette of Okabe and Ito, which is safe for colour-blind readers.
 BLACK = "#000000"
 ORANGE = "#E69F00"
 SKY_BLUE = "#56B4E9"
@@ -72,7 +72,7 @@ _STYLE: dict[Any, Any] = {
 
 
 def styled(build: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Build a figure in this style and leave matplotlib's own settings untouched."""
+    """Build a figure in this style, without changing matplotlib's own settings."""
 
     @wraps(build)
     def in_style(*args: P.args, **kwargs: P.kwargs) -> Figure:
@@ -89,15 +89,15 @@ def new_figure(height_in: float) -> Figure:
 
 
 def panels_height_in(aspect: float, rows: int, columns: int, beside: float, above: float, around: float) -> float:
-    """Height of a figure of equal panels; `aspect` is height over width of one.
+    """Compute the height of a figure of equal panels; `aspect` is the height over the width of one.
 
-    In inches: what all panels leave of the width, the title above each row, and all that is not panels.
+    In inches: `beside` is the width that is not panels, `above` the title of each row, `around` the rest of the height.
     """
     return rows * ((WIDTH_IN - beside) / columns * aspect + above) + around
 
 
 def label_yz_panels(panels: list[Axes], columns: int) -> None:
-    """Label the YZ planes on the rim of a grid of panels, and leave the inner ones without ticks."""
+    """Label the outer YZ planes of a grid of panels, and leave the inner ones without ticks."""
     for number, axes in enumerate(panels):
         axes.label_outer(remove_inner_ticks=True)
         if number % columns == 0:
@@ -108,7 +108,7 @@ def label_yz_panels(panels: list[Axes], columns: int) -> None:
 
 
 def name_lines(axes: Axes, count: int) -> None:
-    """Name the curves above the panel, where they cannot cover anything."""
+    """Put the names of the curves above the panel, where they cover nothing."""
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02), ncols=count, handlelength=1.0, borderaxespad=0.0)
 
 

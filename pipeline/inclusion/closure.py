@@ -1,11 +1,11 @@
 """The closure equations along a piece of path, as power series in s with balls for coefficients.
 
-With v_l = p + R a_l - C_l and moments m_l = A'_l x v_l the closures and their derivatives by the pose are
+With v_l = p + R a_l - C_l, A'_l = R a_l and moments m_l = A'_l x v_l, the closures and their derivatives by pose are
 
     f_l = (|v_l|^2 - len_l^2) / 2,    f_l' = [v_l ; E' m_l],    H column l = [v_l ; m_l] / len_l
 
-with E = [e_x, y_platform, Rx e_z] the axes that rx, ry, rz turn about. Axis a turns every axis b that comes after it
-in R = Rx Rz Ry, so that second derivatives of R a_l are a x (b x A'_l).
+with E = [e_x, y_platform, Rx e_z] the axes of rx, ry, rz. Axis a turns every axis b that comes after it in
+R = Rx Rz Ry, so that second derivatives of R a_l are a x (b x A'_l).
 """
 
 from collections.abc import Iterator
@@ -26,23 +26,23 @@ TERMS = 5
 _LINKS = 6
 
 Vector = list[arb_series]
-"""Three or more series."""
+"""A vector of series."""
 N = TypeVar("N", arb, arb_series)
 
 _OUTER_FIRST = (0, 2, 1)
-"""rx, rz, ry: the order in which the axes turn one another."""
+"""Axes rx, rz, ry in the order in which they turn one another."""
 
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """A machine in balls; every float of the machine is taken for exactly the number it is.
+    """A machine in balls; its floats are taken as exact.
 
     Attributes
     ----------
     points : 6 x 3
         a_l in the platform frame.
     anchors : 6 x 3
-        What is added to the cart's position to give C_l: its offset, and the rail.
+        C_l less the cart's position: offset and rail.
     lengths : 6
         Lengths of the fixed links; None for the telescopes.
     """
@@ -54,7 +54,7 @@ class Geometry:
 
 @dataclass(frozen=True, eq=False)
 class Closure(Generic[N]):
-    """The closures and all they are made of, link by link, in series or in balls.
+    """The closures and their parts, link by link, in series or in balls.
 
     Attributes
     ----------
@@ -80,11 +80,11 @@ class Closure(Generic[N]):
     lengths: list[N]
 
     def residuals(self) -> list[N]:
-        """f_l of the six links."""
+        """Compute f_l of the six links."""
         return [(dot(v, v) - length * length) * _HALF for v, length in zip(self.vectors, self.lengths, strict=True)]
 
     def jacobian(self) -> list[list[N]]:
-        """Rows f_l' by (x, y, z, rx, ry, rz)."""
+        """Compute the rows f_l' by (x, y, z, rx, ry, rz)."""
         rows: list[list[N]] = []
         for link in range(_LINKS):
             turns: list[N] = [dot(axis, self.moments[link]) for axis in self.axes]
@@ -92,7 +92,7 @@ class Closure(Generic[N]):
         return rows
 
     def statics(self) -> list[list[N]]:
-        """H', row l being [v_l ; m_l] / len_l; on the closures these are unit vectors and their moments."""
+        """Compute H', whose row l is [v_l ; m_l] / len_l: where the links close, a unit vector and its moment."""
         rows: list[list[N]] = []
         for link in range(_LINKS):
             inverse: N = 1 / self.lengths[link]
@@ -106,7 +106,7 @@ _HALF = arb(0.5)
 
 @contextmanager
 def working_precision(bits: int) -> Iterator[None]:
-    """Compute with that many bits, and series of `TERMS` terms."""
+    """Compute with the given number of bits, and with series of `TERMS` terms."""
     kept = ctx.cap
     ctx.cap = TERMS
     try:
@@ -117,7 +117,7 @@ def working_precision(bits: int) -> Iterator[None]:
 
 
 def geometry(machine: Machine) -> Geometry:
-    """Turn a machine into balls."""
+    """Convert a machine to balls."""
     rails = np.column_stack([np.zeros(3), machine.rails_m])
     return Geometry(
         points=[[arb(value) for value in point] for point in machine.platform_points_m],
@@ -130,14 +130,14 @@ def geometry(machine: Machine) -> Geometry:
 
 
 def shifted(coefficients: list[arb], at: arb) -> arb_series:
-    """Series about `at` of the polynomial with these coefficients; about a ball, one that holds for every s of it."""
+    """Expand a polynomial about `at`; about a ball the series holds for every s in it."""
     if at.is_zero():
         return arb_series(coefficients[:TERMS], prec=TERMS)
     return arb_series(arb_poly(coefficients)(arb_poly([at, arb(1)])).coeffs()[:TERMS], prec=TERMS)
 
 
 def pose_series(pose: FloatArray, at: arb) -> Vector:
-    """Series about `at` of the six coordinates with Taylor coefficients pose (n, 6)."""
+    """Expand the six coordinates with Taylor coefficients pose (n, 6) about `at`."""
     return [shifted([arb(value) for value in column], at) for column in pose.T]
 
 
@@ -185,7 +185,7 @@ def second_derivatives(closure: Closure[arb]) -> list[list[arb]]:
 
 
 def _rotation(rx: N, ry: N, rz: N) -> list[list[N]]:
-    """R = Rx(rx) Rz(rz) Ry(ry), row by row."""
+    """Compute R = Rx(rx) Rz(rz) Ry(ry), row by row."""
     (sx, cx), (sy, cy), (sz, cz) = ((angle.sin(), angle.cos()) for angle in (rx, ry, rz))
     szcy, szsy = sz * cy, sz * sy
     return [
@@ -208,12 +208,12 @@ def _constant(value: int, like: N) -> N:
 
 
 def dot(a: list[N], b: list[N]) -> N:
-    """Scalar product of two vectors of balls or series."""
+    """Compute the scalar product of two vectors of balls or series."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: list[N], b: list[N]) -> list[N]:
-    """Vector product of two vectors of balls or series."""
+    """Compute the vector product of two vectors of balls or series."""
     return [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

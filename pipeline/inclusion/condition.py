@@ -1,7 +1,7 @@
-"""Rigorous upper bounds of the condition number: kappa = ||H|| ||H^-1|| in the 2-norm, over a whole box.
+"""Rigorous upper bounds of the condition number kappa = ||H|| ||H^-1|| in the 2-norm, over a whole box.
 
-With Y(t) = Y0 + Y1 t an approximate inverse of H'(t), ||H^-1|| <= ||Y|| / (1 - ||I - Y H'||). Norms of matrices linear
-in t are largest at an end of the interval, and those of matrices of floats are bounded by their singular vectors.
+With Y(t) = Y0 + Y1 t an approximate inverse of H'(t), ||H^-1|| <= ||Y|| / (1 - ||I - Y H'||). The norm of a matrix
+linear in t is largest at an end of the interval; that of a matrix of floats is bounded by its singular vectors.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ from pipeline.inclusion.krawczyk import (
 
 @dataclass(frozen=True, eq=False)
 class KappaBound:
-    """A bound of kappa over a box, infinite where H may be singular, and the sign of det H there (0: unknown)."""
+    """A bound of kappa over a box, infinite if H may be singular, and the sign of det H there (0 if unknown)."""
 
     kappa: float
     det_sign: int
@@ -35,7 +35,7 @@ NO_BOUND = KappaBound(np.inf, 0)
 
 
 def kappa_bound(machine: Geometry, series: Piecewise, deviation: list[arb]) -> KappaBound:
-    """Bound kappa over a box whose pose is x(t) up to `deviation` (6,)."""
+    """Bound kappa over a box whose pose is within `deviation` (6,) of x(t)."""
     H = matrices(series.at.statics(), series.over.statics(), 3)
     Y = linear_inverse(H)
     if Y is None:
@@ -55,12 +55,12 @@ def kappa_bound(machine: Geometry, series: Piecewise, deviation: list[arb]) -> K
 
 
 def above(value: arb) -> float:
-    """Give a float that is certainly not below a ball."""
+    """Return a float that is certainly not below a ball."""
     return float(np.nextafter(float(value.upper()), np.inf))
 
 
 def below(value: arb) -> float:
-    """Give a float that is certainly not above a ball."""
+    """Return a float that is certainly not above a ball."""
     return float(np.nextafter(float(value.lower()), -np.inf))
 
 
@@ -80,9 +80,9 @@ def spectral_norm(M: FloatArray) -> arb:
 
 
 def statics_change(machine: Geometry, over: Closure[arb_series], deviation: list[arb]) -> arb:
-    """Bound the Frobenius norm of what H changes by when the pose deviates; six bounds in metres and radians.
+    """Bound the change of H in the Frobenius norm as the pose deviates by up to `deviation` (6,), metres and radians.
 
-    No Euler angle moves a joint faster than its distance from the TCP.
+    No Euler angle moves a joint farther than its distance from the TCP times the angle.
     """
     shift, turn = norm(deviation[:3]), sum((d.abs_upper() for d in deviation[3:]), arb(0))
     total = arb(0)
@@ -96,13 +96,13 @@ def statics_change(machine: Geometry, over: Closure[arb_series], deviation: list
 
 
 def norm(vector: list[arb]) -> arb:
-    """Bound of the Euclidean norm."""
+    """Bound the Euclidean norm of a vector."""
     squares = [entry.abs_upper() ** 2 for entry in vector]
     return sum(squares, arb(0)).sqrt().abs_upper()
 
 
 def frobenius(bounds: list[list[arb]]) -> arb:
-    """Bound of the Frobenius norm of a matrix given by bounds of its entries."""
+    """Bound the Frobenius norm of a matrix by bounds of its entries."""
     total = arb(0)
     for row in bounds:
         total += inner(row, row)
@@ -121,7 +121,7 @@ def _largest(M0: FloatArray, M1: FloatArray, h: arb) -> arb:
 
 
 def _row_sum(matrix: arb_mat) -> arb:
-    """Bound of the largest row sum of absolute values."""
+    """Bound the largest row sum of absolute values."""
     largest = arb(0)
     for row in magnitudes(matrix):
         largest = largest.max(sum(row, arb(0)))

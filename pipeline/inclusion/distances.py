@@ -1,7 +1,8 @@
-"""Rigorous lower bounds of the distances between axes, over a whole box, by a direction that separates them.
+"""Rigorous lower bounds of the distances between axes over a whole box, by directions that separate them.
 
 For any n(t), the distance of two segments is at least min n . (P - Q) / |n| over their four pairs of end points P, Q.
-The direction is linear in t, from the closest points at both ends of the box; it need not be right, only good.
+The direction is linear in t, from those between closest points at both ends of the box. Any direction gives a valid
+bound; a good one gives a sharp bound.
 """
 
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import arb, arb_mat
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.inclusion.closure import Geometry
 from pipeline.inclusion.condition import below, norm
 from pipeline.inclusion.krawczyk import Piecewise, ball_matrix
@@ -27,13 +28,13 @@ class AxisPairs:
     first, second : (pairs, 2)
         The two end points of each, as columns of a table of cart joints, platform joints and rails.
     from_rail : bool
-        Whether the second of every pair is a rail, which goes on along X without end.
+        Whether the second of every pair is a rail, an endless line along X.
     rails_m : (3, 2)
         y and z of the rails.
     """
 
-    first: FloatArray
-    second: FloatArray
+    first: IntArray
+    second: IntArray
     from_rail: bool
     rails_m: FloatArray
 
@@ -45,7 +46,7 @@ class AxisPairs:
 
 
 def distance_bounds(machine: Geometry, pairs: AxisPairs, series: Piecewise, deviation: list[arb]) -> FloatArray:
-    """Lower bounds of the distances of all pairs over a box whose pose is x(t) up to `deviation`. Shape (pairs,)."""
+    """Bound the distances of all pairs from below for poses within `deviation` of x(t). Shape (pairs,)."""
     points = _end_points(pairs, series)
     half = float(series.half.mid())
     values = [np.array([float(entry.mid()) for entry in table.entries()]).reshape(3, -1) for table in points]
@@ -84,7 +85,7 @@ def _pair_bound(pairs: AxisPairs, pair: int, terms: list[arb_mat], N: list[arb_m
 
 
 def _end_points(pairs: AxisPairs, series: Piecewise) -> list[arb_mat]:
-    """Cart joints, platform joints and rails as columns (3, 15): terms of order 0, 1 and, for the whole interval, 2."""
+    """Return cart joints, platform joints and rails as columns (3, 15): orders 0, 1 and, over the interval, 2."""
     tables = []
     for order, closure in ((0, series.at), (1, series.at), (2, series.over)):
         platform = [[p + a for p, a in zip(closure.pose, arm, strict=False)] for arm in closure.arms]
@@ -100,15 +101,15 @@ def _end_points(pairs: AxisPairs, series: Piecewise) -> list[arb_mat]:
 
 
 def _joint_deviation(machine: Geometry, deviation: list[arb]) -> list[arb]:
-    """How far each platform joint may be from where it is at x(t)."""
+    """Bound how far each platform joint is from its position at x(t)."""
     shift, turn = norm(deviation[:3]), sum((d.abs_upper() for d in deviation[3:]), arb(0))
     return [shift + norm(point) * turn for point in machine.points]
 
 
 def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
-    """Unit vectors (..., pairs, 3) from the second to the first of each pair, for end points (..., 15, 3).
+    """Compute unit vectors (..., pairs, 3) between closest points of each pair, for end points (..., 15, 3).
 
-    Between their closest points; nothing is proven of them.
+    They point from the second axis to the first. The proof does not rely on them.
     """
     P, Q = points[..., pairs.first, :], points[..., pairs.second, :]
     if pairs.from_rail:
@@ -122,5 +123,4 @@ def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
         a = np.clip(np.where(uu > 0.0, (uv * b - ur) / uu, 0.0), 0.0, 1.0)
     between = r + a[..., None] * u - b[..., None] * v
     length = np.linalg.norm(between, axis=-1, keepdims=True)
-    directions: FloatArray = np.divide(between, length, out=np.zeros_like(between), where=length > 0.0)
-    return directions
+    return np.asarray(np.divide(between, length, out=np.zeros_like(between), where=length > 0.0), dtype=float)

@@ -1,17 +1,17 @@
-"""One box: a Krawczyk inclusion over a whole interval of s, with everything that is uncertain kept as symbols.
+"""One box: a Krawczyk inclusion over a whole interval of s, with uncertain parameters kept as symbols.
 
-For s = c + t, |t| <= h, and every value of the uncertain parameters, poses are looked for in
+For s = c + t, |t| <= h, and every value of the uncertain parameters, the pose is sought in
 
     X(t, e) = x(t) + C(t) e + [-r, r],
 
-x(t) a cubic, C(t) = C0 + C1 t an approximate inverse of the Jacobian J(t) = f'(x(t), t), and e the amounts, of at most
-E, by which the uncertain parameters change the six closures at x(t): to first order C e is by how much the pose moves.
-With G_i = sum_l C_il f_l'' over all of X, and D a bound on what the parameters change about J,
+where x(t) is a cubic, C(t) = C0 + C1 t an approximate inverse of the Jacobian J(t) = f'(x(t), t), and e, at most E, the
+change of the six closures at x(t) by the uncertain parameters: to first order it moves the pose by C e.
+With G_i = sum_l C_il f_l'' over all of X, and D a bound on the change of J by the parameters,
 
     k = |C f(x)| + |I - C J| |C| E + 1/2 |C' G C| (E, E) + |C| D |C| E + Q r,
     Q = |I - C J| + |G C| E + |G| r + |C| D
 
-bounds how far the Krawczyk image of X reaches from x + C e. Where k < r in all six coordinates, X holds exactly one
+bounds how far the Krawczyk image of X reaches from x + C e. If k < r in all six coordinates, X holds exactly one
 solution for each t and each value of the parameters, and the closure Jacobian is regular on all of X.
 Everything that depends on t is a power series whose last term holds for the whole interval.
 """
@@ -39,14 +39,14 @@ _SIZE = 6
 _ATTEMPTS = 3
 _INFLATION = 1.5
 SLACK = arb(0.95)
-"""Part of a radius that is to do: other arithmetic, which encloses a little more, can verify the same boxes then."""
+"""Share of a radius that has to suffice, so that other arithmetic with wider enclosures can verify the same boxes."""
 LEAST_RADIUS = 1e-6
-"""Metres and radians: boxes are never thinner, so that neighbours overlap whatever rounding does."""
+"""Least radius of a box in metres and radians, so that neighbours overlap despite rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Where the pose is looked for over an interval of s: what a certificate stores.
+    """The poses among which the solution is sought over an interval of s; stored in certificates.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """A box that is proven.
+    """A proven box.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Inclusion:
     inverse : (2, 6, 6)
         C0 and C1.
     image : (6,) balls
-        k: how far from x + C e the solution is at most.
+        k: a bound of how far the solution is from x + C e.
     residual_change : (6,) balls
         E.
     jacobian_change : 6 x 6 balls
@@ -91,7 +91,7 @@ class Inclusion:
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
-    """The closures along x(t): series about the middle, and series that hold about every t of the interval."""
+    """The closures along x(t): series about the middle of the interval, and series about every t in it."""
 
     half: arb
     at: Closure[arb_series]
@@ -112,7 +112,7 @@ def along(machine: Geometry, piece: Piece, box: Box) -> Piecewise:
 def include(
     machine: Geometry, series: Piecewise, box: Box, uncertainty: Uncertainty = CERTAIN, attempts: int = _ATTEMPTS
 ) -> Inclusion | None:
-    """Prove a box, with larger radii where those it has do not do; None where that fails."""
+    """Prove a box, with larger radii if its own are too small; None if that fails."""
     J = matrices(series.at.jacobian(), series.over.jacobian(), 3)
     inverse = linear_inverse(J)
     if inverse is None:
@@ -143,7 +143,7 @@ def include(
 
 
 def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
-    """|C(t) f(x(t), t)|."""
+    """Bound |C(t) f(x(t), t)|."""
     at, over = series.at.residuals(), series.over.residuals()
     table = [[at[link][n] if n + 1 < TERMS else over[link][n] for n in range(TERMS)] for link in range(_SIZE)]
     f = arb_mat(table)
@@ -156,7 +156,7 @@ def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
 
 
 def _hull(machine: Geometry, series: Piecewise, reach: list[arb]) -> Closure[arb]:
-    """The closures over all poses of a box, in plain balls."""
+    """Evaluate the closures over all poses of a box, in plain balls."""
     pose = [coordinate[0] + arb(0, r.upper()) for coordinate, r in zip(series.over.pose, reach, strict=True)]
     return closure(machine, pose, [q[0] for q in series.over.q])
 
@@ -169,7 +169,7 @@ def _image(
     radius: list[arb],
     uncertain: bool,
 ) -> list[arb]:
-    """Bound k of the box; see the module."""
+    """Bound k of a box (see the module)."""
     miss, rest, E, moved, D = known
     G = (C * arb_mat(hessians)).entries()
     image = []
@@ -188,7 +188,7 @@ def _image(
 
 
 def linear_inverse(J: list[arb_mat]) -> FloatArray | None:
-    """C0 = J0^-1 and C1 = -C0 J1 C0 in floats, shape (2, 6, 6); None where J0 is singular to all appearances."""
+    """Compute C0 = J0^-1 and C1 = -C0 J1 C0 in floats, shape (2, 6, 6); None if J0 is numerically singular."""
     J0, J1 = (floats(part) for part in J[:2])
     if not (np.isfinite(J0).all() and np.isfinite(J1).all()):
         return None
@@ -200,7 +200,7 @@ def linear_inverse(J: list[arb_mat]) -> FloatArray | None:
 
 
 def residual_of_inverse(C: list[arb_mat], J: list[arb_mat], h: arb) -> list[list[arb]]:
-    """|I - C(t) J(t)| for J = J0 + J1 t + J2 t^2, J2 holding for the whole interval. 6 x 6 bounds."""
+    """Bound |I - C(t) J(t)| for J = J0 + J1 t + J2 t^2, where J2 holds for the whole interval. 6 x 6 bounds."""
     identity = arb_mat(_SIZE, _SIZE, [arb(int(i == j)) for i in range(_SIZE) for j in range(_SIZE)])
     terms = (identity - C[0] * J[0], C[0] * J[1] + C[1] * J[0], C[0] * J[2] + C[1] * J[1], C[1] * J[2])
     total = [arb(0)] * (_SIZE * _SIZE)
@@ -211,36 +211,36 @@ def residual_of_inverse(C: list[arb_mat], J: list[arb_mat], h: arb) -> list[list
 
 
 def matrices(at: list[Vector], over: list[Vector], terms: int) -> list[arb_mat]:
-    """Coefficients of a matrix of series: the first ones about the middle, the last one about the whole interval."""
+    """Return coefficients of a matrix of series: about the middle, but the last one about the whole interval."""
     return [arb_mat([[entry[n] for entry in row] for row in (over if n + 1 == terms else at)]) for n in range(terms)]
 
 
 def ball_matrix(matrix: FloatArray) -> arb_mat:
-    """Turn a matrix of floats into exact balls."""
+    """Convert a matrix of floats to exact balls."""
     return arb_mat([[arb(value) for value in row] for row in matrix.tolist()])
 
 
 def floats(matrix: arb_mat) -> FloatArray:
-    """Middles of a matrix of balls."""
+    """Return the middles of a matrix of balls."""
     values = [float(entry.mid()) for entry in matrix.entries()]
     return np.array(values).reshape(matrix.nrows(), matrix.ncols())
 
 
 def magnitudes(matrix: arb_mat) -> list[list[arb]]:
-    """Bounds of the absolute values of a matrix of balls."""
+    """Bound the absolute values of a matrix of balls."""
     return [[entry.abs_upper() for entry in row] for row in matrix.table()]
 
 
 def times(matrix: list[list[arb]], vector: list[arb]) -> list[arb]:
-    """Product of a matrix and a vector."""
+    """Multiply a matrix and a vector."""
     return [inner(row, vector) for row in matrix]
 
 
 def inner(a: list[arb], b: list[arb]) -> arb:
-    """Scalar product of two vectors of any length."""
+    """Compute the scalar product of two vectors of any length."""
     return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
 
 
 def added(a: list[arb], b: list[arb]) -> list[arb]:
-    """Sum of two vectors."""
+    """Add two vectors."""
     return [x + y for x, y in zip(a, b, strict=True)]

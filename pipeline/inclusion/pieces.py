@@ -1,7 +1,7 @@
-"""A path's splines as exact polynomials: floats are rational numbers, and so are the pieces between two knots.
+"""A path's splines as exact polynomials between knots: floats are rational numbers.
 
-No sampling and no rounding: B-spline coefficients become Bernstein coefficients by blossoming, Bernstein
-coefficients become Taylor coefficients by expansion, all in rational arithmetic.
+There is neither sampling nor rounding: B-spline coefficients become Bernstein coefficients by blossoming, and these
+become Taylor coefficients by expansion, all in rational arithmetic.
 """
 
 from dataclasses import dataclass
@@ -33,18 +33,18 @@ class Piece:
     polynomials: tuple[fmpq_poly, ...]
 
     def taylor(self, s: float) -> list[list[fmpq]]:
-        """Taylor coefficients of each actuator about s, exactly: q_k(s + t) = sum of taylor[k][n] t^n."""
+        """Expand each actuator about s, exactly: q_k(s + t) = sum of taylor[k][n] t^n."""
         shift = fmpq_poly([exact(s) - exact(self.first), fmpq(1)])
         return [polynomial(shift).coeffs() or [fmpq(0)] for polynomial in self.polynomials]
 
 
 def exact(value: float) -> fmpq:
-    """Turn a float into the rational number it is."""
+    """Convert a float to the rational number it represents."""
     return fmpq(*float(value).as_integer_ratio())
 
 
 def pieces(spline: BSpline) -> list[Piece]:
-    """Cut a B-spline of shape (n, 5) into its polynomial pieces over [0, 1]."""
+    """Split a B-spline of shape (n, 5) into its polynomial pieces over [0, 1]."""
     knots = [exact(knot) for knot in spline.t]
     coefficients = [[exact(value) for value in column] for column in np.asarray(spline.c).T]
     breaks = distinct_knots(spline)
@@ -57,13 +57,12 @@ def pieces(spline: BSpline) -> list[Piece]:
 
 
 def distinct_knots(spline: BSpline) -> FloatArray:
-    """Knots of a spline within its domain, each once."""
-    inside: FloatArray = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
-    return inside
+    """Return the knots of a spline within its domain, each once."""
+    return np.unique(spline.t[spline.k : len(spline.t) - spline.k])
 
 
 def _piece(knots: list[fmpq], coefficients: list[fmpq], degree: int, span: int) -> fmpq_poly:
-    """Polynomial over [t_span, t_span+1] in s - t_span, by way of its Bernstein coefficients."""
+    """Compute the polynomial over [t_span, t_span+1] in s - t_span from its Bernstein coefficients."""
     first, last = knots[span], knots[span + 1]
     along = fmpq_poly([fmpq(0), 1 / (last - first)])
     rest = 1 - along
@@ -75,7 +74,7 @@ def _piece(knots: list[fmpq], coefficients: list[fmpq], degree: int, span: int) 
 
 
 def _blossom(knots: list[fmpq], coefficients: list[fmpq], degree: int, span: int, arguments: list[fmpq]) -> fmpq:
-    """Polar form of the piece at `degree` arguments (de Boor's scheme with one argument per level)."""
+    """Evaluate the polar form of a piece at `degree` arguments (de Boor's scheme with one argument per level)."""
     points = coefficients[span - degree : span + 1]
     for level, argument in enumerate(arguments, start=1):
         points = [
@@ -90,7 +89,7 @@ def _blossom(knots: list[fmpq], coefficients: list[fmpq], degree: int, span: int
 
 
 def middle(first: float, last: float) -> tuple[float, float]:
-    """Centre of [first, last], and a half-width that certainly reaches both ends."""
+    """Return the centre of [first, last], and a half-width that certainly reaches both ends."""
     centre = (first + last) / 2.0
     reach = max(Fraction(last) - Fraction(centre), Fraction(centre) - Fraction(first))
     half = float(reach)

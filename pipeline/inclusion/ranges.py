@@ -1,4 +1,4 @@
-"""What polynomials reach over an interval: rigorous, and as sharp as the interval is cut into parts."""
+"""Ranges of polynomials over an interval: rigorous, and sharp since the interval is divided into parts."""
 
 from flint import arb, arb_poly
 
@@ -6,7 +6,7 @@ _PARTS = 16
 
 
 def polynomial_range(coefficients: list[arb], half: arb) -> tuple[arb, arb]:
-    """Bounds below and above of a polynomial in t for |t| <= half, from its expansions about the middles of parts."""
+    """Bound a polynomial in t for |t| <= half from below and above, by its expansions about the middles of parts."""
     least, largest = None, None
     part = half / _PARTS
     polynomial = arb_poly(coefficients)

@@ -1,8 +1,7 @@
-"""What may be wrong about the machine: link lengths alone, or every coordinate, and what that does to the closures.
+"""Calibration errors of the machine, of link lengths alone or of every coordinate, and their effect on the closures.
 
-A platform point off by a, a cart's joint off by b, a rail off by g, a length off by d, all of them constant, change
-f_l by v . w + |w|^2 / 2 - len d - d^2 / 2 with w = R a - b - g. The parts of g along the rail are none: the cart's own
-offset has them.
+Constant errors a of a platform point, b of a cart's joint, g of a rail and d of a length change f_l by
+v . w + |w|^2 / 2 - len d - d^2 / 2 with w = R a - b - g. Along the rail g is zero: b covers that error.
 """
 
 from dataclasses import dataclass
@@ -27,7 +26,7 @@ class Uncertainty:
     Raises
     ------
     ValueError
-        Where one of them is negative, or no finite number.
+        If one of them is negative or not finite.
     """
 
     length_m: float = 0.0
@@ -36,30 +35,30 @@ class Uncertainty:
     def __post_init__(self) -> None:
         for eps in (self.length_m, self.coordinate_m):
             if not 0.0 <= eps < inf:
-                raise ValueError(f"an uncertainty of {eps} m is none: it has to be finite, and not negative")
+                raise ValueError(f"an uncertainty has to be finite and not negative, not {eps} m")
 
     @property
     def any(self) -> bool:
-        """Tell whether anything is uncertain."""
+        """Whether anything is uncertain."""
         return self.length_m > 0.0 or self.coordinate_m > 0.0
 
 
 CERTAIN = Uncertainty()
-"""The machine is what the configuration says."""
+"""The machine is exactly as configured."""
 
 
 def of_lengths(eps_m: float) -> Uncertainty:
-    """Every link's length is wrong by up to so much."""
+    """Return an error of up to `eps_m` of every link length."""
     return Uncertainty(length_m=eps_m)
 
 
 def of_everything(eps_m: float) -> Uncertainty:
-    """Every length and every coordinate is wrong by up to so much."""
+    """Return an error of up to `eps_m` of every length and every coordinate."""
     return Uncertainty(length_m=eps_m, coordinate_m=eps_m)
 
 
 def residual_change(machine: Geometry, over: Closure[arb_series], uncertainty: Uncertainty) -> list[arb]:
-    """E: by how much the closures may change at the poses x(t). Six bounds in square metres."""
+    """Bound E, the change of the closures at the poses x(t). Six bounds in square metres."""
     if not uncertainty.any:
         return [arb(0)] * 6
     eps, eta = arb(uncertainty.length_m), arb(uncertainty.coordinate_m)
@@ -77,9 +76,9 @@ def residual_change(machine: Geometry, over: Closure[arb_series], uncertainty: U
 
 
 def jacobian_change(machine: Geometry, hull: Closure[arb], uncertainty: Uncertainty) -> list[list[arb]]:
-    """D: by how much f_l' may change anywhere among the poses of a box. 6 x 6 bounds.
+    """Bound D, the change of f_l' over all poses of a box. 6 x 6 bounds.
 
-    By the TCP it is w, by an angle (axis x A') . w + (v + w) . (axis x R a).
+    The derivative by the TCP changes by w, that by an angle by (axis x A') . w + (v + w) . (axis x R a).
     """
     eta = arb(uncertainty.coordinate_m)
     if uncertainty.coordinate_m == 0.0:
@@ -93,7 +92,7 @@ def jacobian_change(machine: Geometry, hull: Closure[arb], uncertainty: Uncertai
 
 
 def _offset(eta: arb) -> arb:
-    """Bound of |w|: sqrt(3) eta on the platform, and eta along, 2 eta across the rail on the cart's side, each way."""
+    """Bound |w|: sqrt(3) eta from the platform; on the cart's side eta along the rail and 2 eta across, each way."""
     return (arb(3).sqrt() + 3) * eta
 
 

@@ -4,49 +4,47 @@ A new kind of limit is a module with the functions of `LimitKind`, its entry in 
 `certify.recheck` if it is proven.
 """
 
+from pipeline.limits.interface.limit import Curve, Limit, NodeLimit, ProvenLimit, ShownLimit, Wording, admits, admitted
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import RegionFilter, Relaxation
 from pipeline.limits.kinds import (
     KINDS,
     LimitKind,
+    certificate_keys,
     measures,
     move_limits,
+    node_limits,
     path_limits,
     pose_limits,
+    proven_limits,
     relaxations,
 )
-from pipeline.limits.limit import (
-    Curve,
-    DirectedLimit,
-    Limit,
-    NodeLimit,
-    ProvenLimit,
-    ShownLimit,
-    Wording,
-    admits,
-    admitted,
-    applying,
-)
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import RegionFilter, Relaxation
 
 __all__ = [
     "KINDS",
+    "CertificateEntry",
+    "CertificateKey",
     "Curve",
-    "DirectedLimit",
     "Limit",
     "LimitKind",
     "Measure",
     "NodeLimit",
     "ProvenLimit",
+    "ProvenQuantity",
     "RegionFilter",
     "Relaxation",
     "ShownLimit",
+    "Side",
     "Wording",
     "admits",
     "admitted",
-    "applying",
+    "certificate_keys",
     "measures",
     "move_limits",
+    "node_limits",
     "path_limits",
     "pose_limits",
+    "proven_limits",
     "relaxations",
 ]

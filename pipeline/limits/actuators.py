@@ -10,9 +10,10 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import RegionFilter, Relaxation, with_values
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import RegionFilter, Relaxation, with_values
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.machine.samples import PoseSamples
 
@@ -27,6 +28,7 @@ PROOF_SLACK_M = 1e-5
 """What proven bounds are weakened by, so that other arithmetic can verify them."""
 PROOF_ROUNDING_M = 1e-6
 """By how much a bound may pass a limit that the path was made to touch."""
+_POSITIONS = CertificateKey("actuators_m", Side.BOTH, ACTUATORS, unit="m", decimals=4)
 _TRAVEL_STEP_M, _TRAVEL_COUNT = 1e-3, 1_000
 _ALL, _STROKES = slice(0, 5), slice(3, 5)
 
@@ -61,6 +63,11 @@ class ActuatorRange:
             proof_advice="Raise refine.nodes, and refine again.",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"{', '.join(ACTUATORS[self.columns])} within their ranges"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute distances to both ends of every range, shape (n, 2 m)."""
         q = samples.q_m[:, self.columns]
@@ -72,7 +79,7 @@ class ActuatorRange:
 
     def violations(self, samples: PoseSamples) -> list[str]:
         """State every actuator that is out of its range."""
-        rows = zip(self.subjects, samples.q_m[0, self.columns], self.range_m, strict=True)
+        rows = zip(ACTUATORS[self.columns], samples.q_m[0, self.columns], self.range_m, strict=True)
         return [
             f"needs {name} at {value:.4f} m; allowed are {least:g} to {largest:g} m"
             for name, value, (least, largest) in rows
@@ -80,9 +87,10 @@ class ActuatorRange:
         ]
 
     @property
-    def subjects(self) -> tuple[str, ...]:
-        """Names of the actuators."""
-        return tuple(np.array(ACTUATORS)[self.columns].tolist())
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """The positions of the actuators."""
+        ranges = zip(ACTUATORS[self.columns], self.range_m.tolist(), strict=True)
+        return tuple(ProvenQuantity(_POSITIONS, name, (least, largest)) for name, (least, largest) in ranges)
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the actuators over a proven box, shape (m, 2)."""
@@ -97,7 +105,8 @@ class ActuatorRange:
         if excess.max() <= PROOF_ROUNDING_M + PROOF_SLACK_M:
             return ""
         worst = int(excess.argmax())
-        return f"{self.subjects[worst]} is not proven to stay within its limits (beyond by {excess[worst]:.3g} m)"
+        name = ACTUATORS[self.columns][worst]
+        return f"{name} is not proven to stay within its limits (beyond by {excess[worst]:.3g} m)"
 
 
 def cart_travel(machine: Machine) -> ActuatorRange:
@@ -160,4 +169,5 @@ def _narrowed(windows_m: FloatArray, allowed_m: FloatArray) -> tuple[FloatArray,
     return windows, windows[:, 0] <= windows[:, 1]
 
 
+CERTIFICATE = CertificateEntry((_POSITIONS,))
 MEASURES: tuple[Measure, ...] = ()

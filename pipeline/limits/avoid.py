@@ -6,9 +6,10 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import BoxConfig, Config
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import Relaxation
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.relaxation import Relaxation
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 
@@ -85,6 +86,11 @@ class AvoidedBox:
             raise_key="route.avoid_margin",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"outside task.avoid[{self.number}]"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute how far outside the box poses are, shape (n, 1)."""
         return -self.box.depth_m(samples.controlled)[:, None]
@@ -123,4 +129,5 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     return []
 
 
+CERTIFICATE = CertificateEntry()
 MEASURES: tuple[Measure, ...] = ()

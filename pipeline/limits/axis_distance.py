@@ -8,18 +8,21 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.limits.limit import Curve, Wording
-from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.limits.interface.limit import Curve, Wording
+from pipeline.limits.interface.proof import CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import LINKS
 from pipeline.machine.samples import PoseSamples
 
 if TYPE_CHECKING:
     from pipeline.inclusion.proven_box import ProvenBox
-    from pipeline.limits.rows import Nodes, ProgramPart
+    from pipeline.limits.interface.rows import Nodes, ProgramPart
 
 PROOF_SLACK_M = 5e-5
 """What proven bounds of distances are weakened by, so that other arithmetic can verify them."""
 _STEP_M, _ROUNDING = 1e-4, 1e-9
+DISTANCE = CertificateKey("distance_m", Side.LEAST, None, "least distance of axes", "m", 5)
+"""Of both kinds of distance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,11 @@ class AxisDistance:
     cost: int
     rounding: float = 1e-9
     slack: float = 0.0005
+
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"{'links and rails' if self.from_rail else 'links'} {self.least:g} m apart"
 
     def values(self, samples: PoseSamples) -> FloatArray:
         """Compute the distances of all pairs, shape (n, pairs)."""
@@ -89,10 +97,10 @@ class AxisDistance:
         return separation_part(self.wording.name, self.pairs, self.from_rail, distances, self.least, nodes)
 
     @property
-    def subjects(self) -> tuple[str, ...]:
-        """Names of the pairs."""
-        second = "link {} and rail {}" if self.from_rail else "links {} and {}"
-        return tuple(second.format(LINKS[a], b + 1 if self.from_rail else LINKS[b]) for a, b in self.pairs)
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """The distances of all pairs."""
+        names = pair_names(self.pairs, self.from_rail)
+        return tuple(ProvenQuantity(DISTANCE, name, (self.least, np.inf)) for name in names)
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the distances of all pairs over a proven box from below, shape (pairs, 2)."""
@@ -108,7 +116,15 @@ class AxisDistance:
         if not len(short) or short.min() >= 0.0:
             return ""
         worst = int(short.argmin())
-        return f"{self.subjects[worst]} are not proven {self.least:g} m apart ({bounds[worst, 0]:.4g} m)"
+        name = pair_names(self.pairs, self.from_rail)[worst]
+        return f"{name} are not proven {self.least:g} m apart ({bounds[worst, 0]:.4g} m)"
+
+
+def pair_names(pairs: list[tuple[int, int]], from_rail: bool) -> tuple[str, ...]:
+    """Name pairs of links, or of links and rails."""
+    if from_rail:
+        return tuple(f"link {LINKS[link]} and rail {rail + 1}" for link, rail in pairs)
+    return tuple(f"links {LINKS[a]} and {LINKS[b]}" for a, b in pairs)
 
 
 def distance_relaxation(config: Config, key: str, distances_m: Callable[[PoseSamples], FloatArray]) -> list[Relaxation]:

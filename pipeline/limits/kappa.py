@@ -1,5 +1,6 @@
 """The cap on kappa, and with it the distance from Type-II singularities."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -7,9 +8,11 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.errors import ConfigError, ConfigIssue
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 
@@ -18,6 +21,8 @@ if TYPE_CHECKING:
 
 PROOF_MARGIN = 3e-4
 """Relative slack of proven bounds of kappa, so that other arithmetic can verify them."""
+KAPPA = CertificateKey("kappa", Side.LARGEST, label="κ")
+DET_SIGN = CertificateKey("det_sign", Side.SIGN, label="sign of det H")
 _LARGEST_CAP, _CAPS_PER_DECADE = 1_000.0, 1_000
 
 
@@ -52,6 +57,11 @@ class KappaCap:
             raise_key="route.kappa_max",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"kappa at most {self.cap:g}"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute 1/kappa - 1/cap, shape (n, 1)."""
         return np.abs(samples.signed_inverse_kappa)[:, None] - 1.0 / self.cap
@@ -66,16 +76,19 @@ class KappaCap:
         return [] if self.margins(samples)[0, 0] >= 0.0 else [f"has kappa {kappa:.1f}, above {self.key} ({self.cap:g})"]
 
     @property
-    def subjects(self) -> tuple[str, ...]:
-        """Names of the bounded quantities."""
-        return ("kappa", "det_sign")
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """Kappa, and the sign of det H."""
+        return (
+            ProvenQuantity(KAPPA, KAPPA.name, (-np.inf, self.cap)),
+            ProvenQuantity(DET_SIGN, DET_SIGN.name, (-1.0, 1.0)),
+        )
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound kappa and the sign of det H over a proven box, shape (2, 2)."""
         from pipeline.inclusion.condition import kappa_bound
 
         found = kappa_bound(box.balls, box.series, box.inclusion.image)
-        return np.array([[1.0, found.kappa * (1.0 + PROOF_MARGIN)], [found.det_sign, found.det_sign]])
+        return np.array([[-np.inf, found.kappa * (1.0 + PROOF_MARGIN)], [found.det_sign, found.det_sign]])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State that kappa is not proven below its cap."""
@@ -86,6 +99,21 @@ class KappaCap:
 def path_cap(config: Config) -> float:
     """Return the cap on kappa along a path: the smaller of refine.kappa_max, if given, and route.kappa_max."""
     return min(config.refine.kappa_max or np.inf, config.route.kappa_max)
+
+
+def require_ends_below_cap(config: Config, kappas: Sequence[float]) -> None:
+    """Check that the cap on the path's kappa leaves room for start and goal, whose kappas are given.
+
+    Raises
+    ------
+    ConfigError
+        If refine.kappa_max is below one of them.
+    """
+    cap, largest = config.refine.kappa_max, max(kappas)
+    if cap is not None and cap < largest:
+        raise ConfigError(
+            [ConfigIssue("refine.kappa_max", f"is {cap:g}; kappa at the start or the goal is {largest:.2f}")]
+        )
 
 
 def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
@@ -123,4 +151,5 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     ]
 
 
+CERTIFICATE = CertificateEntry((KAPPA, DET_SIGN), lambda config: {"kappa_max": path_cap(config)})
 MEASURES: tuple[Measure, ...] = ()

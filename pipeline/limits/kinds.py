@@ -4,9 +4,10 @@ from typing import Protocol
 
 from pipeline.config import Config
 from pipeline.limits import actuators, avoid, holding_force, kappa, link_link, link_rail, tilt
-from pipeline.limits.limit import Limit
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import Relaxation
+from pipeline.limits.interface.limit import Limit, NodeLimit, ProvenLimit
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey
+from pipeline.limits.interface.relaxation import Relaxation
 from pipeline.machine.geometry import Machine
 
 
@@ -14,6 +15,7 @@ class LimitKind(Protocol):
     """What the module of a kind of limit offers; a kind without a limit for some use returns an empty list."""
 
     MEASURES: tuple[Measure, ...]
+    CERTIFICATE: CertificateEntry
 
     def for_poses(self, machine: Machine, kappa_max: float) -> list[Limit]:
         """Return the limits of poses by themselves, without a given x."""
@@ -46,6 +48,21 @@ def move_limits(config: Config, machine: Machine) -> list[Limit]:
 def path_limits(config: Config, machine: Machine) -> list[Limit]:
     """Return what has to hold all along a path."""
     return [limit for kind in KINDS for limit in kind.for_path(config, machine)]
+
+
+def proven_limits(config: Config, machine: Machine) -> list[ProvenLimit]:
+    """Return the limits of a path that a certificate bounds."""
+    return [limit for limit in path_limits(config, machine) if isinstance(limit, ProvenLimit)]
+
+
+def certificate_keys() -> tuple[CertificateKey, ...]:
+    """Return the keys of all bounds that a certificate states, each once."""
+    return tuple(dict.fromkeys(key for kind in KINDS for key in kind.CERTIFICATE.keys))
+
+
+def node_limits(config: Config, machine: Machine) -> list[NodeLimit]:
+    """Return the limits of a path that both programs of stage two keep at their nodes."""
+    return [limit for limit in path_limits(config, machine) if isinstance(limit, NodeLimit)]
 
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:

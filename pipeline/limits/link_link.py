@@ -2,10 +2,11 @@
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.limits.axis_distance import AxisDistance, distance_relaxation
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import Relaxation
+from pipeline.limits.axis_distance import DISTANCE, AxisDistance, distance_relaxation
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.relaxation import Relaxation
 from pipeline.machine.clearance import link_pairs
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
@@ -46,6 +47,7 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     return distance_relaxation(config, "link_link_m", _distances)
 
 
+CERTIFICATE = CertificateEntry((DISTANCE,))
 MEASURES: tuple[Measure, ...] = (
     Measure(
         key="min_link_distance_m",

@@ -4,10 +4,11 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.limits.axis_distance import AxisDistance, distance_relaxation
-from pipeline.limits.limit import Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import Relaxation
+from pipeline.limits.axis_distance import DISTANCE, AxisDistance, distance_relaxation
+from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.relaxation import Relaxation
 from pipeline.machine.clearance import link_rail_distances, rail_pairs
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
@@ -50,6 +51,7 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     return [] if np.isnan(machine.link_rail_m) else distance_relaxation(config, "link_rail_m", _distances)
 
 
+CERTIFICATE = CertificateEntry((DISTANCE,))
 MEASURES: tuple[Measure, ...] = (
     Measure(
         key="min_rail_distance_m",

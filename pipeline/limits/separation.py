@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.limits.rows import Nodes, ProgramPart, Row, Unknowns
+from pipeline.limits.interface.rows import Nodes, ProgramPart, Row, Unknowns
 from pipeline.machine.clearance import common_perpendicular
 from pipeline.machine.geometry import Machine, cart_joints, link_vectors
 from pipeline.machine.samples import PoseSamples

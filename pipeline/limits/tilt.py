@@ -8,9 +8,10 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
-from pipeline.limits.limit import Curve, Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.limits.interface.limit import Curve, Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_AXES, TILT_COLUMNS
 from pipeline.machine.samples import PoseSamples
@@ -22,6 +23,7 @@ PROOF_SLACK_RAD = 1e-5
 """What proven bounds are weakened by, so that other arithmetic can verify them."""
 PROOF_ROUNDING_RAD = 1e-6
 """By how much a bound may pass a limit that the path was made to touch."""
+_TILT = CertificateKey("tilt_deg", Side.LARGEST, TILT_AXES, "|{}|", "°", 2)
 _LOCK_SHARE = 0.8
 """Part of a locked axis' tolerance allowed at nodes; the rest is for what happens between them."""
 _BOUND_DEG, _LARGEST_DEG = 45.0, 85.0
@@ -56,6 +58,12 @@ class TiltLimit:
             raise_key="task.tilt_max_deg",
         )
 
+    @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        least, largest = np.rad2deg(self.largest_rad)
+        return f"|rx| at most {least:g} deg, |rz| at most {largest:g} deg"
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute what is left of the limits in both directions, shape (n, 4)."""
         tilt = samples.pose[:, TILT_COLUMNS]
@@ -74,28 +82,30 @@ class TiltLimit:
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return both tilts in degrees."""
         degrees = np.rad2deg(samples.pose[:, TILT_COLUMNS])
-        rows = zip(TILT_AXES, degrees.T, np.rad2deg(self.largest_rad).tolist(), strict=True)
+        # Degrees as they were typed, without the rounding of the conversion.
+        rows = zip(TILT_AXES, degrees.T, np.rad2deg(self.largest_rad).round(12).tolist(), strict=True)
         return tuple(Curve(axis, "deg", values, -limit, limit) for axis, values, limit in rows)
 
     @property
-    def subjects(self) -> tuple[str, ...]:
-        """Names of the tilts."""
-        return TILT_AXES
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """|rx| and |rz|."""
+        largest = zip(TILT_AXES, np.rad2deg(self.largest_rad).tolist(), strict=True)
+        return tuple(ProvenQuantity(_TILT, axis, (-np.inf, limit)) for axis, limit in largest)
 
     def bound(self, box: "ProvenBox") -> FloatArray:
-        """Bound the tilts over a proven box, the same on both sides, shape (2, 2)."""
+        """Bound |rx| and |rz| over a proven box from above, in degrees, shape (2, 2)."""
         from pipeline.inclusion.bounds import tilt_magnitudes
 
-        largest = tilt_magnitudes(box) + PROOF_SLACK_RAD
-        return np.column_stack([-largest, largest])
+        largest = np.rad2deg(tilt_magnitudes(box) + PROOF_SLACK_RAD)
+        return np.column_stack([np.full(2, -np.inf), largest])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State the tilt that is not proven to stay within its limit."""
-        excess = bounds[:, 1] - self.largest_rad
-        if excess.max() <= PROOF_ROUNDING_RAD + PROOF_SLACK_RAD:
+        excess = bounds[:, 1] - np.rad2deg(self.largest_rad)
+        if excess.max() <= np.rad2deg(PROOF_ROUNDING_RAD + PROOF_SLACK_RAD):
             return ""
-        worst, name = float(np.rad2deg(excess.max())), TILT_AXES[int(excess.argmax())]
-        return f"{name} is not proven to stay within its limit (beyond by {worst:.3g} degrees)"
+        worst = int(excess.argmax())
+        return f"{TILT_AXES[worst]} is not proven to stay within its limit (beyond by {excess[worst]:.3g} degrees)"
 
 
 def path_limits_deg(config: Config) -> tuple[float, ...]:
@@ -169,6 +179,7 @@ def _doubling(count: int) -> tuple[int, ...]:
     return (*ends, count)
 
 
+CERTIFICATE = CertificateEntry((_TILT,), lambda config: {"tilt_deg": path_limits_deg(config)})
 MEASURES: tuple[Measure, ...] = (
     Measure(
         key="max_tilt_deg",

@@ -1,19 +1,34 @@
-"""A measured motion against the commanded one: errors with their error bars, over time and as rows."""
+"""A measured motion against the commanded one: errors and error bars, over time and summed up in rows."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.measured.estimate import CONTROLLED, estimate_poses
+from pipeline.machine.pose import CONTROLLED
+from pipeline.measured.estimate import estimate_poses
 from pipeline.measured.reflectors import Reflectors
 from pipeline.measured.table import Measurement
 
-QUANTITIES = ("x", "y", "z", "rx", "rz")
-UNITS = ("mm", "mm", "mm", "deg", "deg")
-"""Units of errors as they are shown."""
-SCALES = np.array([1e3, 1e3, 1e3, 180.0 / np.pi, 180.0 / np.pi])
-"""From metres and radians to `UNITS`."""
+
+class Coordinate(NamedTuple):
+    """A controlled coordinate: its name, the unit in which errors are shown, and the factor from SI units to it."""
+
+    name: str
+    unit: str
+    scale: float
+
+
+_DEG = 180.0 / np.pi
+COORDINATES = (
+    Coordinate("x", "mm", 1e3),
+    Coordinate("y", "mm", 1e3),
+    Coordinate("z", "mm", 1e3),
+    Coordinate("rx", "deg", _DEG),
+    Coordinate("rz", "deg", _DEG),
+)
+"""The controlled coordinates, in the order of a controlled pose."""
 TABLE_HEADER = ("quantity", "unit", "mean error", "rms error", "largest error", "at s", "error bar", "rms / bar")
 """Headings of `table_cells`."""
 
@@ -27,9 +42,9 @@ class MeasurementComparison:
     t_s : (n,)
         Time since the start of the motion.
     commanded, measured : (n, 5)
-        What was asked for, and what was seen.
+        What was commanded, and what was measured.
     std : (n, 5) or None
-        Standard deviations of what was seen, due to noise; None where they are not known.
+        Standard deviations of the measurement, due to noise; None where they are not known.
     """
 
     t_s: FloatArray
@@ -39,13 +54,13 @@ class MeasurementComparison:
 
     @property
     def error(self) -> FloatArray:
-        """Measured - commanded. Shape (n, 5)."""
+        """The errors, measured - commanded. Shape (n, 5)."""
         return self.measured - self.commanded
 
 
 @dataclass(frozen=True)
 class ErrorRow:
-    """The error of one quantity over the motion, in metres or radians.
+    """The error of one coordinate over the motion, in metres or radians.
 
     Attributes
     ----------
@@ -54,11 +69,11 @@ class ErrorRow:
     mean, rms, largest : float
         Mean, root of the mean square, and the error of largest magnitude.
     largest_at_s : float
-        When that was.
+        The time of the largest error.
     error_bar : float or None
-        Root of the mean variance of what was seen, due to noise.
+        Root of the mean variance of the measurement, due to noise.
     standardised_rms : float or None
-        Root of the mean square of error / standard deviation: about 1 where there is nothing but noise.
+        Root of the mean square of error / standard deviation: about 1 if there is only noise.
     """
 
     quantity: str
@@ -78,7 +93,7 @@ def compare_measurement(
     Raises
     ------
     UsageError
-        When the reflectors do not tell the pose.
+        When the reflectors do not determine the pose.
     """
     asked = commanded[:, CONTROLLED]
     if measurement.reflectors_m is not None:
@@ -90,8 +105,8 @@ def compare_measurement(
 
 
 def error_rows(comparison: MeasurementComparison) -> list[ErrorRow]:
-    """Sum up the errors, a row per quantity."""
-    return [_row(comparison, index) for index in range(len(QUANTITIES))]
+    """Sum up the errors, a row per coordinate."""
+    return [_row(comparison, index) for index in range(len(COORDINATES))]
 
 
 def _row(comparison: MeasurementComparison, index: int) -> ErrorRow:
@@ -99,7 +114,7 @@ def _row(comparison: MeasurementComparison, index: int) -> ErrorRow:
     worst = int(np.argmax(np.abs(error)))
     std = None if comparison.std is None else comparison.std[:, index]
     return ErrorRow(
-        quantity=QUANTITIES[index],
+        quantity=COORDINATES[index].name,
         mean=float(error.mean()),
         rms=_rms(error),
         largest=float(error[worst]),
@@ -114,8 +129,8 @@ def _rms(values: FloatArray) -> float:
 
 
 def table_cells(rows: list[ErrorRow]) -> list[tuple[str, ...]]:
-    """Format rows as text under `TABLE_HEADER`, in millimetres and degrees; what is not known is a dash."""
-    return [_cells(row, unit, scale) for row, unit, scale in zip(rows, UNITS, SCALES.tolist(), strict=True)]
+    """Format rows as text under `TABLE_HEADER`, in millimetres and degrees; unknown values are a dash."""
+    return [_cells(row, shown.unit, shown.scale) for row, shown in zip(rows, COORDINATES, strict=True)]
 
 
 def _cells(row: ErrorRow, unit: str, scale: float) -> tuple[str, ...]:

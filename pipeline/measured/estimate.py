@@ -4,14 +4,14 @@ With the reflectors r_1, r_2 in the platform frame, m_i = p + R r_i measured, R 
 
     m_2 - m_1 = Rx(rx) Rz(rz) e,  e = Ry(ry) d,    p = (m_1 + m_2) / 2 - R (r_1 + r_2) / 2.
 
-Noise that is equal and independent in all coordinates splits the least squares over all six into these two equations.
-The first asks for the rotation that makes R d point along v = m_2 - m_1. Rx leaves the x coordinate alone, so that,
-with v scaled to the length of d,
+With noise that is equal and independent in all coordinates, the least squares over all six separate into these two
+equations. The first asks for the rotation that makes R d point along v = m_2 - m_1. Rx does not change x coordinates,
+so that, with v scaled to the length of d,
 
-    v_x = e_x cos(rz) - e_y sin(rz)    gives rz (of two solutions the one nearer the commanded),
+    v_x = e_x cos(rz) - e_y sin(rz)    gives rz (of two solutions, the one nearer to the command),
     (v_y, v_z) = Rot(rx) (f_y, f_z)    gives rx, with f = Rz(rz) e.
 
-Where f_y = 0 the two solutions for rz meet and nothing is known of it: d must not be along the platform's x or z axis.
+Where f_y = 0, the two solutions for rz coincide and rz is undetermined: d must not be along the platform's x or z axis.
 """
 
 from dataclasses import dataclass
@@ -21,26 +21,25 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import cross, dot, rotation, rotation_x
+from pipeline.machine.pose import CONTROLLED
 from pipeline.measured.reflectors import Reflectors
 
-CONTROLLED = (0, 1, 2, 3, 5)
-"""Where x, y, z, rx, rz are in a pose."""
 _LEAST_LEVER = 0.05
-"""Least |f_y| as a part of |d|: below it noise in rz is amplified more than twentyfold, and linearisation fails."""
+"""Least |f_y| / |d|: below, noise in rz is amplified more than twentyfold, and linearisation fails."""
 _MOST_STRETCH, _MOST_DEVIATIONS = 0.05, 10.0
-"""Part of the distance between the reflectors, and standard deviations of noise, that it may seem to be wrong by."""
+"""Largest error of the distance between the reflectors: as a fraction of it, and in standard deviations of noise."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Controlled poses as measured.
+    """Measured controlled poses.
 
     Attributes
     ----------
     controlled : (n, 5)
         x, y, z in metres, rx, rz in radians.
     std : (n, 5)
-        Their standard deviations due to the noise of the reflectors' coordinates.
+        Their standard deviations, due to noise in the coordinates of the reflectors.
     """
 
     controlled: FloatArray
@@ -48,26 +47,26 @@ class Estimate:
 
 
 def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: FloatArray) -> Estimate:
-    """Estimate x, y, z, rx, rz from measured reflectors (n, 2, 3) near commanded poses (n, 6), whose ry is taken.
+    """Estimate x, y, z, rx, rz from measured reflectors (n, 2, 3), with ry and the branch of commanded poses (n, 6).
 
     Raises
     ------
     UsageError
-        When the reflectors are in one place, do not tell rz at some pose, or are not where they were measured.
+        When both reflectors are at one place, do not determine rz at some pose, or cannot be where they were measured.
     """
     ry = commanded[:, 4]
     arm = reflectors.points_m[1] - reflectors.points_m[0]
     length = float(np.linalg.norm(arm))
     if not length > 0.0:
-        raise UsageError("both reflectors are in one place: two different places on the platform are needed")
+        raise UsageError("both reflectors are in one place: give two different places on the platform")
     v = positions_m[:, 1] - positions_m[:, 0]
     _require_seen(reflectors, v, rotation(commanded[:, 3], ry, commanded[:, 5]) @ arm)
     v = v * (length / np.linalg.norm(v, axis=1, keepdims=True))
     rx, rz, lever = _angles(_turned_about_y(arm, ry), v, commanded[:, 5])
     if (weak := np.abs(lever) < _LEAST_LEVER * length).any():
         raise UsageError(
-            f"the reflectors hardly move along X when the platform turns about z, at row {int(np.argmax(weak))}: "
-            "they do not tell rz.\n  What to change: place them along the platform's y axis."
+            f"the reflectors do not determine rz at row {int(np.argmax(weak))}: they hardly move along X when the "
+            "platform turns about z.\n  What to change: place them along the platform's y axis."
         )
     R = rotation(rx, ry, rz)
     p = positions_m.mean(axis=1) - R @ reflectors.points_m.mean(axis=0)
@@ -75,31 +74,31 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
 
 
 def _require_seen(reflectors: Reflectors, v: FloatArray, expected: FloatArray) -> None:
-    """Refuse vectors between reflectors (n, 3) that no noise explains beside those at the commanded poses (n, 3)."""
+    """Refuse measured vectors between reflectors (n, 3) that differ from those expected (n, 3) by more than noise."""
     length, distance = np.linalg.norm(expected, axis=1), np.linalg.norm(v, axis=1)
     allowed = np.maximum(_MOST_STRETCH * length, _MOST_DEVIATIONS * reflectors.noise_m)
     if (off := np.abs(distance - length) > allowed).any() or (off := ~(distance > 0.0)).any():
         row = int(np.argmax(off))
         raise UsageError(
-            f"the measured reflectors are {distance[row]:g} m apart at row {row}, on the platform {length[row]:g} m.\n"
-            "  What to change: give positions in metres, and the places of the reflectors as they are."
+            f"the measured reflectors are {distance[row]:g} m apart at row {row}, but {length[row]:g} m on the "
+            "platform.\n  What to change: give positions in metres, and the true places of the reflectors."
         )
     if (turned := dot(v, expected) < 0.0).any():
         raise UsageError(
-            f"from the first measured reflector to the second is the other way round at row {int(np.argmax(turned))}.\n"
-            "  What to change: exchange the reflectors, or give positions in the frame of the machine."
+            "the vector from the first measured reflector to the second points the wrong way at row "
+            f"{int(np.argmax(turned))}.\n"
+            "  What to change: swap the reflectors, or give positions in the frame of the machine."
         )
 
 
 def _turned_about_y(arm: FloatArray, ry: FloatArray) -> FloatArray:
-    """E = Ry(ry) d, shape (n, 3)."""
+    """Compute e = Ry(ry) d. Shape (n, 3)."""
     zero = np.zeros_like(ry)
-    e: FloatArray = rotation(zero, ry, zero) @ arm
-    return e
+    return np.asarray(rotation(zero, ry, zero) @ arm)
 
 
 def _angles(e: FloatArray, v: FloatArray, near_rz: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Solve Rx Rz e = v for rx and rz; the third result is f_y, which says how well rz is known. Three arrays (n,)."""
+    """Solve Rx Rz e = v for rx and rz; the third result, f_y, shows how well rz is determined. Three arrays (n,)."""
     # v_x = radius cos(rz + phase); an arm along z has no radius, and no lever either.
     radius = np.hypot(e[:, 0], e[:, 1])
     phase = np.arctan2(e[:, 1], e[:, 0])
@@ -113,7 +112,7 @@ def _angles(e: FloatArray, v: FloatArray, near_rz: FloatArray) -> tuple[FloatArr
 
 
 def _unit_std(points_m: FloatArray, R: FloatArray, rx: FloatArray) -> FloatArray:
-    """Standard deviations of the estimate for noise of one metre: roots of the diagonal of (J' J)^-1. Shape (n, 5).
+    """Compute the standard deviations of the estimate per metre of noise: roots of the diagonal of (J' J)^-1. (n, 5).
 
     J differentiates all six coordinates by x, y, z, rx, rz: identities, e_x x R r_i, and (Rx e_z) x R r_i.
     """
@@ -125,11 +124,9 @@ def _unit_std(points_m: FloatArray, R: FloatArray, rx: FloatArray) -> FloatArray
     J[..., 3], J[..., 4] = cross(axis_x, arms), cross(axis_z, arms)
     stacked = J.reshape(len(R), 6, len(CONTROLLED))
     covariance = np.linalg.inv(np.swapaxes(stacked, 1, 2) @ stacked)
-    std: FloatArray = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    return std
+    return np.asarray(np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)))
 
 
 def _wrap(angle: FloatArray) -> FloatArray:
-    """Bring angles into (-pi, pi]."""
-    wrapped: FloatArray = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
-    return wrapped
+    """Wrap angles to (-pi, pi]."""
+    return np.asarray(np.pi - np.mod(np.pi - angle, 2.0 * np.pi))

@@ -1,4 +1,4 @@
-"""Two reflectors on the platform: where they are in its frame, and so in space."""
+"""Two reflectors on the platform: their places in its frame, and in space."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,10 @@ from pipeline.machine.geometry import rotation
 
 @dataclass(frozen=True, eq=False)
 class Reflectors:
-    """Where the reflectors are on the platform, and how well a tracker sees them.
+    """Places of the reflectors on the platform, and the noise with which a tracker measures them.
 
-    The vector from the first to the second is best along the platform's y axis: then ry does not enter rx and rz at
-    all, and both are known equally well. It must not be parallel to the platform's x or z axis (the paper, section 5).
+    The vector from the first to the second is best along the platform's y axis: then rx and rz do not depend on ry, and
+    both are known equally well. It must not be parallel to the platform's x or z axis (the paper, section 5).
 
     Attributes
     ----------
@@ -28,7 +28,6 @@ class Reflectors:
 
 
 def reflector_positions(points_m: FloatArray, pose: FloatArray) -> FloatArray:
-    """P + R r_i of reflectors r_i (2, 3) for poses (n, 6). Shape (n, 2, 3)."""
+    """Compute the positions P + R r_i of reflectors r_i (2, 3) for poses (n, 6). Shape (n, 2, 3)."""
     R = rotation(pose[:, 3], pose[:, 4], pose[:, 5])
-    positions: FloatArray = pose[:, None, :3] + points_m @ np.swapaxes(R, 1, 2)
-    return positions
+    return np.asarray(pose[:, None, :3] + points_m @ np.swapaxes(R, 1, 2))

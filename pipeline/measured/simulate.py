@@ -1,4 +1,4 @@
-"""Simulated measurements: a machine a little different from its model drives the motion, a tracker with noise looks."""
+"""Simulated measurements: a machine that differs a little from its model drives, and a noisy tracker measures it."""
 
 from dataclasses import dataclass, replace
 
@@ -12,7 +12,7 @@ from pipeline.measured.reflectors import Reflectors, reflector_positions
 
 @dataclass(frozen=True)
 class SimulationSetting:
-    """How wrong the machine is, and which random numbers are drawn.
+    """How far the machine is from its model, and which random numbers are drawn.
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class SimulationSetting:
 def simulate_measurement(
     machine: Machine, q_m: FloatArray, commanded: FloatArray, reflectors: Reflectors, setting: SimulationSetting
 ) -> FloatArray:
-    """Positions of both reflectors while a perturbed machine drives actuators (n, 5), commanded poses (n, 6) nearby.
+    """Simulate both reflectors while a perturbed machine drives actuators (n, 5), near commanded poses (n, 6).
 
-    The pose is the perturbed machine's own, by forward kinematics; noise comes on top. Shape (n, 2, 3).
+    The pose is that of the perturbed machine, by forward kinematics; noise is added. Shape (n, 2, 3).
 
     Raises
     ------
@@ -48,7 +48,7 @@ def simulate_measurement(
 
 
 def perturbed(machine: Machine, std_m: float, random: np.random.Generator) -> tuple[Machine, FloatArray]:
-    """Draw a machine whose geometry is off by `std_m`, and the zeros of its telescopes, shape (2,)."""
+    """Draw a machine with a perturbed geometry, and zeros (2,) of its telescopes, with standard deviation `std_m`."""
 
     def off(values: FloatArray) -> FloatArray:
         return values + random.normal(0.0, std_m, values.shape)

@@ -10,18 +10,18 @@ import numpy.typing as npt
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.export.columns import POSE
-from pipeline.measured.estimate import CONTROLLED
+from pipeline.machine.pose import CONTROLLED
 
 TIME = "t_s"
 REFLECTORS = tuple(f"{axis}{number}_m" for number in (1, 2) for axis in "xyz")
 """Columns of the reflectors: x, y, z of the first, then of the second, in the frame of the machine."""
 MEASURED_POSE = tuple(POSE[index] for index in CONTROLLED)
-"""Columns of a measured pose, named as in `trajectory.csv`, whose others are not looked at."""
+"""Columns of a measured pose, named as in `trajectory.csv`; other columns are ignored."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """What was measured, of two kinds, of which one is there.
+    """A measurement: either reflectors or poses over time.
 
     Attributes
     ----------
@@ -44,17 +44,17 @@ def measurement_columns(t_s: FloatArray, reflectors_m: FloatArray) -> dict[str, 
 
 
 def parse_measurement(columns: Mapping[str, npt.NDArray[Any]], duration_s: float) -> Measurement:
-    """Find a measurement of a motion of `duration_s` among columns; reflectors go before a pose where both are there.
+    """Read a measurement of a motion of `duration_s` from columns; reflectors take precedence over a pose.
 
     Raises
     ------
     UsageError
-        When columns are missing, hold no finite numbers, or times do not increase within the motion.
+        When columns are missing or hold anything but finite numbers, or times do not increase within the motion.
     """
     names = next((names for names in (REFLECTORS, MEASURED_POSE) if set(names) <= set(columns)), None)
     if names is None or TIME not in columns:
         raise UsageError(
-            f"the columns {', '.join(columns)} are no measurement.\n  What to change: give {TIME} and either "
+            f"the columns {', '.join(columns)} are not a measurement.\n  What to change: give {TIME} and either "
             f"{', '.join(REFLECTORS)} or {', '.join(MEASURED_POSE)}."
         )
     values = [_numbers(name, columns[name]) for name in (TIME, *names)]
@@ -67,7 +67,7 @@ def parse_measurement(columns: Mapping[str, npt.NDArray[Any]], duration_s: float
 
 def _numbers(name: str, values: npt.NDArray[Any]) -> FloatArray:
     if values.dtype.kind not in "if" or not np.isfinite(values).all():
-        raise UsageError(f"column {name} holds something that is no finite number")
+        raise UsageError(f"column {name} holds values that are not finite numbers")
     return values.astype(float)
 
 
@@ -80,6 +80,6 @@ def _check_times(t_s: FloatArray, duration_s: float) -> None:
     if t_s[0] < -1e-9 or t_s[-1] > duration_s + 1e-9:
         raise UsageError(
             f"times from {t_s[0]:g} to {t_s[-1]:g} s are not within the motion, which lasts {duration_s:g} s.\n"
-            f"  What to change: count {TIME} from the start of the motion, and leave out what is before and after; "
-            "for a motion exported at another speed or period, give --speed or --period."
+            f"  What to change: count {TIME} from the start of the motion, and remove rows before and after it; for a "
+            "motion exported at another speed or period, give --speed or --period."
         )

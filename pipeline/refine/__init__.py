@@ -1,4 +1,4 @@
-"""Stage two: a smooth curve in actuator space through the route; a nonlinear program, checked between its nodes."""
+"""Stage two: a smooth curve in actuator space along the route, from programs on a mesh, checked between its nodes."""
 
 from pipeline.refine.coarse import coarse_path
 from pipeline.refine.measure import PathFigures, PathSamples, measure_path, sample_path

@@ -15,18 +15,18 @@ _SAMPLES_PER_MOVE = 100
 _ARRIVAL = 1e-6
 """How far, in metres and radians, a move may end from the next step of the route."""
 _STILL = 1e-9
-"""Share of the whole length below which a move is none: what is visited may be where the route already is."""
+"""Share of the whole length below which a move counts as none: a visit may be where the route already is."""
 
 
 def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     """Join the steps of a route; s is the arc length in the metric of the route, `steps` (5,) its largest moves.
 
-    The nodes are dense samples marched along every move, so that the pose is known on the right branch everywhere.
+    The nodes are dense samples followed along every move, so that the pose is known on the right branch everywhere.
 
     Raises
     ------
     NoSolutionError
-        When a move, followed continuously, does not arrive at the next step: no route of stage one does that.
+        If a move, followed continuously, does not arrive at the next step: the route is not one of stage one.
     """
     part = np.linspace(0.0, 1.0, _SAMPLES_PER_MOVE + 1)[:, None]
     q = route.q_m[:-1, None] * (1.0 - part) + route.q_m[1:, None] * part
@@ -36,7 +36,7 @@ def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     moved = lengths > _STILL * lengths.sum()
     corners = np.append(0.0, np.cumsum(np.where(moved, lengths, 0.0)))
     corners /= corners[-1]
-    # A knot must not repeat: a step where the one before is has the same parameter and no knot of its own.
+    # A knot must not repeat: a step at the same place as the one before shares its parameter and its knot.
     own = np.append(True, moved)
     node_s = corners[:-1, None] + part[:-1, 0] * np.diff(corners)[:, None]
     return Path(
@@ -58,12 +58,11 @@ def _require_arrival(poses: FloatArray, misses: FloatArray, route: Route) -> Non
 
 
 def corner_parameters(coarse: Path) -> FloatArray:
-    """Parameter s of every step of the route on its coarse path, shape (steps,)."""
-    corners: FloatArray = coarse.node_s[::_SAMPLES_PER_MOVE]
-    return corners
+    """Return the parameter s of every step of the route on its coarse path, shape (steps,)."""
+    return coarse.node_s[::_SAMPLES_PER_MOVE]
 
 
 def move_of(coarse: Path, s: FloatArray) -> IntArray:
-    """Number of the move that s (n,) falls into, from 0."""
+    """Return the number of the move that s (n,) falls into, from 0. Shape (n,)."""
     corners = corner_parameters(coarse)
     return np.clip(np.searchsorted(corners, s, side="right") - 1, 0, len(corners) - 2)

@@ -1,65 +1,46 @@
-"""Figures of a path, measured on dense samples: the same way for the coarse and the refined one."""
+"""Samples of a path and the figures they are reduced to, the same way for the coarse and the refined path."""
 
 import itertools
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.machine.clearance import min_distances
-from pipeline.machine.kinematics import closure_residual
-from pipeline.machine.statics import condition_number, det_sign, statics_matrix
-from pipeline.machine.working_modes import mode_sequence, reach_along_rails, working_modes
+from pipeline.limits import measures
+from pipeline.machine.samples import PoseSamples
+from pipeline.machine.working_modes import mode_sequence, working_modes
 from pipeline.refine.result import Path
 from pipeline.route.metric import arc_length
 
-_TILTS = [3, 5]
-_EVENLY = np.linspace(0.0, 1.0, 1_001)
+_SPEED_SAMPLES = 1_001
 
 
 @dataclass(frozen=True, eq=False)
-class PathSamples:
-    """What the machine does at samples of s.
+class PathSamples(PoseSamples):
+    """The machine at samples of a path.
 
     Attributes
     ----------
     s : (n,)
         Path parameter.
-    pose, q_m : (n, 6), (n, 5)
-        x, y, z, rx, ry, rz by forward kinematics; actuator positions.
-    kappa, det_sign : (n,)
-        Condition number and sign of det H.
-    link_distance_m, rail_distance_m : (n,)
-        Least link-link and link-rail distance between axes.
-    closure_residual_m : (n,)
-        Largest amount by which a link misses its length.
-    reach_m : (n, 3)
-        By how much each cart joint is at larger x than its platform joint: its sign is the working mode.
     """
 
     s: FloatArray
-    pose: FloatArray
-    q_m: FloatArray
-    kappa: FloatArray
-    det_sign: FloatArray
-    link_distance_m: FloatArray
-    rail_distance_m: FloatArray
-    closure_residual_m: FloatArray
-    reach_m: FloatArray
 
 
 @dataclass(frozen=True)
 class PathFigures:
-    """A path in numbers; lengths and integrals in the metric of the route, working modes in their order."""
+    """A path in numbers; lengths and integrals in the metric of the route, working modes in their order.
+
+    `measures` holds the figures of `limits.measures`, by their keys.
+    """
 
     kappa_max: float
     kappa_max_s: float
     kappa_integral: float
     length: float
     closure_residual_m: float
-    min_link_distance_m: float
-    min_rail_distance_m: float
-    max_tilt_deg: float
+    measures: dict[str, float]
     det_sign_constant: bool
     modes: tuple[str, ...]
 
@@ -75,39 +56,36 @@ def sample_path(path: Path, s: FloatArray) -> PathSamples:
     Raises
     ------
     ForwardKinematicsError
-        Where the closure equations have no solution near the path.
+        If the closure equations have no solution near the path.
     """
-    q, pose = path.q(s), path.pose(s)
-    H = statics_matrix(path.machine, pose, q[:, :3])
-    link_distance, rail_distance = min_distances(path.machine, pose, q[:, :3])
-    return PathSamples(
-        s=s,
-        pose=pose,
-        q_m=q,
-        kappa=condition_number(H),
-        det_sign=det_sign(H),
-        link_distance_m=link_distance,
-        rail_distance_m=rail_distance,
-        closure_residual_m=np.abs(closure_residual(path.machine, pose, q)).max(axis=1),
-        reach_m=reach_along_rails(path.machine, pose, q[:, :3]),
-    )
+    return PathSamples(path.machine, path.pose(s), path.q(s), s)
+
+
+def merge_samples(samples: PathSamples, more: PathSamples) -> PathSamples:
+    """Merge samples of one path in the order of s; quantities known of the first are computed for the others, too."""
+    order = np.argsort(np.concatenate([samples.s, more.s]), kind="stable")
+    # Fields and cached quantities alike.
+    values = {
+        name: np.concatenate([getattr(samples, name), getattr(more, name)])[order]
+        for name in vars(samples)
+        if name != "machine"
+    }
+    poses = PathSamples(samples.machine, *(values.pop(name) for name in ("pose", "q_m", "s")))
+    return poses.with_known(**values)
 
 
 def relative_speed(path: Path, s: FloatArray) -> FloatArray:
-    """|q'(s)| at s (n,) relative to its mean along the path: near zero the path cannot be timed. Shape (n,)."""
-    mean = np.linalg.norm(path.q(_EVENLY, 1), axis=1).mean()
-    relative: FloatArray = np.linalg.norm(path.q(s, 1), axis=1) / mean
-    return relative
+    """Compute |q'(s)| at s (n,) relative to its mean along the path. Shape (n,)."""
+    mean = np.linalg.norm(path.q(np.linspace(0.0, 1.0, _SPEED_SAMPLES), 1), axis=1).mean()
+    return np.asarray(np.linalg.norm(path.q(s, 1), axis=1) / mean, dtype=float)
 
 
-def merged(samples: PathSamples, more: PathSamples) -> PathSamples:
-    """Put samples of one path together, in the order of s."""
-    order = np.argsort(np.concatenate([samples.s, more.s]), kind="stable")
-    columns = {
-        field.name: np.concatenate([getattr(samples, field.name), getattr(more, field.name)])[order]
-        for field in fields(PathSamples)
-    }
-    return PathSamples(**columns)
+def kappa_trapezoids(kappa: FloatArray, distances: FloatArray) -> FloatArray:
+    """Integrate kappa (n,) between neighbouring samples that are `distances` (n - 1,) apart. Shape (n - 1,).
+
+    Trapezoidal rule: (kappa_k + kappa_k+1) / 2 times the distance; the sum is the integral over the length.
+    """
+    return distances * (kappa[1:] + kappa[:-1]) / 2.0
 
 
 def measure_path(samples: PathSamples, steps: FloatArray) -> PathFigures:
@@ -120,12 +98,10 @@ def measure_path(samples: PathSamples, steps: FloatArray) -> PathFigures:
     return PathFigures(
         kappa_max=float(samples.kappa[worst]),
         kappa_max_s=float(samples.s[worst]),
-        kappa_integral=float(np.trapezoid(samples.kappa, length)),
+        kappa_integral=float(kappa_trapezoids(samples.kappa, np.diff(length)).sum()),
         length=float(length[-1]),
         closure_residual_m=float(samples.closure_residual_m.max()),
-        min_link_distance_m=float(samples.link_distance_m.min()),
-        min_rail_distance_m=float(samples.rail_distance_m.min()),
-        max_tilt_deg=float(np.rad2deg(np.abs(samples.pose[:, _TILTS]).max())),
+        measures={measure.key: measure.reduce(samples) for measure in measures()},
         det_sign_constant=bool(np.all(samples.det_sign == samples.det_sign[0]) and samples.det_sign[0] != 0.0),
         modes=tuple(mode_sequence(working_modes(samples.reach_m))),
     )

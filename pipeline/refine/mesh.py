@@ -1,22 +1,22 @@
-"""Nodes and knots along s: the first ones even, further ones where the path is difficult or breaks a promise."""
+"""Nodes and knots along s: even at first, finer where the path is difficult or breaks a requirement."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
-from pipeline.refine.measure import sample_path
+from pipeline.refine.measure import kappa_trapezoids, sample_path
 from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE, clamped_knots
 from pipeline.route.metric import arc_length
 
 _MARKED = 0.5
-"""Share of the estimated error whose knot spans are halved: the fewest that have it."""
+"""Share of the estimated error whose knot spans are halved: the fewest spans that hold it."""
 _AS_LARGE = 1e-6
-"""Relative difference within which errors are equal: neighbours share a jump, and none is marked without the other."""
+"""Relative difference within which errors count as equal: neighbours share a jump, and are marked together."""
 _TOO_NEAR = 0.25
 """Share of the spacing: nodes nearer to each other make programs that solvers cannot scale."""
-_LOOKS_PER_INTERVAL = 8
+_SAMPLES_PER_INTERVAL = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,29 +33,29 @@ class Mesh:
 
 
 def even_mesh(nodes: int, coefficients: int, also: FloatArray) -> Mesh:
-    """Spread nodes and knots evenly; `also` (m,) are nodes besides, in the place of inner ones that are too near."""
+    """Spread nodes and knots evenly; further nodes `also` (m,) replace inner ones that are too near."""
     s = np.linspace(0.0, 1.0, nodes)
     near = np.any(np.abs(s[1:-1, None] - also) < _TOO_NEAR / (nodes - 1), axis=1)
     return Mesh(np.union1d(np.concatenate([[0.0], s[1:-1][~near], [1.0]]), also), clamped_knots(coefficients))
 
 
 def adapted_mesh(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:
-    """Halve the knot spans that have most of the estimated error, and the intervals of nodes in them.
+    """Halve the knot spans that hold most of the estimated error, and the intervals of nodes in them.
 
     The error of the splines is estimated span by span from the jumps of the fifth derivative (they stand for the sixth,
-    with which the distance to the best curve grows), that of the nodes from what the trapezoidal rule between
-    neighbouring nodes misses of the integral of kappa; `steps` (5,) are the largest moves of the metric.
+    with which the distance to the best curve grows), that of the nodes from the part of the integral of kappa that the
+    trapezoidal rule between neighbouring nodes misses; `steps` (5,) are the largest moves of the metric.
     """
     edges = np.unique(mesh.knots)
     spans = np.searchsorted(edges, midpoints(mesh.s)) - 1
-    of_nodes: FloatArray = np.bincount(spans, _missed(mesh, path, steps), minlength=len(edges) - 1).astype(float)
-    marked = _most(_roughness(path, edges)) | _most(of_nodes)
+    missed = np.bincount(spans, _missed(mesh, path, steps), minlength=len(edges) - 1).astype(float)
+    marked = largest_part(_roughness(path, edges)) | largest_part(missed)
     knots = np.sort(np.concatenate([mesh.knots, midpoints(edges)[marked]]))
     return Mesh(np.union1d(mesh.s, midpoints(mesh.s)[marked[spans]]), knots)
 
 
 def with_nodes(mesh: Mesh, broken: FloatArray) -> Mesh:
-    """Halve every interval of nodes that has one of the parameters `broken` (m,) in it."""
+    """Halve every interval of nodes that contains one of the parameters `broken` (m,)."""
     intervals = np.unique(np.searchsorted(mesh.s, broken))
     intervals = intervals[(intervals > 0) & (intervals < len(mesh.s))]
     return Mesh(np.union1d(mesh.s, midpoints(mesh.s)[intervals - 1]), mesh.knots)
@@ -67,36 +67,31 @@ def _roughness(path: Path, edges: FloatArray) -> FloatArray:
     fifth = path.q(midpoints(edges), DEGREE)
     jumps = np.linalg.norm(np.diff(fifth, axis=0), axis=1)
     beside = np.maximum(np.append(0.0, jumps), np.append(jumps, 0.0))
-    rough: FloatArray = beside * h**DEGREE
-    return rough
+    return np.asarray(beside * h**DEGREE, dtype=float)
 
 
 def _missed(mesh: Mesh, path: Path, steps: FloatArray) -> FloatArray:
-    """What the trapezoidal rule misses of the integral of kappa between neighbouring nodes (k,). Shape (k - 1,)."""
-    part = np.linspace(0.0, 1.0, _LOOKS_PER_INTERVAL + 1)[:-1]
+    """Estimate what the trapezoidal rule misses of the integral of kappa between neighbouring nodes. (k - 1,)."""
+    part = np.linspace(0.0, 1.0, _SAMPLES_PER_INTERVAL + 1)[:-1]
     s = np.append((mesh.s[:-1, None] + part * np.diff(mesh.s)[:, None]).ravel(), 1.0)
     samples = sample_path(path, s)
-    length, at = arc_length(samples.pose, steps), slice(None, None, _LOOKS_PER_INTERVAL)
-    pieces = np.diff(length) * (samples.kappa[1:] + samples.kappa[:-1]) / 2.0
-    kappa, chords = samples.kappa[at], np.diff(arc_length(samples.pose[at], steps))
-    trapezoids = chords * (kappa[1:] + kappa[:-1]) / 2.0
-    missed: FloatArray = np.abs(pieces.reshape(-1, _LOOKS_PER_INTERVAL).sum(axis=1) - trapezoids)
-    return missed
+    length, at = arc_length(samples.pose, steps), slice(None, None, _SAMPLES_PER_INTERVAL)
+    fine = kappa_trapezoids(samples.kappa, np.diff(length)).reshape(-1, _SAMPLES_PER_INTERVAL).sum(axis=1)
+    rough = kappa_trapezoids(samples.kappa[at], np.diff(arc_length(samples.pose[at], steps)))
+    return np.asarray(np.abs(fine - rough), dtype=float)
 
 
-def _most(error: FloatArray) -> BoolArray:
-    """Mark the fewest entries (m,) that together have their share of the sum, and all that are as large.
+def largest_part(error: FloatArray) -> BoolArray:
+    """Mark the fewest entries (m,) that together hold their share of the sum, and all that are as large.
 
-    So the same path, followed backwards, has the same mesh.
+    Thus the same path, traversed backwards, has the same mesh.
     """
     falling = np.sort(error)[::-1]
     sums = np.cumsum(falling)
     least = falling[int(np.searchsorted(sums, _MARKED * sums[-1]))]
-    marked: BoolArray = (error >= least * (1.0 - _AS_LARGE)) & (error > 0.0)
-    return marked
+    return np.asarray((error >= least * (1.0 - _AS_LARGE)) & (error > 0.0), dtype=bool)
 
 
 def midpoints(s: FloatArray) -> FloatArray:
-    """Middles of the intervals between neighbours of s (n,). Shape (n - 1,)."""
-    half_way: FloatArray = (s[1:] + s[:-1]) / 2.0
-    return half_way
+    """Compute the midpoints between neighbours of s (n,). Shape (n - 1,)."""
+    return (s[1:] + s[:-1]) / 2.0

@@ -1,15 +1,15 @@
-"""The pose along a path and its derivatives by s, and a spline of controlled poses for those who work in pose space."""
+"""The pose along a path and its derivatives by s, and a spline of controlled poses for work in pose space."""
 
 import numpy as np
 from scipy.interpolate import BSpline
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
+from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.symbolic import closure_terms_function
 from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE, clamped_knots, fit
-from pipeline.route.metric import CONTROLLED
 
 _POSE = 6
 _MOST_COEFFICIENTS = 4_000
@@ -18,13 +18,13 @@ _MOST_COEFFICIENTS = 4_000
 def pose_derivatives(path: Path, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Compute the pose and its first three derivatives by s at s (n,), each (n, 6), by implicit differentiation.
 
-    With z = (p, q) and F(z(s)) = 0, and a number for every time a quantity is differentiated:
+    With z = (p, q), F(z(s)) = 0, and the order of differentiation by s as a number after each quantity:
     F_p p1 = -F_q q1, F_p p2 = -F_q q2 - F_zz[z1, z1], F_p p3 = -F_q q3 - 3 F_zz[z1, z2] - F_zzz[z1, z1, z1].
 
     Raises
     ------
     ForwardKinematicsError
-        Where the closure equations have no solution near the path's known poses.
+        If the closure equations have no solution near the path's known poses.
     """
     s = np.atleast_1d(np.asarray(s, dtype=float))
     terms = closure_terms_function(path.machine).map(len(s))
@@ -35,8 +35,7 @@ def pose_derivatives(path: Path, s: FloatArray) -> tuple[FloatArray, FloatArray,
 
     def solve(q_derivative: FloatArray, known: FloatArray) -> FloatArray:
         right = np.einsum("nij,nj->ni", by_q, q_derivative) + known
-        solution: FloatArray = -np.linalg.solve(by_pose, right[..., None])[..., 0]
-        return solution
+        return np.asarray(-np.linalg.solve(by_pose, right[..., None])[..., 0], dtype=float)
 
     first = solve(q1, np.zeros((len(s), _POSE)))
     along = np.column_stack([first, q1])
@@ -56,13 +55,13 @@ def kappa_along(path: Path, s: FloatArray) -> FloatArray:
 def pose_spline(path: Path, tolerance_m: float = 1e-5, tolerance_rad: float = 1e-5) -> BSpline:
     """Fit a quintic spline of controlled poses (x, y, z, rx, rz) over s that stays within the tolerances.
 
-    Coefficients (n, 5), doubled until it does; start and goal are met exactly. The working mode is not in it, and has
-    to be kept track of where it changes.
+    Coefficients (n, 5), doubled until it does; start and goal are met exactly. The spline does not hold the working
+    mode: whoever needs it has to keep track of its changes.
 
     Raises
     ------
     NoSolutionError
-        When the tolerance is not reached with any reasonable number of coefficients.
+        If no reasonable number of coefficients reaches the tolerances.
     """
     limits = np.array([tolerance_m] * 3 + [tolerance_rad] * 2)
     coefficients = 32
@@ -79,5 +78,5 @@ def pose_spline(path: Path, tolerance_m: float = 1e-5, tolerance_rad: float = 1e
         "refine",
         f"no spline of up to {_MOST_COEFFICIENTS} coefficients follows the pose within the tolerances; the last one is "
         f"off by {error[:3].max():.2e} m and {error[3:].max():.2e} rad",
-        "allow a larger tolerance",
+        "Allow a larger tolerance.",
     )

@@ -1,4 +1,4 @@
-"""What stage two makes: a path, a curve of actuator positions over s in [0, 1] with the pose it implies."""
+"""The result of stage two: a path, a curve of actuator positions over s in [0, 1] with the pose it implies."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class Path:
     spline : BSpline
         q(s) in metres, coefficients (n, 5), s in [0, 1]. Degree 1 for the coarse path.
     node_s, node_pose : (k,), (k, 6)
-        Poses known along the path; forward kinematics starts from them.
+        Known poses along the path, from which forward kinematics starts.
     """
 
     machine: Machine
@@ -31,17 +31,16 @@ class Path:
     node_pose: FloatArray
 
     def q(self, s: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Actuator positions (metres), or their derivative by s. Shape (..., 5)."""
-        values: FloatArray = self.spline(s, nu=derivative)
-        return values
+        """Evaluate actuator positions (metres), or their derivative by s. Shape (..., 5)."""
+        return np.asarray(self.spline(s, nu=derivative), dtype=float)
 
     def pose(self, s: FloatArray | float) -> FloatArray:
-        """Poses (x, y, z, rx, ry, rz) by forward kinematics. Shape (..., 6).
+        """Evaluate poses (x, y, z, rx, ry, rz) by forward kinematics. Shape (..., 6).
 
         Raises
         ------
         ForwardKinematicsError
-            Where the closure equations have no solution near the path's known poses.
+            If the closure equations have no solution near the path's known poses.
         """
         shape, s = np.shape(s), np.ravel(s)
         guess = CubicSpline(self.node_s, self.node_pose)(s) if self.spline.k > 1 else self._linear_guess(s)
@@ -54,26 +53,26 @@ class Path:
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """The refined path beside the coarse one it came from, and how it was found.
+    """The refined path, the coarse one that it came from, and how it was found.
 
     Attributes
     ----------
     path, coarse : Path
         The refined path; the route's steps joined by straight lines in actuator space.
     status : Status
-        CONVERGED when all constraints hold at the nodes and between them.
+        CONVERGED if all constraints hold at the nodes and between them.
     iterations : int
-        IPOPT iterations, summed over the rounds.
+        Iterations of IPOPT and steps of the sequential programs, over all meshes and rounds.
     rounds : int
-        Checks between the nodes; each further one had nodes added where the one before failed.
+        Checks between the nodes; before each further one, nodes were added where the one before failed.
     meshes : int
-        Meshes solved on, each finer than the one before, until they changed nothing.
+        Meshes solved on, each finer than the one before, until a finer one changed nothing.
     mesh_change : float or None
-        Relative change of the integral of kappa by the last finer mesh; None when no finer one was solved.
+        Relative change of what is minimised by the last finer mesh; None if there was none, or no path on it.
     nodes : int
-        Collocation nodes of the last solve.
+        Collocation nodes of the last mesh.
     surrogate_integral : float
-        The integral as the smooth surrogate saw it; the reported one is of the true kappa.
+        The integral of the smooth surrogate of kappa; the reported integral is of the true kappa.
     """
 
     path: Path

@@ -11,13 +11,13 @@ DEGREE = 5
 
 
 def clamped_knots(coefficients: int) -> FloatArray:
-    """Evenly spaced knots on [0, 1] for a clamped spline with that many coefficients."""
+    """Space knots evenly on [0, 1] for a clamped spline with that many coefficients. Shape (coefficients + 6,)."""
     inner = np.linspace(0.0, 1.0, coefficients - DEGREE + 1)
     return np.concatenate([np.zeros(DEGREE), inner, np.ones(DEGREE)])
 
 
 def basis(knots: FloatArray, s: FloatArray) -> csr_array:
-    """Values of all basis functions at s (k,): q(s) = basis @ coefficients. Shape (k, coefficients)."""
+    """Evaluate all basis functions at s (k,): q(s) = basis @ coefficients. Shape (k, coefficients)."""
     return csr_array(BSpline.design_matrix(s, knots, DEGREE))
 
 

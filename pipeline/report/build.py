@@ -1,20 +1,20 @@
-"""From the results of a run to all that its report shows: no files, no clocks, no HTML."""
+"""From the results of a run to the content of its report: no files, no clocks, no HTML."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck import KappaProfile
-from pipeline.certify.result import Bounds
 from pipeline.compare.blend import TOLERANCE_M, blended
 from pipeline.compare.criteria import MeasuredPath
 from pipeline.compare.metrics import compare_paths
 from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
-from pipeline.config import Config
+from pipeline.config import Config, RetimeConfig
 from pipeline.config.file import config_sha256, dump_config
 from pipeline.errors import NoSolutionError, PipelineError
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples, measure_path
-from pipeline.refine.result import Refinement
+from pipeline.refine.result import Path, Refinement
 from pipeline.report.data import Motion, Proof, Report, Table
 from pipeline.report.motion import build_motion, build_scene
 from pipeline.report.tables import bounds_table, build_proof, comparison_table, distances_table, workspace_part
@@ -23,21 +23,23 @@ from pipeline.retime.result import Trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
 
+Retime = Callable[[Config, RetimeConfig, Path], Trajectory]
+
 
 @dataclass(frozen=True, eq=False)
 class RunResults:
-    """What a run has made so far; None where it has not got there, or failed.
+    """What a run has made so far; None for stages that failed or have not been run.
 
     Attributes
     ----------
     facts : mapping
-        How every stage that was run ended.
+        How each stage that was run ended.
     versions : mapping
-        Of everything that has a say in the results.
+        Versions of everything that affects the results.
     refinement, samples
         Both paths, and dense samples of the coarse and the refined one.
     bounds, profile
-        What the certificate proves, and its bound of kappa box by box.
+        What the certificate proves, and its bound of kappa over each box.
     trajectory
         The refined path in time.
     """
@@ -53,8 +55,13 @@ class RunResults:
     trajectory: Trajectory | None = None
 
 
-def build_report(run: RunResults) -> Report:
-    """Collect everything, the coarse path timed like the refined one so that both can be looked at in motion.
+def build_report(run: RunResults, retime: Retime = retimed) -> Report:
+    """Collect everything, and time the coarse path like the refined one, so that both can be shown in motion.
+
+    Parameters
+    ----------
+    retime : function
+        Times a path with given settings, as `retimed` does.
 
     Raises
     ------
@@ -62,24 +69,24 @@ def build_report(run: RunResults) -> Report:
         Where a pose along a path cannot be found.
     """
     config, machine = run.config, run.machine
-    coarse = _drive_coarse(run)
+    coarse = _drive_coarse(run, retime)
     workspace, picture = workspace_part(machine)
-    retime = run.facts.get(Stage.RETIME)
+    timing = run.facts.get(Stage.RETIME)
     return Report(
         name=config.name,
         task=f"{config.task.start.mode} → {config.task.goal.mode}",
         headline=headline(run.facts),
         verdicts=verdicts(run.facts),
         stages=stage_rows(run.facts),
-        usage=() if retime is None or retime.failed else used_limits(retime.section),
+        usage=() if timing is None or timing.failed else used_limits(timing.section),
         config_yaml=dump_config(config),
         provenance=_provenance(run),
         scene=build_scene(machine),
-        comparison=_comparison(run, coarse),
+        comparison=_comparison(run, coarse, retime),
         workspace=workspace,
         workspace_picture=picture,
         bounds=None if run.bounds is None else bounds_table(config, machine, run.bounds),
-        distances=None if run.bounds is None else distances_table(machine, run.bounds),
+        distances=None if run.bounds is None else distances_table(config, machine, run.bounds),
         proof=_proof(run),
         motions=_motions(run, coarse),
         motion_note=_why_still(run.facts) if run.trajectory is None else coarse.note,
@@ -88,19 +95,19 @@ def build_report(run: RunResults) -> Report:
 
 @dataclass(frozen=True, eq=False)
 class _Driven:
-    """A path as it was driven, if it could be, and how, or why not."""
+    """A path in motion, if it can be timed; the note explains how, or why not."""
 
     note: str
     motion: Motion | None = None
     figures: MotionFigures | None = None
 
 
-def _drive_coarse(run: RunResults) -> _Driven:
-    """Drive the coarse path as a controller would; that it cannot be is no failure of the run."""
+def _drive_coarse(run: RunResults, retime: Retime) -> _Driven:
+    """Drive the coarse path as a controller would; if that is impossible, the run has not failed."""
     if run.refinement is None or run.trajectory is None:
         return _Driven("")
     try:
-        trajectory = retimed(run.config, common_retiming(run.config), blended(run.refinement.coarse))
+        trajectory = retime(run.config, common_retiming(run.config), blended(run.refinement.coarse))
         motion = build_motion(run.config, trajectory, "coarse")
     except PipelineError as error:
         reason = error.reason if isinstance(error, NoSolutionError) else str(error)
@@ -127,14 +134,14 @@ def _why_still(facts: Facts) -> str:
     return "There is no motion to show."
 
 
-def _comparison(run: RunResults, coarse: _Driven) -> Table | None:
-    """Compare the paths, and how they move where both can: both at full speed, without waiting at the ends."""
+def _comparison(run: RunResults, coarse: _Driven, retime: Retime) -> Table | None:
+    """Compare the paths, and their motions if there are both: at full speed, without waiting at the ends."""
     if run.samples is None:
         return None
     steps = step_sizes(run.config.route)
     refined = None
     if run.trajectory is not None and coarse.figures is not None:
-        refined = measure_motion(_at_full_speed(run.config, run.trajectory))
+        refined = measure_motion(_at_full_speed(run.config, run.trajectory, retime))
     before, after = (
         MeasuredPath(measure_path(samples, steps), motion)
         for samples, motion in zip(run.samples, (coarse.figures, refined), strict=True)
@@ -142,9 +149,9 @@ def _comparison(run: RunResults, coarse: _Driven) -> Table | None:
     return comparison_table(compare_paths(before, after))
 
 
-def _at_full_speed(config: Config, trajectory: Trajectory) -> Trajectory:
+def _at_full_speed(config: Config, trajectory: Trajectory, retime: Retime) -> Trajectory:
     common = common_retiming(config)
-    return trajectory if common == config.retime else retimed(config, common, trajectory.path)
+    return trajectory if common == config.retime else retime(config, common, trajectory.path)
 
 
 def _proof(run: RunResults) -> Proof | None:
@@ -154,6 +161,6 @@ def _proof(run: RunResults) -> Proof | None:
 
 
 def _provenance(run: RunResults) -> tuple[tuple[str, str], ...]:
-    """List versions, the hash of the configuration, and those of all files that stages have written."""
+    """List versions, the hash of the configuration, and the hashes of all files that stages have written."""
     files = [(name, digest) for facts in run.facts.values() if not facts.failed for name, digest in facts.files.items()]
     return (*run.versions.items(), ("configuration (SHA-256)", config_sha256(run.config)), *files)

@@ -1,4 +1,4 @@
-"""What a report shows, as plain data: made by `build`, written as a page by `page`."""
+"""The content of a report as plain data: built by `build`, rendered as a page by `page`."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -6,13 +6,13 @@ from typing import Literal
 from pipeline.arrays import FloatArray, IntArray
 
 Mood = Literal["good", "bad", "open"]
-"""What a statement means for the reader: all is well, something failed, or nothing was decided."""
+"""What a statement means for the reader: all is well, something failed, or nothing is decided."""
 MotionName = Literal["refined", "coarse"]
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A statement that people look for first: its topic, the answer in a word or number, and what stands behind it."""
+    """A key statement: its topic, the answer in a word or number, and the details."""
 
     topic: str
     answer: str
@@ -22,7 +22,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class StageRow:
-    """How a stage ended: its status, and its figures or its reason in words."""
+    """How a stage ended: its status, and its figures or the reason in words."""
 
     name: str
     status: str
@@ -33,7 +33,7 @@ class StageRow:
 
 @dataclass(frozen=True)
 class UsedLimit:
-    """The largest part of a limit that the motion uses, and whose it is."""
+    """The largest fraction of a limit that the motion uses, and what uses it."""
 
     kind: str
     subject: str
@@ -42,7 +42,7 @@ class UsedLimit:
 
 @dataclass(frozen=True)
 class Table:
-    """Text in cells under headings; columns `words` are text, all others numbers; `note` says how it came about."""
+    """Cells of text under headings; the columns `words` are text, all others numbers; `note` says how they arose."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -57,7 +57,7 @@ class KappaMaps:
     Attributes
     ----------
     t_s, modes : (k,), (k,)
-        The instants and the working modes then; each working mode of the motion is among them.
+        The instants, and the working modes there; every working mode of the motion is among them.
     y_m, z_m : (ny,), (nz,)
         Grid values.
     kappa : (k, nz, ny)
@@ -66,8 +66,8 @@ class KappaMaps:
         y and z along the curves det H = 0, a row of NaN between two curves.
     titles : k texts
         Working mode and tilt.
-    kappa_cap : float
-        Beyond it kappa is not told apart.
+    colour_limit : float
+        The kappa at which the colour scale ends.
     """
 
     t_s: FloatArray
@@ -77,17 +77,17 @@ class KappaMaps:
     kappa: FloatArray
     loops: tuple[FloatArray, ...]
     titles: tuple[str, ...]
-    kappa_cap: float
+    colour_limit: float
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The machine at n instants of a motion: what it does, and where its joints are.
+    """The machine at n instants of a motion, with the places of its joints.
 
     Attributes
     ----------
     name : str
-        Of which path.
+        The path it is along.
     t_s, kappa : (n,)
         Times, condition number of H.
     pose, q_m, qd_mps : (n, 6), (n, 5), (n, 5)
@@ -97,7 +97,7 @@ class Motion:
     feet_m, cart_joints_m, platform_joints_m : (n, 3, 3), (n, 6, 3), (n, 6, 3)
         Carts on their rails, both ends of every link.
     maps : KappaMaps
-        kappa around it.
+        kappa around the machine.
     """
 
     name: MotionName
@@ -115,7 +115,7 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What does not move, and what all motions are measured by.
+    """What does not move, and the limits that all motions have.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ class Proof:
     length, kappa : (m,), (m,)
         The samples.
     least_excess : float
-        By which part of a sample its bound is above it at least.
+        Least relative difference of a bound above a sample in its box.
     """
 
     edges: FloatArray
@@ -158,22 +158,22 @@ class Proof:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """Everything on the page; what a run has not got is empty or None.
+    """Everything on the page; empty or None for what a run does not have.
 
     Attributes
     ----------
     name, task : str
-        The run, and from where to where it goes.
+        The run, and its working modes at start and goal.
     headline : Verdict
-        How it ended, in one line.
+        The outcome, in one line.
     verdicts, stages, usage
         The summary.
     comparison, workspace, bounds, distances : Table or None
-        Coarse against refined; usable workspace; what the certificate proves, that of each pair of axes by itself.
+        Coarse against refined; usable workspace; what the certificate proves, also for each pair of axes.
     workspace_picture : str
         The workspace in 3-D, a PNG in base64.
     scene, motions
-        What is animated; `motion_note` says how the coarse motion came about, or why one is missing.
+        What is animated; `motion_note` explains how the coarse motion was made, or why a motion is missing.
     proof : Proof or None
         kappa and its bound.
     config_yaml : str

@@ -1,4 +1,4 @@
-"""The machine in motion: where its joints are at instants close enough for the eye, and kappa around it at fewer."""
+"""The machine in motion: its joints at 50 instants per second, and maps of kappa around it at fewer instants."""
 
 import math
 
@@ -10,17 +10,16 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
 from pipeline.machine.geometry import MODES, Machine, cart_joints, platform_arms
-from pipeline.machine.statics import condition_number, statics_matrix
+from pipeline.machine.pose import TILT_COLUMNS
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 from pipeline.report.data import KappaMaps, Motion, MotionName, Scene
 from pipeline.retime.result import Trajectory, TrajectorySamples
-from pipeline.retime.sampling import whole_periods
+from pipeline.retime.sampling import sample_at, whole_periods
 
 _FRAMES_PER_S = 50.0
 _FEWEST_FRAMES, _MOST_FRAMES = 100, 600
 _MAPS = 40
 _POINTS_Y, _POINTS_Z = 84, 68
-_TILTS = [3, 5]
 
 
 def build_scene(machine: Machine) -> Scene:
@@ -34,14 +33,13 @@ def build_scene(machine: Machine) -> Scene:
 
 
 def _platform_faces(machine: Machine) -> IntArray:
-    """Triangulate the hull of TCP and joints; points on one plane, or one line, are joggled so that there is a hull."""
+    """Triangulate the hull of TCP and joints; coplanar or collinear points are perturbed slightly to have one."""
     points = np.vstack([np.zeros(3), machine.platform_points_m])
-    faces: IntArray = ConvexHull(points, qhull_options="QJ").simplices
-    return faces
+    return np.asarray(ConvexHull(points, qhull_options="QJ").simplices)
 
 
 def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Motion:
-    """Look at a trajectory at evenly spaced instants; it lasts whole periods, as the controller drives it.
+    """Evaluate a trajectory at evenly spaced instants; its duration is whole periods, as the controller drives it.
 
     Raises
     ------
@@ -51,7 +49,8 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
     machine = trajectory.path.machine
     trajectory = whole_periods(trajectory, config.retime.period_s)
     frames = int(np.clip(math.ceil(trajectory.duration_s * _FRAMES_PER_S), _FEWEST_FRAMES, _MOST_FRAMES))
-    samples = _samples(trajectory, np.linspace(0.0, trajectory.duration_s, frames + 1))
+    t = np.linspace(0.0, trajectory.duration_s, frames + 1)
+    samples = sample_at(trajectory, t, float(t[1] - t[0]))
     carts = samples.q_m[:, :3]
     reach = reach_along_rails(machine, samples.pose, carts)
     modes = np.array([MODES.index(mode) for mode in mode_names(working_modes(reach))])
@@ -70,24 +69,10 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
     )
 
 
-def _samples(trajectory: Trajectory, t_s: FloatArray) -> TrajectorySamples:
-    """Evaluate a trajectory at any instants (n,)."""
-    q, pose = trajectory.q(t_s), trajectory.pose(t_s)
-    return TrajectorySamples(
-        period_s=float(t_s[1] - t_s[0]),
-        t_s=t_s,
-        q_m=q,
-        qd_mps=trajectory.q(t_s, 1),
-        qdd_mps2=trajectory.q(t_s, 2),
-        pose=pose,
-        kappa=condition_number(statics_matrix(trajectory.path.machine, pose, q[:, :3])),
-    )
-
-
 def _maps(config: Config, machine: Machine, samples: TrajectorySamples, modes: IntArray) -> KappaMaps:
-    """Map kappa at some instants; all maps show the same part of the plane."""
+    """Map kappa at some instants, all over the same part of the plane."""
     at = _instants(modes)
-    tilts = samples.pose[at][:, _TILTS]
+    tilts = samples.pose[at][:, TILT_COLUMNS]
     window = seen_window(config.route.grid, machine, tilts, modes[at], [samples.pose[:, 1:3]])
     y_m, z_m = _grid(window)
     maps = [
@@ -102,16 +87,15 @@ def _maps(config: Config, machine: Machine, samples: TrajectorySamples, modes: I
         kappa=np.stack([one.kappa for one in maps]),
         loops=tuple(singular_loops(one) for one in maps),
         titles=tuple(_title(tilt, int(mode)) for tilt, mode in zip(tilts, modes[at], strict=True)),
-        kappa_cap=config.route.kappa_max,
+        colour_limit=config.route.kappa_max,
     )
 
 
 def _instants(modes: IntArray) -> IntArray:
-    """Choose samples evenly, and both sides of every change of working mode: the map changes at once there."""
+    """Choose samples evenly, and on both sides of every change of working mode, where the map jumps."""
     evenly = np.linspace(0, len(modes) - 1, _MAPS).round().astype(np.int64)
     changes = np.flatnonzero(np.diff(modes))
-    instants: IntArray = np.unique(np.concatenate([evenly, changes, changes + 1]))
-    return instants
+    return np.unique(np.concatenate([evenly, changes, changes + 1]))
 
 
 def _grid(window: YzWindow) -> tuple[FloatArray, FloatArray]:
@@ -121,9 +105,9 @@ def _grid(window: YzWindow) -> tuple[FloatArray, FloatArray]:
 
 
 def singular_loops(a_map: KappaMap) -> FloatArray:
-    """Trace the curves det H = 0 of a map: y and z (m, 2), a row of NaN after every curve.
+    """Trace the curves det H = 0 of a map: y and z (m, 2), with a row of NaN after every curve.
 
-    Only cells wholly in reach count: signs that differ across a gap prove nothing.
+    Only cells completely in reach count: different signs on both sides of a gap prove nothing.
     """
     if not a_map.has_singularities:
         return np.empty((0, 2))

@@ -1,4 +1,4 @@
-"""A report as one HTML page that needs nothing else: styles, scripts, the drawing library and all numbers are in it."""
+"""A report as one self-contained HTML page: styles, scripts, the plotting library and all numbers are in it."""
 
 from functools import cache
 from importlib import resources
@@ -26,11 +26,11 @@ _SCRIPTS = (
     "player.js",
     "main.js",
 )
-"""In the order they are run: each uses what those before it define."""
+"""In the order in which they run: each uses what earlier ones define."""
 
 
 def render_page(report: Report) -> str:
-    """Write the page. All text of the report is escaped; only the package's own assets are taken as they are."""
+    """Render the page. All text of the report is escaped; only the assets of this package are inserted as they are."""
     return (
         _environment()
         .get_template(_TEMPLATE)
@@ -54,7 +54,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    # The refined motion comes first, and stays there.
+    # The refined motion comes first, and must stay there.
     environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
     return environment
 

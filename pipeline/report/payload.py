@@ -1,4 +1,4 @@
-"""The numbers of a report as the page's scripts read them: JSON, in which arrays are compact base64 text."""
+"""The numbers of a report for the scripts of the page: JSON, with arrays as base64."""
 
 import base64
 from typing import Any
@@ -14,7 +14,7 @@ from pipeline.machine.geometry import ACTUATORS, LINKS, MODES, TELESCOPES
 from pipeline.report.data import KappaMaps, Motion, Proof, Report, Scene
 
 OUT_OF_REACH = 0
-"""Level of a map where the machine cannot be."""
+"""Level of a map that is out of reach."""
 _LEVELS = 255
 _MAP_COLOURS = 9
 
@@ -36,11 +36,11 @@ COLOURS = {
     "actuators": [style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE],
     "map": [to_hex(mpl.colormaps["Blues"](part)) for part in np.linspace(0.0, 1.0, _MAP_COLOURS)],
 }
-"""Those of the figures; names as the scripts use them."""
+"""Colours of the figures, by the names in the scripts."""
 
 
 def payload(report: Report) -> dict[str, Any]:
-    """Arrange what the scripts draw; the rest of the report is in the page itself."""
+    """Collect what the scripts draw; the rest of the report is in the page itself."""
     return {
         "colours": COLOURS,
         "names": {
@@ -56,13 +56,13 @@ def payload(report: Report) -> dict[str, Any]:
 
 
 def packed(array: npt.NDArray[Any], kind: str = "float32") -> dict[str, Any]:
-    """Write an array of any shape as little-endian bytes of one kind, in base64."""
+    """Encode an array of any shape as little-endian bytes of one type, in base64."""
     data = np.ascontiguousarray(array, dtype=np.dtype(kind).newbyteorder("<"))
     return {"kind": kind, "shape": list(data.shape), "base64": base64.b64encode(data.tobytes()).decode()}
 
 
 def levels(kappa: FloatArray, least: float, largest: float) -> npt.NDArray[np.uint8]:
-    """Round kappa to levels 1 to 255, evenly on a logarithmic scale from least to largest; out of reach is 0."""
+    """Round kappa to levels 1 to 255, on a logarithmic scale from least to largest; 0 is out of reach."""
     scale = np.log(np.clip(kappa, least, largest) / least) / np.log(largest / least)
     rounded = 1.0 + np.rint(scale * (_LEVELS - 1))
     return np.where(np.isnan(kappa), OUT_OF_REACH, rounded).astype(np.uint8)
@@ -73,7 +73,7 @@ def _scene(scene: Scene) -> dict[str, Any]:
         "rails": scene.rails_m.tolist(),
         "platformFaces": scene.platform_faces.tolist(),
         "qLimits": scene.q_limits_m.tolist(),
-        # JSON knows no infinity: where there is no limit, there is no number.
+        # JSON has no infinity: null stands for no limit.
         "qdLimits": [limit if np.isfinite(limit) else None for limit in scene.qd_limits_mps.tolist()],
     }
 
@@ -108,10 +108,10 @@ def _maps(maps: KappaMaps) -> dict[str, Any]:
 
 
 def kappa_range(maps: KappaMaps) -> tuple[float, float]:
-    """Least kappa of all maps, and the largest that is told apart."""
+    """Compute the least kappa of all maps, and that at which the colour scale ends."""
     known = maps.kappa[np.isfinite(maps.kappa)]
     least = float(known.min()) if known.size else 1.0
-    return min(least, 0.5 * maps.kappa_cap), maps.kappa_cap
+    return min(least, 0.5 * maps.colour_limit), maps.colour_limit
 
 
 def _proof(proof: Proof) -> dict[str, Any]:

@@ -5,16 +5,16 @@ import io
 
 import numpy as np
 
+from pipeline.certify.bounds import Bounds
 from pipeline.certify.endpoints import TOLERANCE as END_TOLERANCE
 from pipeline.certify.recheck import KappaProfile
-from pipeline.certify.result import Bounds
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, table_cells
 from pipeline.config import Config
 from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.proof import boxes_of
-from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.limits import CertificateKey, Side, certificate_keys, proven_limits
+from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples
-from pipeline.refine.path_limits import kappa_cap, tilt_limits_deg
 from pipeline.report.data import Proof, Table
 from pipeline.route.metric import arc_length, step_sizes
 from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
@@ -28,7 +28,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def comparison_table(rows: list[ComparisonRow]) -> Table:
-    """Put coarse and refined beside each other, the better one named."""
+    """Tabulate coarse against refined, naming the better one."""
     cells = tuple((row[0], _unit(row[1]), *(cell.replace("-", "−") for cell in row[2:])) for row in table_cells(rows))
     return Table(TABLE_HEADER, cells, words=(0, 1, 6))
 
@@ -38,7 +38,7 @@ def _unit(text: str) -> str:
 
 
 def workspace_part(machine: Machine) -> tuple[Table, str]:
-    """Compute what every working mode can use without tilt, and all of them together; and draw it, a PNG in base64."""
+    """Tabulate the usable workspace of all working modes without tilt, and draw it (a PNG in base64)."""
     setting = WorkspaceSetting(step_m=_WORKSPACE_STEP_M)
     fine, coarse = at_two_steps(machine, setting)
     rows = workspace_rows(fine, coarse)
@@ -54,42 +54,58 @@ def workspace_part(machine: Machine) -> tuple[Table, str]:
 
 
 def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
-    """Put what is proven for every point of the path beside what is allowed."""
-    rows = [
-        ("κ", f"at most {bounds.kappa:.3f}", f"at most {kappa_cap(config):g}"),
-        ("sign of det H", f"{bounds.det_sign:+d} everywhere".replace("-", "−"), "never changes"),
-    ]
-    for name, bound, limits in zip(ACTUATORS, bounds.actuators_m, machine.actuator_limits_m, strict=True):
-        rows.append((name, f"{bound[0]:.4f} to {bound[1]:.4f} m", f"{limits[0]:g} to {limits[1]:g} m"))
-    tilts = zip(("|rx|", "|rz|"), np.rad2deg(bounds.tilt_rad), tilt_limits_deg(config), strict=True)
-    rows += [(name, f"at most {tilt:.2f}°", f"at most {limit:g}°") for name, tilt, limit in tilts]
-    if len(bounds.pairs):
-        rows.append(("least distance of axes", *_distance(machine, bounds, int(np.argmin(bounds.distances_m)))))
+    """Tabulate what is proven for every point of the path beside what is allowed; of all pairs only the nearest."""
+    rows = []
+    # Single values first, then ranges, largest and least values.
+    for key in sorted(_stated(bounds), key=lambda key: key.side.value if key.subjects != () else 0):
+        cells = _bound_rows(config, machine, bounds, key)
+        shown = cells[:1] if key.subjects is None else cells
+        rows += [(key.label.format(subject), *texts) for subject, *texts in shown]
     for name, miss in (("start", bounds.start_miss), ("goal", bounds.goal_miss)):
         rows.append((f"{name} missed by", f"at most {_power(miss)} m or rad", f"at most {_power(END_TOLERANCE)}"))
     return Table(("quantity", "proven for the whole path", "allowed"), tuple(rows), words=(0, 1, 2))
 
 
-def distances_table(machine: Machine, bounds: Bounds) -> Table:
-    """Put the proven distance of every pair of axes beside what is allowed, the nearest first."""
-    order = np.argsort(bounds.distances_m).tolist()
-    rows = tuple((bounds.pairs[i], *_distance(machine, bounds, i)) for i in order)
+def distances_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
+    """Tabulate the proven distance of every pair of axes beside what is allowed, the nearest first."""
+    pairs = [key for key in _stated(bounds) if key.subjects is None]
+    rows = tuple(row for key in pairs for row in _bound_rows(config, machine, bounds, key))
     return Table(("axes of", "proven for the whole path", "allowed"), rows, words=(0, 1, 2))
 
 
-def _distance(machine: Machine, bounds: Bounds, pair: int) -> tuple[str, str]:
-    least = machine.link_rail_m if "rail" in bounds.pairs[pair] else machine.link_link_m
-    return f"at least {bounds.distances_m[pair]:.5f} m", f"at least {least:g} m"
+def _stated(bounds: Bounds) -> list[CertificateKey]:
+    return [key for key in certificate_keys() if key.name in bounds.ranges]
+
+
+def _bound_rows(config: Config, machine: Machine, bounds: Bounds, key: CertificateKey) -> list[tuple[str, str, str]]:
+    """State subject, bounds and limits of all quantities of a key; if there are many, those with the least first."""
+    limits = [quantity for limit in proven_limits(config, machine) for quantity in limit.quantities]
+    allowed = {quantity.subject: quantity.allowed for quantity in limits if quantity.key == key}
+    ranges = bounds.ranges[key.name]
+    order = range(len(ranges.subjects)) if key.subjects is not None else np.argsort(ranges.values[:, 0]).tolist()
+    rows = [(ranges.subjects[i], ranges.values[i]) for i in order]
+    return [(subject, *_bound_texts(key, values.tolist(), allowed[subject])) for subject, values in rows]
+
+
+def _bound_texts(key: CertificateKey, proven: list[float], allowed: tuple[float, float]) -> tuple[str, str]:
+    """State what is proven and what is allowed."""
+    if key.side is Side.SIGN:
+        return f"{proven[0]:+.0f} everywhere".replace("-", "−"), "never changes"
+    unit = f" {key.unit}" if key.unit.isalpha() else key.unit
+    form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}", Side.LEAST: "at least {0}"}[key.side]
+    texts = ([format(value, spec) for value in pair] for pair, spec in ((proven, f".{key.decimals}f"), (allowed, "g")))
+    one, other = (form.format(*pair) + unit for pair in texts)
+    return one, other
 
 
 def _power(value: float) -> str:
-    """Write a very small number as people do: 1.1·10⁻¹¹."""
+    """Format a very small number as 1.1·10⁻¹¹."""
     mantissa, exponent = f"{value:.1e}".split("e")
     return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPT)}"
 
 
 def build_proof(config: Config, refined: PathSamples, profile: KappaProfile) -> Proof:
-    """Put the bound over each box above the sampled kappa; the curve is thinned, the comparison is of all samples."""
+    """Compare the bound over each box with the sampled kappa, at all samples; the curve to draw is thinned."""
     length = arc_length(refined.pose, step_sizes(config.route))
     shown = np.linspace(0, len(length) - 1, min(_PROOF_SAMPLES, len(length))).round().astype(np.int64)
     shown = np.unique(np.append(shown, np.argmax(refined.kappa)))

@@ -1,55 +1,57 @@
-"""What people look for first: how the run ended, what is proven, how good it is, and what of the limits is used."""
+"""The key statements of a report: how the run ended, what is proven, how good it is, and how much of limits is used."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
-from pipeline.retime.quantities import kind_named
+from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
-from pipeline.summary.wording import key_figures
 
 CERTIFIED, SKIPPED = "certified", "skipped"
 _ROUNDING = 1e-6
 _NOT_RUN = "not run"
 _SHOWN = tuple(stage for stage in Stage if stage is not Stage.FIGURES)
-"""The stages that are told of: the report is part of the last one."""
+"""The stages in the report, which is itself part of the last one."""
 
 
 @dataclass(frozen=True)
 class StageFacts:
-    """How a stage ended: whether it failed, its part of the summary, hashes of its files by name.
+    """How a stage ended: whether it failed, its part of the summary, hashes of its files by name, key figures in words.
 
-    Seconds are no part of it: the same results make the same report.
+    The page does not show seconds: the same results make the same report.
     """
 
     failed: bool
     section: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
+    words: str = ""
 
 
 Facts = Mapping[Stage, StageFacts]
 
 
 def headline(facts: Facts) -> Verdict:
-    """Say in one line what a reader may rely on."""
+    """State in one line what a reader can rely on."""
     topic = "Verdict"
     for stage in _SHOWN:
         if stage in facts and facts[stage].failed:
             if stage is Stage.CERTIFY:
-                return Verdict(topic, "Not certified", "The proof broke: the path must not be driven.", "bad")
+                return Verdict(topic, "Not certified", "The proof failed: do not drive this path.", "bad")
             return Verdict(topic, f"Failed at {stage}", _sentence(facts[stage].section.get("reason", "")), "bad")
     missing = [stage for stage in _SHOWN if stage not in facts]
     if missing:
-        return Verdict(topic, "Not complete", f"{missing[0].capitalize()} and what follows have not been run.", "open")
+        return Verdict(
+            topic, "Not complete", f"{missing[0].capitalize()} and the stages after it have not been run.", "open"
+        )
     if _verdict(facts) != CERTIFIED:
-        return Verdict(topic, "Not certified", "Sampled densely, but no proof was asked for.", "open")
+        return Verdict(topic, "Not certified", "Checked at dense samples, but no proof was requested.", "open")
     return Verdict(topic, "Certified", "One motion, proven free of singularities and within every limit.", "good")
 
 
 def verdicts(facts: Facts) -> tuple[Verdict, ...]:
-    """Answer the questions of whoever decides on the motion, one by one."""
-    tellers = (
+    """Answer the questions of whoever decides on the motion."""
+    statements = (
         (Stage.CERTIFY, _certificate),
         (Stage.ROUTE, _route),
         (Stage.REFINE, _path),
@@ -58,33 +60,33 @@ def verdicts(facts: Facts) -> tuple[Verdict, ...]:
         (Stage.RETIME, _limits),
         (Stage.CERTIFY, _tolerances),
     )
-    told = [tell(facts[stage].section) for stage, tell in tellers if stage in facts and not facts[stage].failed]
-    return (_run(facts), *told)
+    done = [state(facts[stage].section) for stage, state in statements if stage in facts and not facts[stage].failed]
+    return (_run(facts), *done)
 
 
 def stage_rows(facts: Facts) -> tuple[StageRow, ...]:
-    """Tell of every stage how it went; a failed one says why and what to change."""
+    """Report how each stage ended; for a failed one, why and what to change."""
     return tuple(_stage_row(stage, facts.get(stage)) for stage in _SHOWN)
 
 
 def used_limits(section: Mapping[str, Any]) -> tuple[UsedLimit, ...]:
-    """Pick from each kind of limit the subject that uses most of it."""
+    """Find, for each limited quantity, the subject that uses most of its limit."""
     used = []
     for name, parts in section.get("usage", {}).items():
         if not isinstance(parts, str):
-            kind = kind_named(name)
-            part, subject = max(zip(_numbers(parts), kind.subjects, strict=True))
-            used.append(UsedLimit(kind.words, subject, part))
+            quantity = quantity_named(name)
+            part, subject = max(zip(_numbers(parts), quantity.subjects, strict=True))
+            used.append(UsedLimit(quantity.words, subject, part))
     return tuple(used)
 
 
 def _sentence(text: str) -> str:
-    """Begin with a capital and end with a full stop, as statements do."""
+    """Capitalise the first letter, and end with a full stop."""
     return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
 
 
 def _numbers(parts: Sequence[float | None]) -> list[float]:
-    """Where a subject has no limit, it uses none of it."""
+    """Convert fractions to numbers; a subject without a limit uses none of it."""
     return [0.0 if part is None else float(part) for part in parts]
 
 
@@ -97,7 +99,7 @@ def _stage_row(stage: Stage, facts: StageFacts | None) -> StageRow:
         return StageRow(stage, "failed", "bad", reason, advice)
     status = str(section["status"])
     mood: Mood = "open" if status == SKIPPED else "good"
-    return StageRow(stage, status, mood, key_figures(stage, dict(section)))
+    return StageRow(stage, status, mood, facts.words)
 
 
 def _verdict(facts: Facts) -> str:
@@ -116,7 +118,7 @@ def _run(facts: Facts) -> Verdict:
 
 def _certificate(section: Mapping[str, Any]) -> Verdict:
     if section["verdict"] != CERTIFIED:
-        return Verdict("Certificate", str(section["verdict"]).capitalize(), "No proof was asked for.", "open")
+        return Verdict("Certificate", str(section["verdict"]).capitalize(), "No proof was requested.", "open")
     distance = section["min_distance_bound_m"]
     axes = "" if distance is None else f"; link axes at least {1e3 * distance:.1f} mm apart"
     detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{axes}."
@@ -158,7 +160,7 @@ def _duration(section: Mapping[str, Any]) -> Verdict:
 def _limits(section: Mapping[str, Any]) -> Verdict:
     used = used_limits(section)
     if not used:
-        return Verdict("Limits", "None", "Nothing that moves is limited.", "open")
+        return Verdict("Limits", "None", "Nothing in motion has a limit.", "open")
     most = max(used, key=lambda one: one.part)
     kept = most.part <= 1.0 + _ROUNDING
     detail = f"Most used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
@@ -168,6 +170,11 @@ def _limits(section: Mapping[str, Any]) -> Verdict:
 def _tolerances(section: Mapping[str, Any]) -> Verdict:
     lengths, coordinates = section.get("tolerance_m"), section.get("coordinates_tolerance_m")
     if lengths is None or coordinates is None:
-        return Verdict("Calibration", "Not searched", "certify --tolerance finds the errors the proof bears.", "open")
-    detail = f"Link lengths may be wrong by that much; every coordinate by ±{1e3 * coordinates:.3f} mm. Proven."
+        return Verdict(
+            "Calibration",
+            "Not searched",
+            "certify --tolerance finds the geometric errors that the proof allows.",
+            "open",
+        )
+    detail = f"Proven for link lengths off by this much, or every coordinate off by ±{1e3 * coordinates:.3f} mm."
     return Verdict("Calibration", f"±{1e3 * lengths:.2f} mm", detail, "good")

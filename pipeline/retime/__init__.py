@@ -1,15 +1,18 @@
-"""Stage three: the path in time, as fast as the limits of actuators, links and TCP allow."""
+"""Stage three: a path becomes a trajectory, as fast as the limits of actuators, links and TCP allow."""
 
 from pipeline.retime.holding_forces import require_ends_held, resting_forces
-from pipeline.retime.result import Quality, Trajectory, TrajectorySamples, slowed, stretched
-from pipeline.retime.retime import retime_path
-from pipeline.retime.reverse import time_reversed
-from pipeline.retime.sampling import sample_trajectory, whole_periods
+from pipeline.retime.quantities import QUANTITIES, Quantity
+from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples, slowed, stretched
+from pipeline.retime.retime import TimingOptions, retime_path
+from pipeline.retime.sampling import sample_at, sample_trajectory, whole_periods
 from pipeline.retime.usage import TrajectoryFigures, Usage, measure_trajectory, measure_usage, require_limits
-from pipeline.retime.way_back import way_back
+from pipeline.retime.way_back import time_reversed, way_back
 
 __all__ = [
-    "Quality",
+    "QUANTITIES",
+    "Quantity",
+    "TimingOptions",
+    "TimingReport",
     "Trajectory",
     "TrajectoryFigures",
     "TrajectorySamples",
@@ -20,6 +23,7 @@ __all__ = [
     "require_limits",
     "resting_forces",
     "retime_path",
+    "sample_at",
     "sample_trajectory",
     "slowed",
     "stretched",

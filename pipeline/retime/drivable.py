@@ -1,4 +1,4 @@
-"""What cannot be timed at all, refused before any planning: where it is, and which limit stands in the way."""
+"""Paths that cannot be timed at all: refused before any planning, with the place and the limit that prevents it."""
 
 import numpy as np
 
@@ -9,16 +9,16 @@ from pipeline.retime.holding_forces import pose_words
 from pipeline.retime.quantities import limits
 
 _LEAST_RELATIVE_SPEED = 0.05
-"""Least |q'(s)| over its mean. Where it is smaller the path velocity peaks too sharply for a law that is piecewise
-constant in its derivative: on lines of known duration and 1,000 grid points, 0.02 came out up to 80 % too slow and
-14 % above an acceleration limit."""
+"""Least |q'(s)| relative to its mean. Below, the path speed peaks too sharply for a piecewise constant path
+acceleration: on lines of known duration and 1,000 grid points, 0.02 came out up to 80 % too slow and 14 % above an
+acceleration limit."""
 _LEAST_TRAVEL_M = 1e-9
 _CHECK_POINTS = 20_001
-"""Values of s at which the path's speed is looked at."""
+"""Values of s at which the speed |q'(s)| is evaluated."""
 
 
 def require_smooth(path: Path) -> None:
-    """Refuse a spline whose second derivative jumps: at a corner it can only be driven by stopping.
+    """Refuse a spline whose first or second derivative jumps: it can only be driven by stopping there.
 
     Raises
     ------
@@ -38,12 +38,12 @@ def require_smooth(path: Path) -> None:
 
 
 def require_motion(path: Path) -> None:
-    """Refuse a path that does not move at all, that locked actuators would have to, or that nearly stops somewhere.
+    """Refuse a path that does not move, that needs a locked actuator, or that nearly stops somewhere.
 
     Raises
     ------
     NoSolutionError
-        With the place, and the limit where it is one.
+        With the place, and the limit if it is one.
     """
     s = np.linspace(0.0, 1.0, _CHECK_POINTS)
     travel = np.ptp(path.q(s), axis=0)
@@ -58,9 +58,9 @@ def require_motion(path: Path) -> None:
         place = float(s[np.argmax(np.abs(rates[:, locked]) > 1e-6 * np.abs(rates[:, locked]).max())])
         raise NoSolutionError(
             "retime",
-            f"{ACTUATORS[locked]} would have to move, and its velocity limit is 0 m/s, from s = {place:.4f} on, at "
-            f"{pose_words(path.pose(place))}",
-            "Raise machine.limits, or give the task a goal that is reached without this actuator.",
+            f"{ACTUATORS[locked]} has to move from s = {place:.4f} on, at {pose_words(path.pose(place))}, but its "
+            "velocity limit is 0 m/s",
+            "Raise machine.limits, or give the task a goal that does not need this actuator.",
             {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
         )
     speed = np.linalg.norm(rates / limits(path.machine)["velocity"], axis=1)
@@ -69,8 +69,8 @@ def require_motion(path: Path) -> None:
     if not relative[slowest] >= _LEAST_RELATIVE_SPEED:
         raise NoSolutionError(
             "retime",
-            f"the path nearly stops at s = {s[slowest]:.4f}: |q'(s)| falls to {relative[slowest]:.2%} of its mean, "
-            f"and at least {_LEAST_RELATIVE_SPEED:.0%} is needed for its timing to be right",
+            f"the path nearly stops at s = {s[slowest]:.4f}: |q'(s)| falls to {relative[slowest]:.2%} of its mean, but "
+            f"accurate timing needs at least {_LEAST_RELATIVE_SPEED:.0%}",
             "Refine with other refine.coefficients or refine.corridor_cells, so that s stays close to arc length.",
             {"s": float(s[slowest]), "relative_speed": float(relative[slowest])},
         )

@@ -1,4 +1,4 @@
-"""Whether forces suffice to hold the machine and to set it in motion at all, at its ends and along a path."""
+"""Check that forces suffice to hold the machine, and to set it in motion at all: at both ends and along a path."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,17 +9,27 @@ from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
 from pipeline.machine.dynamics import inverse_dynamics
 from pipeline.machine.geometry import Machine
-from pipeline.retime.path_dynamics import TermsTable
-from pipeline.retime.quantities import kind_named, limits
+from pipeline.retime.path_dynamics import PathDynamicsTable
+from pipeline.retime.quantities import at_rest, limits, quantity_named
 
 _CHECK_POINTS = 20_001
-"""Values of s at which forces are looked at."""
+"""Values of s at which forces are evaluated."""
 _LIGHTEN = "Raise machine.limits, lighten machine.dynamics (load_kg, platform)"
 
 
 @dataclass(frozen=True)
-class Shortage:
-    """A force that is too large: whose it is, which of the places, how many newtons, and the limit."""
+class ForceShortfall:
+    """A force above its limit.
+
+    Attributes
+    ----------
+    name : str
+        Name of the quantity: "force" of a drive or "link_force".
+    subject, row : int
+        Number of the drive or link, and of the place.
+    force_n, limit_n : float
+        The force needed and its limit, in newtons.
+    """
 
     name: str
     subject: int
@@ -28,16 +38,23 @@ class Shortage:
     limit_n: float
 
     def words(self, purpose: str, place: str) -> str:
-        """Tell it: what the force is needed for, and where."""
-        kind = kind_named(self.name)
+        """Describe it in words: what the force is needed for, and where."""
+        quantity = quantity_named(self.name)
         return (
-            f"{kind.subjects[self.subject]} needs {abs(self.force_n):.4g} N {purpose} {place}, "
-            f"{abs(self.force_n) / self.limit_n:.1%} of its {kind.words} limit of {self.limit_n:g} N"
+            f"{quantity.subjects[self.subject]} needs {abs(self.force_n):.4g} N {purpose} {place}, "
+            f"{abs(self.force_n) / self.limit_n:.1%} of its {quantity.words} limit of {self.limit_n:g} N"
         )
 
 
 def resting_forces(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> dict[str, FloatArray]:
-    """Forces that hold the machine against gravity at poses (n, 6) and cart positions (n, 3); none without masses.
+    """Compute the forces that hold the machine against gravity; none without masses.
+
+    Parameters
+    ----------
+    pose : (n, 6)
+        x, y, z, rx, ry, rz.
+    carts_m : (n, 3)
+        Positions of the carts there.
 
     Returns
     -------
@@ -51,8 +68,8 @@ def resting_forces(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> d
     return {"force": found.drive_n, "link_force": found.link_n}
 
 
-def shortage(machine: Machine, forces: Mapping[str, FloatArray]) -> Shortage | None:
-    """Find the force (n, subjects) that uses up most of its limit; None where all are below theirs."""
+def find_shortfall(machine: Machine, forces: Mapping[str, FloatArray]) -> ForceShortfall | None:
+    """Find the force (n, subjects) that exceeds its limit most; None where all are below their limits."""
     allowed = limits(machine)
     worst, most = None, 1.0
     for name, needed in forces.items():
@@ -60,14 +77,16 @@ def shortage(machine: Machine, forces: Mapping[str, FloatArray]) -> Shortage | N
         row, subject = np.unravel_index(np.argmax(fractions), fractions.shape)
         if fractions[row, subject] >= most:
             most = fractions[row, subject]
-            worst = Shortage(name, int(subject), int(row), float(needed[row, subject]), float(allowed[name][subject]))
+            worst = ForceShortfall(
+                name, int(subject), int(row), float(needed[row, subject]), float(allowed[name][subject])
+            )
     return worst
 
 
 def require_ends_held(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> None:
-    """Refuse a task whose start or goal gravity alone makes impossible, whatever the way between them.
+    """Refuse a task whose start or goal cannot be held against gravity, whatever the path in between.
 
-    Dry friction helps to hold: drives have to make up for what it leaves.
+    Dry friction helps to hold; drives supply the rest.
 
     Parameters
     ----------
@@ -79,7 +98,7 @@ def require_ends_held(machine: Machine, pose: FloatArray, carts_m: FloatArray) -
     Raises
     ------
     NoSolutionError
-        With the limit and the pose; no path can help there.
+        With the limit and the pose; no other path would help.
     """
     forces = resting_forces(machine, pose, carts_m)
     if machine.masses is None:
@@ -87,7 +106,7 @@ def require_ends_held(machine: Machine, pose: FloatArray, carts_m: FloatArray) -
     drives = forces["force"]
     forces["force"] = np.sign(drives) * np.maximum(np.abs(drives) - machine.masses.friction_n, 0.0)
     for row, end in enumerate(("start", "goal")):
-        found = shortage(machine, {name: part[row : row + 1] for name, part in forces.items()})
+        found = find_shortfall(machine, {name: part[row : row + 1] for name, part in forces.items()})
         if found is not None:
             raise NoSolutionError(
                 "retime",
@@ -97,28 +116,28 @@ def require_ends_held(machine: Machine, pose: FloatArray, carts_m: FloatArray) -
             )
 
 
-def require_standing(table: TermsTable, backwards: bool = False) -> None:
-    """Refuse a path somewhere on which gravity and dry friction alone take more force than there is.
+def require_standing(table: PathDynamicsTable, backwards: bool = False) -> None:
+    """Refuse a path on which gravity and dry friction alone exceed a force limit anywhere.
 
     Parameters
     ----------
     backwards : bool
-        The path is that of the way back: s is told along the way there.
+        The path is the way back: s is reported along the way there.
 
     Raises
     ------
     NoSolutionError
-        With the limit and the pose at which it is exceeded most.
+        With the limit, and the pose where it is exceeded most.
     """
     path, machine = table.path, table.path.machine
     ends = np.array([1.0, 0.0] if backwards else [0.0, 1.0])
     require_ends_held(machine, path.pose(ends), path.q(ends)[:, :3])
-    terms = table.at(np.linspace(0.0, 1.0, _CHECK_POINTS))
-    found = shortage(machine, terms.resting())
+    dynamics = table.at(np.linspace(0.0, 1.0, _CHECK_POINTS))
+    found = find_shortfall(machine, at_rest(dynamics))
     if found is None:
         return
-    held = found.name != "force" or terms.friction()[found.row, found.subject] == 0.0
-    there = float(terms.s[found.row])
+    held = found.name != "force" or dynamics.friction()[found.row, found.subject] == 0.0
+    there = float(dynamics.s[found.row])
     place = 1.0 - there if backwards else there
     purpose = "just to hold the machine" if held else "against gravity and dry friction alone, however slow it moves,"
     advice = "keep farther away from singularities with a smaller refine.kappa_max."
@@ -131,15 +150,15 @@ def require_standing(table: TermsTable, backwards: bool = False) -> None:
 
 
 def pose_words(pose: FloatArray) -> str:
-    """Name a pose (6,)."""
+    """Describe a pose (6,) in words."""
     x, y, z, rx, ry, rz = pose
     angles = ", ".join(f"{name} {np.rad2deg(value):.1f}" for name, value in (("rx", rx), ("ry", ry), ("rz", rz)))
     return f"the pose x {x:.3f}, y {y:.3f}, z {z:.3f} m, {angles} degrees"
 
 
-def _facts(found: Shortage, s: float) -> dict[str, object]:
+def _facts(found: ForceShortfall, s: float) -> dict[str, object]:
     return {
-        "actuator": kind_named(found.name).subjects[found.subject],
+        "actuator": quantity_named(found.name).subjects[found.subject],
         "limit": found.name,
         "force_n": found.force_n,
         "limit_n": found.limit_n,

@@ -1,14 +1,8 @@
-"""What a time law makes of a path: every limited quantity as a polynomial in the derivatives of s(t).
+"""A path and the machine's dynamics along it: derivatives of q(s), and coefficients of the forces in motion.
 
-At a place s, with sd, sdd, sddd for the derivatives of s by time and dashes for those by s:
-
-    velocity      q' sd
-    acceleration  q' sdd + q'' sd^2
-    jerk          q' sddd + 3 q'' sd sdd + q''' sd^3
-    force         a sdd + b sd^2 + c
-
-The last holds for drives and links alike, since their forces are gravity (and dry friction, against the direction of
-motion) and, for the rest, linear in accelerations and quadratic in velocities.
+Forces of drives and links are gravity (and dry friction, opposing the motion) plus a part that is linear in
+accelerations and quadratic in velocities. Along a path they are a sdd + b sd^2 + c, with sd and sdd the derivatives of
+s(t) by time.
 """
 
 from dataclasses import dataclass
@@ -24,25 +18,27 @@ from pipeline.refine.motion import pose_derivatives
 from pipeline.refine.result import Path
 
 TABLE_POINTS = 2_001
-"""Places at which kinematics and dynamics are evaluated."""
+"""Points of s at which kinematics and dynamics are evaluated."""
 _FORCES = ("tcp1", "tcp2", "a", "b", "c")
-"""What takes forward kinematics or dynamics to evaluate."""
+"""Fields that take forward kinematics or dynamics to evaluate."""
 _STILL, _STILL_M = 1e-9, 1e-12
-"""An actuator stands still where its |q'| is no more than this part of the largest, and this many metres."""
+"""An actuator stands still where its |q'| is at most this fraction of the largest plus this many metres."""
 
 
 @dataclass(frozen=True, eq=False)
-class Terms:
-    """A path at the places s (n,).
+class PathDynamics:
+    """A path and the machine's dynamics along it, at n places.
 
     Attributes
     ----------
+    s : (n,)
+        Path parameter.
     q1, q2, q3 : (n, 5)
         First three derivatives of the actuators' positions by s.
     tcp1, tcp2 : (n, 3)
-        First two derivatives of the TCP's position by s; no columns where nothing asks for them.
+        First two derivatives of the TCP's position by s; no columns where no limit needs them.
     a, b, c : (n, 11)
-        Coefficients of the forces of drives and links, without friction; no columns where the machine has no masses.
+        Coefficients of the forces of drives (5) and links (6), without friction; no columns without masses.
     """
 
     machine: Machine
@@ -56,86 +52,57 @@ class Terms:
     b: FloatArray
     c: FloatArray
 
-    def values(self, sd: FloatArray, sdd: FloatArray, sddd: FloatArray) -> dict[str, FloatArray]:
-        """Every quantity for derivatives of s (n,) at these places, (n, subjects) each, by the names in `limits`.
-
-        Quantities of the TCP are magnitudes, all others have a sign; forces are there with masses only, the TCP's
-        with masses or limits of its own. A machine that stands has no friction to overcome.
-        """
-        v, w, j = sd[:, None], sdd[:, None], sddd[:, None]
-        found = {
-            "velocity": self.q1 * v,
-            "acceleration": self.q1 * w + self.q2 * v**2,
-            "jerk": self.q1 * j + 3.0 * self.q2 * v * w + self.q3 * v**3,
-        }
-        if self.tcp1.size:
-            found["tcp_speed"] = np.linalg.norm(self.tcp1 * v, axis=1, keepdims=True)
-            found["tcp_acceleration"] = np.linalg.norm(self.tcp1 * w + self.tcp2 * v**2, axis=1, keepdims=True)
-        if self.machine.masses is not None:
-            force = self.a * w + self.b * v**2 + self.c
-            moving = (v != 0.0) | (w != 0.0)
-            found["force"], found["link_force"] = force[:, :5] + self.friction() * moving, force[:, 5:]
-        return found
-
-    def resting(self) -> dict[str, FloatArray]:
-        """Forces just to hold the machine, and to overcome dry friction while s begins to grow; none without masses."""
-        if self.machine.masses is None:
-            return {}
-        return {"force": self.c[:, :5] + self.friction(), "link_force": self.c[:, 5:]}
-
     def friction(self) -> FloatArray:
-        """Force of the drives against dry friction while s grows: sign(q') times theirs. Shape (n, 5).
+        """Compute the drive forces that overcome dry friction while s grows, sign(q') F. Shape (n, 5).
 
-        What rounding leaves of the q' of an actuator that stands still has no sign.
+        Actuators that stand still have none: the sign of their q' is only rounding.
         """
         masses, speed = self.machine.masses, np.abs(self.q1)
         if masses is None:
             return np.zeros_like(self.q1)
         moves = speed > _STILL * speed.max(axis=1, keepdims=True) + _STILL_M
-        against: FloatArray = np.sign(self.q1) * moves * masses.friction_n
-        return against
+        return np.asarray(np.sign(self.q1) * moves * masses.friction_n)
 
 
 @dataclass(frozen=True, eq=False)
-class TermsTable:
-    """Terms on a grid, from which those anywhere between follow.
+class PathDynamicsTable:
+    """Path dynamics on a grid, interpolated in between.
 
-    The derivatives of q are the spline's own everywhere; what takes kinematics and dynamics is interpolated by cubic
-    splines, so that these are evaluated on the grid and never again.
+    The derivatives of q are exact everywhere; kinematics and dynamics are evaluated on the grid only, and interpolated
+    by cubic splines.
     """
 
     path: Path
-    grid: Terms
+    grid: PathDynamics
     between: CubicSpline | None
 
-    def at(self, s: FloatArray) -> Terms:
-        """Terms at s (n,)."""
+    def at(self, s: FloatArray) -> PathDynamics:
+        """Evaluate at s (n,)."""
         widths = [getattr(self.grid, name).shape[1] for name in _FORCES]
         values = np.zeros((len(s), 0)) if self.between is None else self.between(s)
         parts = np.split(values, np.cumsum(widths)[:-1], axis=1)
-        return Terms(self.path.machine, s, *_derivatives(self.path, s), *parts)
+        return PathDynamics(self.path.machine, s, *_derivatives(self.path, s), *parts)
 
 
 def grid(points: int) -> FloatArray:
-    """Points of s in [0, 1], dense at both ends (cosine spacing): there s moves slowly, and even cells take long."""
-    s: FloatArray = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, points)))
-    return s
+    """Space points in [0, 1] by cosines, densely at both ends, where s moves slowly and even cells would last long."""
+    return np.asarray(0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, points))))
 
 
-def terms_table(path: Path, s: FloatArray) -> TermsTable:
-    """Evaluate path and dynamics on the grid s (n,), ascending from 0 to 1."""
-    evaluated = path_terms(path, s)
+def tabulate_dynamics(path: Path, s: FloatArray) -> PathDynamicsTable:
+    """Tabulate path dynamics on a grid s (n,), ascending from 0 to 1."""
+    evaluated = evaluate_dynamics(path, s)
     columns = np.concatenate([getattr(evaluated, name) for name in _FORCES], axis=1)
-    return TermsTable(path, evaluated, CubicSpline(s, columns) if columns.size else None)
+    return PathDynamicsTable(path, evaluated, CubicSpline(s, columns) if columns.size else None)
 
 
 @lru_cache(maxsize=4)
-def table_of(path: Path, points: int) -> TermsTable:
-    """Evaluate path and dynamics on a grid of so many points; the last paths' tables are kept."""
-    return terms_table(path, grid(points))
+def dynamics_table(path: Path, points: int) -> PathDynamicsTable:
+    """Tabulate path dynamics on a cosine grid of this many points; the tables of the last paths are kept."""
+    return tabulate_dynamics(path, grid(points))
 
 
-def path_terms(path: Path, s: FloatArray) -> Terms:
+def evaluate_dynamics(path: Path, s: FloatArray) -> PathDynamics:
     """Evaluate a path, and the machine's dynamics along it, at s (n,).
 
     Raises
@@ -160,11 +127,11 @@ def path_terms(path: Path, s: FloatArray) -> Terms:
         c = forces(still, still, carts_still)
         a = forces(still, first, q1[:, :3]) - c
         b = forces(first, second, q2[:, :3]) - c
-    return Terms(machine, s, q1, q2, q3, tcp1, tcp2, a, b, c)
+    return PathDynamics(machine, s, q1, q2, q3, tcp1, tcp2, a, b, c)
 
 
 def needs_kinematics(machine: Machine) -> bool:
-    """Tell whether limits are of more than the actuators' own motion: of forces or of the TCP."""
+    """Check whether limits need more than the actuators' own motion: forces, or the motion of the TCP."""
     return machine.masses is not None or bool(np.isfinite([machine.tcp_speed_mps, machine.tcp_acceleration_mps2]).any())
 
 

@@ -1,4 +1,4 @@
-"""What stage three makes: a trajectory, the path with a law that says where on it the machine is when."""
+"""Results of stage three: a trajectory, which is a path and its time law s(t), and its samples."""
 
 from dataclasses import dataclass, replace
 
@@ -9,11 +9,11 @@ from pipeline.arrays import FloatArray
 from pipeline.refine.result import Path
 
 _ROUNDING = 1e-14
-"""Part of the motion's duration that is rounding: this near its end, it has ended."""
+"""Part of the motion's duration that is rounding: this close to its end, the motion is over."""
 
 
 @dataclass(frozen=True)
-class Quality:
+class TimingReport:
     """How good a time law is, and how it was found.
 
     Attributes
@@ -21,15 +21,15 @@ class Quality:
     jerk_limited : bool
         Jerk was limited, too; otherwise accelerations jump.
     fastest_s : float
-        Duration of the fastest law under all limits but those of jerk.
+        Shortest duration under all limits but those of jerk.
     bound_s : float
         Lower bound on that duration, from an independent convex problem.
     motion_s : float
-        Duration of the law as it was found, before it was scaled and fitted to the period.
+        Duration of the time law as it was found, before it was slowed down and fitted to the period.
     grid_points : int
         Points of the planner's last grid.
     pieces, rounds, iterations : int
-        Pieces of the law with limited jerk, programs solved for it, and their iterations; zero without.
+        Pieces of the time law with limited jerk, programs solved for it, and their iterations; zero without.
     """
 
     jerk_limited: bool
@@ -43,12 +43,12 @@ class Quality:
 
     @property
     def gap(self) -> float:
-        """How much of the duration without jerk limits the bound leaves open."""
+        """Part of the duration without jerk limits that the bound leaves open."""
         return 1.0 - self.bound_s / self.fastest_s
 
     @property
     def jerk_cost(self) -> float:
-        """How much longer the motion is for its limited jerk, as a part of the fastest."""
+        """Part by which limited jerk makes the motion longer than the fastest one."""
         return self.motion_s / self.fastest_s - 1.0
 
 
@@ -59,26 +59,26 @@ class Trajectory:
     Attributes
     ----------
     path : Path
-        The curve of actuator positions that is driven.
+        The curve in actuator space.
     time_law : PPoly
-        s(t) from when the motion begins: piecewise polynomial, so that it is exact and needs no integration. Of the
-        second degree where accelerations jump between pieces, of the fourth where jerk is continuous.
+        s(t) from the beginning of the motion: piecewise polynomial, so that it is exact and needs no integration. Of
+        degree two where accelerations jump between pieces, of degree four where jerk is continuous.
     dwell_s : (float, float)
-        How long the machine stays at the start before the motion, and at the goal after it.
-    quality : Quality or None
-        How the law was found; None when that is not known.
+        How long the machine waits at the start before the motion, and at the goal after it.
+    timing : TimingReport or None
+        How the time law was found; None when that is not known.
     """
 
     path: Path
     time_law: PPoly
     dwell_s: tuple[float, float] = (0.0, 0.0)
-    quality: Quality | None = None
+    timing: TimingReport | None = None
 
     @classmethod
     def from_breakpoints(
         cls, path: Path, t_s: FloatArray, s: FloatArray, sd: FloatArray, sdd: FloatArray
     ) -> "Trajectory":
-        """Build the trajectory from times, s, path velocities and the path accelerations that follow. Shapes (n,)."""
+        """Build a trajectory from times, s, path speeds and the path accelerations that follow them. Shapes (n,)."""
         return cls(path, PPoly(np.stack([sdd[:-1] / 2.0, sd[:-1], s[:-1]]), t_s))
 
     @property
@@ -88,29 +88,29 @@ class Trajectory:
 
     @property
     def duration_s(self) -> float:
-        """Time from rest at the start to rest at the goal, what is waited there included."""
+        """Time from rest at the start to rest at the goal, waiting at both ends included."""
         return self.dwell_s[0] + self.motion_s + self.dwell_s[1]
 
     @property
     def jerk_jumps(self) -> bool:
-        """Accelerations jump between pieces, so that jerk has no limit."""
+        """True when accelerations jump between pieces, so that jerk is unbounded."""
         return bool(self.time_law.c.shape[0] < 4)
 
     def s(self, t_s: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Path parameter at times t, or its derivative by time; what jumps is taken from the right."""
+        """Evaluate s(t) or a derivative by time; where it jumps, the value after the jump."""
         t = np.asarray(t_s, dtype=float) - self.dwell_s[0]
         moving = (t >= 0.0) & (t < self.motion_s * (1.0 - _ROUNDING))
         value = self.time_law(t, nu=derivative)
         if derivative > 0:
             return np.where(moving, value, 0.0)
-        # Rounding in a piece must not carry s past the ends of the path.
+        # Rounding must not carry s past the ends of the path.
         return np.where(moving, np.clip(value, 0.0, 1.0), np.where(t < 0.0, 0.0, 1.0))
 
     def q(self, t_s: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Actuator positions, velocities, accelerations or jerks (metres, seconds) at times t. Shape (..., 5).
+        """Evaluate actuator positions, velocities, accelerations or jerks (metres, seconds) at times t. Shape (..., 5).
 
-        By the chain rule: q, q' sd, q'' sd^2 + q' sdd, q''' sd^3 + 3 q'' sd sdd + q' sddd. What jumps at breakpoints is
-        taken from the right: what follows from that instant on; zero at the end, where the machine stays.
+        By the chain rule: q, q' sd, q'' sd^2 + q' sdd, q''' sd^3 + 3 q'' sd sdd + q' sddd. Where they jump, the value
+        is that after the jump; at the end, where the machine stays, it is zero.
 
         Raises
         ------
@@ -132,7 +132,7 @@ class Trajectory:
         return self.path.q(s, 3) * sd**3 + 3.0 * self.path.q(s, 2) * sd * sdd + self.path.q(s, 1) * sddd
 
     def pose(self, t_s: FloatArray | float) -> FloatArray:
-        """Poses (x, y, z, rx, ry, rz) at times t (n,). Shape (n, 6).
+        """Evaluate poses (x, y, z, rx, ry, rz) at times t (n,). Shape (n, 6).
 
         Raises
         ------
@@ -143,35 +143,35 @@ class Trajectory:
 
 
 def stretched(trajectory: Trajectory, duration_s: float) -> Trajectory:
-    """Drive the same path in another time, what is waited at its ends being as it was.
+    """Drive the same path in another time, with the waiting times unchanged.
 
-    With f = new motion / old, velocities shrink by f, accelerations by f^2, jerks by f^3, and forces come nearer to
-    those at rest.
+    With f = new motion / old, velocities are divided by f, accelerations by f^2 and jerks by f^3; forces approach those
+    at rest.
 
     Raises
     ------
     ValueError
-        When nothing is left for the motion.
+        When no time is left for the motion.
     """
     motion = duration_s - sum(trajectory.dwell_s)
     if not motion > 0.0:
         raise ValueError(f"a trajectory cannot last {duration_s:g} s")
     factor = motion / trajectory.motion_s
-    law = trajectory.time_law
-    t = law.x * factor
+    time_law = trajectory.time_law
+    t = time_law.x * factor
     t[-1] = motion
-    powers = np.arange(len(law.c) - 1, -1, -1)
-    return replace(trajectory, time_law=PPoly(law.c / factor ** powers[:, None], t))
+    powers = np.arange(len(time_law.c) - 1, -1, -1)
+    return replace(trajectory, time_law=PPoly(time_law.c / factor ** powers[:, None], t))
 
 
 def slowed(trajectory: Trajectory, speed: float) -> Trajectory:
-    """Drive at a part of the speed (0 to 1), dwelling as long as before."""
+    """Drive at a fraction of the speed (above 0, at most 1), with the waiting times unchanged."""
     return stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s / speed)
 
 
 @dataclass(frozen=True, eq=False)
 class TrajectorySamples:
-    """A trajectory once per period: row k is at k times the period, the last row is the goal at rest.
+    """A trajectory sampled once per period: row k is at k times the period, the last row is the goal at rest.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ class TrajectorySamples:
     t_s : (n,)
         Time since the start.
     q_m, qd_mps, qdd_mps2 : (n, 5)
-        Actuator positions, velocities and the accelerations that follow from that instant on.
+        Actuator positions, velocities, and the accelerations from that instant on.
     pose : (n, 6)
         x, y, z, rx, ry, rz by forward kinematics.
     kappa : (n,)

@@ -1,7 +1,7 @@
 """The metric of the route: controlled poses divided by the largest move per step.
 
-In it a step of the route is at most one long in every coordinate, so that the integral of kappa along a
-path compares with the sum (5) of a route.
+In it a step of the route is at most one long in every coordinate, which makes the integral of kappa along a
+path comparable to the sum (5) of a route.
 """
 
 import numpy as np
@@ -9,8 +9,11 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.config import RouteConfig
 
+ROUNDING = 1e-9
+"""Differences up to this count as rounding: absolute in steps, metres, radians and kappa, relative in sums of kappa."""
+
 CONTROLLED = np.array([0, 1, 2, 3, 5])
-"""Where x, y, z, rx, rz stand in a pose (x, y, z, rx, ry, rz)."""
+"""Indices of x, y, z, rx, rz in a pose (x, y, z, rx, ry, rz)."""
 
 
 def step_sizes(config: RouteConfig) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What stage one makes: a route, and the figures that say how good it is and how it was found."""
+"""The result of stage one: a route, and the figures that say how good it is and how it was found."""
 
 from dataclasses import dataclass
 
@@ -18,21 +18,21 @@ class Search:
     solver : str
         Name and version of the mixed-integer solver.
     bound, gap : float
-        Proven lower bound on (5) and the relative distance of the objective to it.
+        Proven lower bound on (5), and the relative distance of the objective to it.
     relaxation : float
         Cost of the shortest path when x and the step budget are left out.
     threshold : float
-        Cost below which every route was in the last core; the proof needs objective <= threshold.
+        The last core held every route of at most this cost; the proof needs objective <= threshold.
     core_regions, core_columns : int
         Size of the last core: regions, and columns of the mixed-integer program.
     moves : int
-        Admitted moves between regions.
+        Number of admitted moves between regions.
     rounds : int
-        How often the problem was solved.
+        Number of times the problem was solved.
     followed_moves : int
-        Moves followed continuously: all of the cores, before they were solved.
+        Number of moves followed continuously: all those of a core before it was solved.
     forbidden_moves : int
-        Moves found inadmissible when followed continuously.
+        Number of moves that were inadmissible when followed continuously.
     """
 
     solver: str
@@ -59,7 +59,7 @@ class Route:
     modes, gates : (n,)
         Working mode (0 to 7); arm (1 to 3) whose gate the region is, 0 for none.
     visits : (n,)
-        Which entry of `task.visit` is visited there, counted from 1; 0 for none.
+        Entry of `task.visit` that is visited there, counted from 1; 0 for none.
     pose : (n, 6)
         x, y, z, rx, ry, rz.
     q_m : (n, 5)
@@ -100,6 +100,6 @@ class Route:
 
     @property
     def mode_changes(self) -> int:
-        """How many arms change their working mode along the route, counted each time."""
+        """Number of changes of an arm's working mode along the route."""
         changed = np.bitwise_xor(self.modes[1:], self.modes[:-1])
         return int(sum(int(bits).bit_count() for bits in changed))

@@ -1,44 +1,34 @@
-"""Why a route does not exist: computed when the search has proven it, told in words, kept as numbers and a picture."""
+"""Why there is no route: computed once that is proven, as text, as numbers and as a picture."""
 
 import time
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from pipeline.errors import NoSolutionError, PipelineError
-from pipeline.progress import Progress
-from pipeline.run.stages import Results
-from pipeline.stage import Stage
-from pipeline.status import Status
+from pipeline.progress import Monitor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pipeline.route.diagnosis.result import InfeasibilityReport
+    from pipeline.run.results import Results
 
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """What is known of a missing route: for the terminal, for the file of the failure, and to look at."""
+    """Why there is no route: for the terminal, for the file of the failure, and as a picture."""
 
     note: str
     facts: dict[str, Any]
     picture: "Figure"
 
 
-def can_diagnose(stage: Stage, error: PipelineError) -> bool:
-    """Tell whether a failure is a proof that no route exists, and not a limit of time, or of other routes."""
-    if stage is not Stage.ROUTE or not isinstance(error, NoSolutionError):
-        return False
-    return error.diagnosis.get("status") == Status.INFEASIBLE and not error.diagnosis.get("routes")
-
-
-def diagnose(results: Results, progress: Progress) -> Diagnosis:
+def diagnose(results: "Results", monitor: Monitor) -> Diagnosis:
     """Find out how far each limit has to give, one at a time, and draw what can be reached."""
     from pipeline.figures.maps.reach import reach_figure
     from pipeline.route.diagnosis.search import explain_infeasibility
 
     began = time.perf_counter()
-    found = explain_infeasibility(results.config, results.machine, results.regions, progress)
+    found = explain_infeasibility(results.config, results.machine, results.regions, monitor)
     picture = reach_figure(results.config, results.regions, found.from_start, found.to_goal)
     reach = found.reach(results.regions)
     facts = {
@@ -51,8 +41,8 @@ def diagnose(results: Results, progress: Progress) -> Diagnosis:
 
 
 def _note(found: "InfeasibilityReport", reach: str) -> str:
-    """Tell everything in lines, what opens a route first."""
+    """Write everything in lines, first the changes that open a route."""
     opening = [finding.sentence for finding in found.opening]
     others = [finding.sentence for finding in found.findings if finding not in found.opening]
-    lines = [f"Reach: {reach}", *found.remarks, "One limit at a time, all else as configured:"]
+    lines = [f"Reach: {reach}", *found.remarks, "One limit at a time, everything else as configured:"]
     return "\n    ".join(["Why not:", *lines, *(f"- {sentence}" for sentence in opening + others)])

@@ -1,4 +1,4 @@
-"""Results of a run that is over, for commands that look at them."""
+"""The results of a finished run, for commands that evaluate them."""
 
 from pathlib import Path
 
@@ -7,19 +7,19 @@ from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import build_machine
-from pipeline.run.stages import Results
+from pipeline.run.results import Results
 from pipeline.stage import Stage
 
 
 def open_results(folder: Path | str, *stages: Stage) -> Results:
-    """Open the results of a run, of which those of `stages` are needed and must be as they were written.
+    """Open the results of a run; those of `stages` must exist, with files as they were written.
 
-    Those of other stages are loaded when first asked for, unchecked; a FileNotFoundError where there are none.
+    Those of other stages are loaded when first used, unchecked; a FileNotFoundError if there are none.
 
     Raises
     ------
     UsageError
-        When the folder holds no run, or one of the stages has no result there.
+        When the folder is not a run folder, or one of the stages has no result there.
     """
     folder = Path(folder)
     config, state = read_run_folder(folder)
@@ -36,7 +36,7 @@ def open_results(folder: Path | str, *stages: Stage) -> Results:
 
 
 def refuse_damage(folder: Path, record: Record) -> None:
-    """Insist that the files of a stage are as they were written.
+    """Require that the files of a stage are as they were written.
 
     Raises
     ------
@@ -46,17 +46,17 @@ def refuse_damage(folder: Path, record: Record) -> None:
     if damage := record.damage(folder):
         raise UsageError(
             f"{folder} has files that were removed or changed after the run: {', '.join(damage)}.\n"
-            "  What to change: run the pipeline again; it makes what is damaged anew."
+            "  What to change: run the pipeline again; it makes damaged results again."
         )
 
 
 def with_retime(config: Config, period_s: float | None = None, speed: float | None = None) -> Config:
-    """Put another sampling period or another part of the speed into a configuration; None leaves them.
+    """Give the configuration with another sampling period or another part of the speed; None changes nothing.
 
     Raises
     ------
     ConfigError
-        When they are not within what the configuration allows.
+        When the configuration does not allow them.
     """
     given = {"period_s": period_s, "speed": speed}
     changes = {key: value for key, value in given.items() if value is not None}

@@ -1,4 +1,4 @@
-"""How a run tells what it is doing, without knowing who listens."""
+"""How a run reports what it is doing, without knowing who listens."""
 
 from typing import Protocol
 
@@ -7,21 +7,21 @@ from pipeline.stage import Stage
 
 
 class Reporter(Protocol):
-    """Told when a stage begins and ends."""
+    """Is notified when stages begin and end."""
 
     def begin(self, stage: Stage) -> Progress:
-        """A stage starts working; what it has to say while it does goes to the function returned."""
+        """Note that a stage begins; the function returned receives its progress messages."""
 
     def end(self, stage: Stage, outcome: str, seconds: float) -> None:
-        """Take note of a stage that is "done", "failed", or "unchanged" and was not run."""
+        """Note that a stage is "done" or "failed", or "unchanged" and was not run."""
 
 
 class Quiet:
-    """Listens to nothing: the default."""
+    """Reports nothing: the default."""
 
     def begin(self, stage: Stage) -> Progress:
-        """Give the stage nobody to talk to."""
+        """Ignore the progress messages."""
         return silent
 
     def end(self, stage: Stage, outcome: str, seconds: float) -> None:
-        """Take no note."""
+        """Ignore the outcome."""

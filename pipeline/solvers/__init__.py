@@ -1,6 +1,5 @@
-"""Running solvers that more than one stage uses."""
+"""The solvers, one module each, and what Ctrl-C does to them: no stage talks to one directly."""
 
-from pipeline.solvers.interrupts import interrupts_noted
-from pipeline.solvers.ipopt import Iteration, run_ipopt
+import lazy_loader
 
-__all__ = ["Iteration", "interrupts_noted", "run_ipopt"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

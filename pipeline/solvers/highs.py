@@ -1,14 +1,14 @@
-"""Running HiGHS: options, progress, interruption, and one vocabulary for how it ended."""
+"""HiGHS: linear, convex quadratic and mixed-integer programs, and one vocabulary for how a solve ended."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import highspy
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array
 
 from pipeline.arrays import BoolArray, FloatArray
-from pipeline.progress import Progress
+from pipeline.progress import QUIET, Monitor, Progress
 from pipeline.status import Status
 
 _STATUS = {
@@ -19,8 +19,42 @@ _STATUS = {
 
 
 @dataclass(frozen=True, eq=False)
+class LinearProgram:
+    """Minimise cost . x + x . hessian x / 2 with low <= matrix x <= high, bounds on x, and some x integer.
+
+    Attributes
+    ----------
+    matrix : (m, n) sparse, by columns
+    cost : (n,)
+    column_bounds, row_bounds : pair of (n,), pair of (m,)
+        Least and largest; infinite where there is no limit.
+    integer : (n,)
+        Which unknowns are integers.
+    hessian : (n, n) sparse, by columns, or None
+        The lower triangle; without it the program is linear.
+    """
+
+    matrix: csc_array
+    cost: FloatArray
+    column_bounds: tuple[FloatArray, FloatArray]
+    row_bounds: tuple[FloatArray, FloatArray]
+    integer: BoolArray
+    hessian: csc_array | None = None
+
+    @property
+    def columns(self) -> int:
+        """Number of unknowns."""
+        return int(self.matrix.shape[1])
+
+    @property
+    def rows(self) -> int:
+        """Number of constraints."""
+        return int(self.matrix.shape[0])
+
+
+@dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a solve gave; `values` is empty unless there is a feasible point."""
+    """Result of a solve; `values` is empty unless there is a feasible point."""
 
     status: Status
     values: FloatArray
@@ -29,30 +63,8 @@ class Outcome:
     gap: float
 
 
-def make_model(
-    matrix: csc_array | csr_array,
-    cost: FloatArray,
-    column_bounds: tuple[FloatArray, FloatArray],
-    row_bounds: tuple[FloatArray, FloatArray],
-    integer: BoolArray,
-) -> highspy.HighsModel:
-    """Fill HiGHS' own structure: minimise cost . x with low <= matrix x <= high, bounds and integrality of x."""
-    model = highspy.HighsModel()
-    lp, columns = model.lp_, csc_array(matrix)
-    lp.num_row_, lp.num_col_ = columns.shape
-    lp.col_cost_ = cost
-    lp.col_lower_, lp.col_upper_ = column_bounds
-    lp.row_lower_, lp.row_upper_ = row_bounds
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = columns.indptr, columns.indices, columns.data
-    kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
-    if integer.any():
-        lp.integrality_ = [kinds[int(flag)] for flag in integer]
-    return model
-
-
-def write_model(model: highspy.HighsModel, target: Path) -> None:
-    """Write a program as an MPS or LP file, by the ending of its name.
+def write_program(program: LinearProgram, target: Path) -> None:
+    """Write a program as an MPS or LP file, by the ending of its name; columns are named c0, c1, ... in order.
 
     Raises
     ------
@@ -61,8 +73,9 @@ def write_model(model: highspy.HighsModel, target: Path) -> None:
     """
     solver = highspy.Highs()
     solver.setOptionValue("output_flag", False)
-    solver.passModel(model)
-    if solver.writeModel(str(target)) == highspy.HighsStatus.kError:
+    solver.passModel(_highs_model(program))
+    # HiGHS crashes where it cannot open an LP file.
+    if not target.parent.is_dir() or solver.writeModel(str(target)) == highspy.HighsStatus.kError:
         raise OSError(f"{target} cannot be written")
 
 
@@ -71,7 +84,7 @@ def solver_name() -> str:
     return f"HiGHS {highspy.Highs().version()}"
 
 
-def solve_model(model: highspy.HighsModel, time_limit_s: float, progress: Progress, verbose: bool = False) -> Outcome:
+def solve_program(program: LinearProgram, time_limit_s: float, monitor: Monitor = QUIET) -> Outcome:
     """Solve to a gap of zero; Ctrl-C stops the solver and is raised again.
 
     Raises
@@ -80,8 +93,8 @@ def solve_model(model: highspy.HighsModel, time_limit_s: float, progress: Progre
         When the user interrupts.
     """
     solver = highspy.Highs()
-    # Without any output there would be no progress to report either.
-    solver.setOptionValue("log_to_console", verbose)
+    # Switching off all output would also switch off the progress reports.
+    solver.setOptionValue("log_to_console", monitor.verbose)
     solver.setOptionValue("mip_rel_gap", 0.0)
     solver.setOptionValue("mip_abs_gap", 1e-7)
     solver.setOptionValue("primal_feasibility_tolerance", 1e-9)
@@ -90,9 +103,9 @@ def solve_model(model: highspy.HighsModel, time_limit_s: float, progress: Progre
     # The quadratic programs are definite between fixed ends; regularised they would miss by a micrometre.
     solver.setOptionValue("qp_regularization_value", 0.0)
     solver.setOptionValue("time_limit", time_limit_s)
-    solver.passModel(model)
+    solver.passModel(_highs_model(program))
     solver.HandleUserInterrupt = True
-    solver.cbMipLogging.subscribe(lambda event: _report(event.data_out, progress))
+    solver.cbMipLogging.subscribe(lambda event: report_incumbent(event.data_out, monitor.progress))
     solver.startSolve()
     try:
         while not solver.wait(0.1)[0]:
@@ -103,6 +116,27 @@ def solve_model(model: highspy.HighsModel, time_limit_s: float, progress: Progre
             pass
         raise
     return _outcome(solver)
+
+
+def _highs_model(program: LinearProgram) -> highspy.HighsModel:
+    """Copy a program into HiGHS' own structure."""
+    model = highspy.HighsModel()
+    lp, matrix = model.lp_, program.matrix
+    lp.num_row_, lp.num_col_ = matrix.shape
+    lp.col_cost_ = program.cost
+    lp.col_lower_, lp.col_upper_ = program.column_bounds
+    lp.row_lower_, lp.row_upper_ = program.row_bounds
+    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
+    kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
+    if program.integer.any():
+        lp.integrality_ = [kinds[int(flag)] for flag in program.integer]
+    if program.hessian is not None:
+        model.hessian_.dim_ = program.columns
+        model.hessian_.format_ = highspy.HessianFormat.kTriangular
+        model.hessian_.start_, model.hessian_.index_ = program.hessian.indptr, program.hessian.indices
+        model.hessian_.value_ = program.hessian.data
+    return model
 
 
 def _outcome(solver: highspy.Highs) -> Outcome:
@@ -120,7 +154,8 @@ def _outcome(solver: highspy.Highs) -> Outcome:
     )
 
 
-def _report(data: highspy.cb.HighsCallbackOutput, progress: Progress) -> None:
+def report_incumbent(data: highspy.cb.HighsCallbackOutput, progress: Progress) -> None:
+    """Report incumbent, bound and gap of a running solve; HiGHS gives infinities where there are none yet."""
     incumbent = f"{data.mip_primal_bound:.3f}" if np.isfinite(data.mip_primal_bound) else "none yet"
     gap = f", gap {data.mip_gap:.2%}" if np.isfinite(data.mip_gap) else ""
     progress(f"HiGHS: incumbent {incumbent}, bound {data.mip_dual_bound:.3f}{gap}")

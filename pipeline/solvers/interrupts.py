@@ -1,4 +1,4 @@
-"""Ctrl-C while code at work that would swallow it: solvers report a failed solve, or go on with what they have."""
+"""Ctrl-C during code that would swallow it: solvers report a failed solve, or go on with what they have."""
 
 import signal
 import threading
@@ -9,9 +9,9 @@ from types import FrameType
 
 @contextmanager
 def interrupts_noted() -> Iterator[threading.Event]:
-    """Note Ctrl-C in an event instead of raising, and raise when the block is over, whatever became of it.
+    """Note Ctrl-C in an event instead of raising it, and raise it when the block ends, however it ends.
 
-    Signals only ever reach the main thread; elsewhere there is nothing to note, and nothing where Ctrl-C is ignored.
+    Signals only ever reach the main thread: in other threads, and where Ctrl-C is ignored, nothing is noted.
 
     Raises
     ------

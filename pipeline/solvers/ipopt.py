@@ -1,4 +1,4 @@
-"""Running IPOPT so that every iteration is told, and that Ctrl-C ends it and nothing else."""
+"""IPOPT, called through CasADi: it reports every iteration, and Ctrl-C ends the solve and nothing else."""
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -9,11 +9,11 @@ import casadi as ca
 from pipeline.solvers.interrupts import interrupts_noted
 
 Iteration = Callable[[int, float], None]
-"""Told the number of an iteration, from one, and the objective there."""
+"""Receives the number of an iteration, from one, and the objective there."""
 
 
 class _Watch(ca.Callback):
-    """Tells the listener about every iteration, and stops IPOPT once the user has interrupted."""
+    """Reports every iteration to the listener, and stops IPOPT once the user has interrupted."""
 
     def __init__(self, problem: Mapping[str, ca.MX], listener: Iteration, interrupted: threading.Event) -> None:
         ca.Callback.__init__(self)
@@ -47,7 +47,7 @@ def run_ipopt(
     bounds_and_start: Mapping[str, Any],
     listener: Iteration,
 ) -> tuple[dict[str, ca.DM], dict[str, Any]]:
-    """Solve a nonlinear program with IPOPT and MUMPS; a solve that fails does not raise, the statistics tell.
+    """Solve a nonlinear program with IPOPT and MUMPS; a failed solve does not raise but shows in the statistics.
 
     Parameters
     ----------

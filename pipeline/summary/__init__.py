@@ -1,1 +1,1 @@
-"""What `summary.json` says of a run: a section for each stage, and the same in a few words."""
+"""The summary of a run: a module per stage makes its part of `summary.json` and says it in words."""

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.limits import pose_limits
+from pipeline.limits.actuators import cart_travel
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.workspace.usable import Workspace, WorkspaceSetting, usable_workspace
 
@@ -81,12 +83,9 @@ def table_cells(rows: list[WorkspaceRow]) -> list[tuple[str, ...]]:
 
 def setting_text(machine: Machine, setting: WorkspaceSetting) -> str:
     """Say in one line what counts as usable."""
-    rails = "" if np.isnan(machine.link_rail_m) else f", links and rails {machine.link_rail_m:g} m"
-    return (
-        f"rx {np.rad2deg(setting.rx_rad):g} deg, rz {np.rad2deg(setting.rz_rad):g} deg, kappa < {setting.kappa_max:g}, "
-        f"links {machine.link_link_m:g} m{rails} apart, strokes kept, carts on their rails, "
-        f"grid step {setting.step_m:g} m"
-    )
+    limits = ", ".join(limit.requirement for limit in (*pose_limits(machine, setting.kappa_max), cart_travel(machine)))
+    tilt = f"rx {np.rad2deg(setting.rx_rad):g} deg, rz {np.rad2deg(setting.rz_rad):g} deg"
+    return f"{tilt}, {limits}, grid step {setting.step_m:g} m"
 
 
 def workspace_data(machine: Machine, setting: WorkspaceSetting, rows: list[WorkspaceRow]) -> dict[str, object]:

@@ -9,18 +9,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import highspy
 import numpy as np
 
 from pipeline.config import Config
 from pipeline.config.file import dump_config, load_config
 from pipeline.machine import build_machine
 from pipeline.route import RegionTable, build_regions
-from pipeline.route.bounds.shortest_paths import fewest_moves
+from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves, find_moves
-from pipeline.route.programs.compact import build_compact_model
+from pipeline.route.programs.compact import build_compact
 from pipeline.route.programs.exclusions import excluded_pairs
+from pipeline.solvers import write_program
 from tests.benchmarks.peers.reading import PROGRAM, REGIONS
 
 CONFIG = "config.yaml"
@@ -48,23 +48,15 @@ def prepare(folder: Path, with_program: bool) -> Iterator[dict[str, Any]]:
         **asdict(regions),
     )
     if with_program:
-        write_program(build_compact_model(regions, excluded, steps, budget), folder / PROGRAM)
+        write_program(build_compact(regions, excluded, steps, budget), folder / PROGRAM)
     yield {
         "regions": len(regions),
         "gates": regions.gate_count,
         "moves": len(moves),
         "excluded": len(excluded),
         "step_budget": budget,
-        "fewest_positions": (fewest_moves(regions, moves) or 0) + 1,
+        "fewest_positions": fewest_positions(regions, moves) or 1,
     }
-
-
-def write_program(model: highspy.HighsModel, path: Path) -> None:
-    """Write an MPS file; its columns are named c0, c1, ... in order."""
-    solver = highspy.Highs()
-    solver.setOptionValue("output_flag", False)
-    solver.passModel(model)
-    solver.writeModel(str(path))
 
 
 def load_problem(folder: Path) -> Config:

@@ -14,10 +14,10 @@ from pipeline.config.file import load_config
 from pipeline.errors import NoSolutionError
 from pipeline.refine import measure_path as measure_samples
 from pipeline.refine import refine_path, sample_path
+from pipeline.refine.integral.minimise import minimise_integral
 from pipeline.refine.mesh import Mesh, even_mesh, midpoints
 from pipeline.refine.peak.lower import lower_peak
-from pipeline.refine.refiner import solve_by_ipopt
-from pipeline.refine.solve import MeshSolution, Problem, coarse_fit, transferred_to
+from pipeline.refine.problem import MeshSolution, Problem, fit_coarse, transfer_to
 from tests.benchmarks.host import describe_host
 from tests.benchmarks.isolated import FINISHED, measure
 from tests.benchmarks.problems import CONFIGS
@@ -89,28 +89,28 @@ def measure_mesh(config: Config, nodes: int, coefficients: int) -> Iterator[dict
     yield {"nodes": nodes, "coefficients": coefficients}
     mesh = even_mesh(nodes, coefficients, np.zeros(0))
     begun = time.perf_counter()
-    cold = solve_by_ipopt(problem, coarse_fit(problem, mesh))
+    cold = minimise_integral(problem, fit_coarse(problem, mesh))
     yield {"ipopt_s": time.perf_counter() - begun, "ipopt_iterations": cold.iterations}
     begun = time.perf_counter()
     final = lower_peak(problem, cold)
     yield {"descent_s": time.perf_counter() - begun, "descent_steps": final.iterations - cold.iterations}
     yield _figures(problem, final)
-    # Every second span between knots taken apart: the finer mesh holds the coarser one.
+    # All spans halved: the finer mesh contains the coarser one.
     half = even_mesh(max(nodes // 2, 20), max(coefficients // 2, 8), np.zeros(0))
     try:
-        before = lower_peak(problem, solve_by_ipopt(problem, coarse_fit(problem, half)))
+        before = lower_peak(problem, minimise_integral(problem, fit_coarse(problem, half)))
     except NoSolutionError:
         yield {"ended": "no path on the mesh half as fine"}
         return
     knots = np.sort(np.concatenate([half.knots, midpoints(np.unique(half.knots))]))
-    adapted_mesh = Mesh(np.union1d(half.s, midpoints(half.s)), knots)
+    finer = Mesh(np.union1d(half.s, midpoints(half.s)), knots)
     begun = time.perf_counter()
-    warm = lower_peak(problem, transferred_to(before, adapted_mesh))
+    warm = lower_peak(problem, transfer_to(before, finer))
     yield {"warm_s": time.perf_counter() - begun, "warm_steps": warm.iterations - before.iterations}
 
 
 def measure_stage(config: Config, objective: str) -> Iterator[dict[str, Any]]:
-    """Run stage two as it is run, with an objective."""
+    """Run the whole stage with an objective."""
     problem = problem_of(
         config.model_copy(update={"refine": config.refine.model_copy(update={"objective": objective})})
     )
@@ -131,22 +131,22 @@ def measure_stage(config: Config, objective: str) -> Iterator[dict[str, Any]]:
 
 
 def measure_descent(config: Config, nodes: int, coefficients: int) -> Iterator[dict[str, Any]]:
-    """Descend from the coarse path's splines, with no other start before."""
+    """Descend from the splines fitted to the coarse path, without IPOPT before."""
     problem = problem_of(config)
-    begin = coarse_fit(problem, even_mesh(nodes, coefficients, np.zeros(0)))
+    initial = fit_coarse(problem, even_mesh(nodes, coefficients, np.zeros(0)))
     begun = time.perf_counter()
-    solve = lower_peak(problem, begin)
+    solution = lower_peak(problem, initial)
     yield {
         "solve_s": time.perf_counter() - begun,
-        "iterations": solve.iterations,
-        "unknowns": solve.path.spline.c.size,
+        "iterations": solution.iterations,
+        "unknowns": solution.path.spline.c.size,
         "outcome": "solved",
-        **_figures(problem, solve),
+        **_figures(problem, solution),
     }
 
 
-def _figures(problem: Problem, solve: MeshSolution) -> dict[str, float]:
-    figures = measure_samples(sample_path(solve.path, np.linspace(0.0, 1.0, 20_001)), problem.steps)
+def _figures(problem: Problem, solution: MeshSolution) -> dict[str, float]:
+    figures = measure_samples(sample_path(solution.path, np.linspace(0.0, 1.0, 20_001)), problem.steps)
     return {"kappa_integral": figures.kappa_integral, "kappa_max": figures.kappa_max}
 
 
@@ -186,7 +186,7 @@ def markdown(results: dict[str, Any]) -> str:
             ("kappa_integral", "kappa_max", "outcome", "ended"),
         ),
         "## Random tasks and machines",
-        f"A path for {solved} of {len(variety)}, every promise kept at 100,000 places. Tasks on the grid of "
+        f"A path for {solved} of {len(variety)}, every limit kept at 100,000 places. Tasks on the grid of "
         "`quick.yaml`, start and goal anywhere in any working mode; machines up to five per cent off in every joint.",
         _rows(
             variety,

@@ -14,22 +14,21 @@ from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
 from pipeline.config import Config
 from pipeline.machine import build_machine
+from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.symbolic import statics_function
-from pipeline.progress import silent
-from pipeline.refine import coarse_path
-from pipeline.refine.corridor import visit_parameters
-from pipeline.refine.directions import end_directions
-from pipeline.refine.integral.program import InitialGuess, Program, build_program
+from pipeline.refine.corridor.cells import visit_parameters
+from pipeline.refine.integral.minimise import guess_from, program_data
+from pipeline.refine.integral.program import Program, build_program
 from pipeline.refine.mesh import even_mesh
-from pipeline.refine.peak.constraints import Limit, of_actuators
+from pipeline.refine.peak.constraints import Constraint, by_unknowns
 from pipeline.refine.peak.iterate import Iterate, iterate_at
 from pipeline.refine.peak.lower import peak_problem
+from pipeline.refine.peak.problem import PeakProblem
 from pipeline.refine.peak.speed import chord_slopes
-from pipeline.refine.peak.sqp import PeakProblem, integral_slope
-from pipeline.refine.solve import FROBENIUS, MeshSolution, Problem, SolveOptions, coarse_fit, setting_of
+from pipeline.refine.peak.step import integral_slope
+from pipeline.refine.problem import FROBENIUS, MeshSolution, Problem, build_problem, fit_coarse
 from pipeline.refine.splines import basis
 from pipeline.route import build_regions, plan_route
-from pipeline.route.metric import CONTROLLED, step_sizes
 
 EVENNESS = 10.0
 SOLVERS: dict[str, dict[str, Any]] = {
@@ -42,36 +41,35 @@ SOLVERS: dict[str, dict[str, Any]] = {
 
 def problem_of(config: Config) -> Problem:
     """Plan the route that is refined."""
-    machine, steps = build_machine(config.machine), step_sizes(config.route)
-    route = plan_route(config, machine, build_regions(config, machine))
-    coarse = coarse_path(machine, route, steps)
-    directions = end_directions(config, machine, route)
-    return Problem(config, machine, route, coarse, steps, directions, silent, verbose=False)
+    machine = build_machine(config.machine)
+    return build_problem(config, machine, plan_route(config, machine, build_regions(config, machine)))
 
 
 def first_fit(problem: Problem, nodes: int, coefficients: int) -> MeshSolution:
     """Fit splines to the coarse path on an even mesh."""
-    return coarse_fit(problem, even_mesh(nodes, coefficients, visit_parameters(problem.coarse, problem.route)))
+    return fit_coarse(problem, even_mesh(nodes, coefficients, visit_parameters(problem.coarse, problem.route)))
 
 
 def solve_program(config: Config, nodes: int, coefficients: int, solver: str, lifted: bool) -> Iterator[dict[str, Any]]:
-    """Solve the written-out program with a solver of CasADi, actuators among the unknowns or put in their place."""
+    """Solve the written-out program with a solver of CasADi, actuators lifted or replaced by the splines."""
     problem = problem_of(config)
-    begin = first_fit(problem, nodes, coefficients)
-    setting = setting_of(problem, begin, SolveOptions(FROBENIUS, EVENNESS, 1, "rough"))
+    initial = first_fit(problem, nodes, coefficients)
     begun = time.perf_counter()
-    program = build_program(problem.machine, setting, InitialGuess(begin.path.node_pose, begin.path.spline.c))
-    written = _written_out(program, problem, begin)
-    written, bounds, x0 = (written, _bounds(program), program.start) if lifted else _in_place(program, begin, written)
+    program = build_program(program_data(problem, initial, FROBENIUS, EVENNESS), guess_from(initial))
+    written, bounds, x0 = _written_out(program, problem, initial), _bounds(program), program.guess
+    if not lifted:
+        written, bounds, x0 = _in_place(program, initial, written)
     try:
-        solve = ca.nlpsol("peer", solver, written, {"error_on_fail": False, "print_time": False, **SOLVERS[solver]})
+        solver_function = ca.nlpsol(
+            "peer", solver, written, {"error_on_fail": False, "print_time": False, **SOLVERS[solver]}
+        )
     except RuntimeError as error:
         yield {"outcome": "not in this wheel" if "not found" in str(error) else "failed to build"}
         return
     yield {"build_s": time.perf_counter() - begun, "unknowns": len(x0), "outcome": "not solved in the limit"}
     begun = time.perf_counter()
-    result = solve(x0=x0, lbx=bounds[0], ubx=bounds[1], lbg=bounds[2], ubg=bounds[3])
-    stats = solve.stats()
+    result = solver_function(x0=x0, lbx=bounds[0], ubx=bounds[1], lbg=bounds[2], ubg=bounds[3])
+    stats = solver_function.stats()
     yield {
         "solve_s": time.perf_counter() - begun,
         "iterations": stats.get("iter_count"),
@@ -84,8 +82,8 @@ def _bounds(program: Program) -> tuple[np.ndarray, ...]:
     return (*program.variable_bounds, *program.constraint_bounds)
 
 
-def _written_out(program: Program, problem: Problem, begin: MeshSolution) -> dict[str, ca.MX]:
-    """Replace the kappa that brings its own derivatives by one that CasADi differentiates."""
+def _written_out(program: Program, problem: Problem, initial: MeshSolution) -> dict[str, ca.MX]:
+    """Replace the kappa with derivatives of its own by one that CasADi differentiates."""
     x, k = program.problem["x"], program.nodes
     pose, q = ca.reshape(x[: 6 * k], 6, k), ca.reshape(x[6 * k : 11 * k], 5, k)
     distance = ca.sqrt(
@@ -93,8 +91,8 @@ def _written_out(program: Program, problem: Problem, begin: MeshSolution) -> dic
     )
     kappa = _frobenius(problem).map(k)(pose, q)
     length = x[-1]
-    deviation = distance / ca.DM(np.diff(begin.mesh.s)).T - length
-    uneven = ca.dot(ca.DM(np.diff(begin.mesh.s)).T, deviation**2) / problem.length
+    deviation = distance / ca.DM(np.diff(initial.mesh.s)).T - length
+    uneven = ca.dot(ca.DM(np.diff(initial.mesh.s)).T, deviation**2) / problem.length
     f = ca.dot(distance, kappa[1:] + kappa[:-1]) / 2.0 + EVENNESS * uneven
     return {"x": x, "f": f, "g": program.problem["g"]}
 
@@ -109,14 +107,14 @@ def _frobenius(problem: Problem) -> ca.Function:
 
 
 def _in_place(
-    program: Program, begin: MeshSolution, written: dict[str, ca.MX]
+    program: Program, initial: MeshSolution, written: dict[str, ca.MX]
 ) -> tuple[dict[str, ca.MX], tuple[np.ndarray, ...], np.ndarray]:
-    """Put basis @ coefficients where actuators of nodes are, and drop them with the equations that tied them."""
-    k, x0 = program.nodes, program.start
+    """Replace the actuators of nodes by basis @ coefficients, and drop the equations that tied them."""
+    k, x0 = program.nodes, program.guess
     keep = np.r_[: 6 * k, 11 * k : len(x0)]
     x = ca.MX.sym("x", len(keep))
     c = ca.reshape(x[6 * k : 6 * k + 5 * program.coefficients], 5, program.coefficients)
-    q = c @ ca.DM(basis(begin.mesh.knots, begin.mesh.s).toarray()).T
+    q = c @ ca.DM(basis(initial.mesh.knots, initial.mesh.s).toarray()).T
     both = ca.Function("both", [written["x"]], [written["f"], written["g"]])
     f, g = both.call([ca.vertcat(x[: 6 * k], ca.vec(q), x[6 * k :])], True, False)
     tied = next(block for block in program.blocks if block.name == "spline")
@@ -127,21 +125,21 @@ def _in_place(
 
 
 def solve_with_scipy(config: Config, nodes: int, coefficients: int, method: str) -> Iterator[dict[str, Any]]:
-    """Least integral of kappa over the coefficients alone, with the limits and slopes of the descent."""
+    """Minimise the integral of kappa over the coefficients alone, with constraints and slopes of the descent."""
     problem = problem_of(config)
     found = peak_problem(problem, first_fit(problem, nodes, coefficients))
     assert found is not None
-    ground, start = found
+    peak, first = found
     known: dict[bytes, Iterate] = {}
 
     def at(x: np.ndarray) -> Iterate:
         if x.tobytes() not in known:
             known.clear()
-            known[x.tobytes()] = iterate_at(ground.looks, x.reshape(-1, 5), start.pose) or start
+            known[x.tobytes()] = iterate_at(peak.points, x.reshape(-1, 5), first.samples.pose) or first
         return known[x.tobytes()]
 
-    low, high = np.tile(ground.actuator_limits_m.T, (1, coefficients))
-    x0 = start.coefficients.ravel()
+    low, high = np.tile(peak.actuator_limits_m.T, (1, coefficients))
+    x0 = first.coefficients.ravel()
     low[:5] = high[:5] = x0[:5]
     low[-5:] = high[-5:] = x0[-5:]
     yield {"unknowns": len(x0), "outcome": "not solved in the limit"}
@@ -149,10 +147,10 @@ def solve_with_scipy(config: Config, nodes: int, coefficients: int, method: str)
     result = minimize(
         lambda x: at(x).integral,
         np.clip(x0, low, high),
-        jac=lambda x: _integral_slope(ground, at(x)),
+        jac=lambda x: _integral_slope(peak, at(x)),
         method=method,
         bounds=Bounds(low, high),
-        constraints=[_constraint(ground, at, start)],
+        constraints=[_constraint(peak, at, first)],
         options={"maxiter": 3_000},
     )
     yield {
@@ -163,31 +161,31 @@ def solve_with_scipy(config: Config, nodes: int, coefficients: int, method: str)
     }
 
 
-def _integral_slope(ground: PeakProblem, iterate: Iterate) -> np.ndarray:
-    looks = ground.looks
-    by_kappa = of_actuators(looks, np.arange(len(looks.s)), iterate.kappa_slope)
-    return integral_slope(looks, iterate, by_kappa)[:-2]
+def _integral_slope(peak: PeakProblem, iterate: Iterate) -> np.ndarray:
+    points = peak.points
+    kappa_slope = by_unknowns(points, np.arange(len(points.s)), iterate.kappa_slope)
+    return integral_slope(points, iterate, kappa_slope)[:-2]
 
 
-def _constraint(ground: PeakProblem, at: Callable[[np.ndarray], Iterate], start: Iterate) -> NonlinearConstraint:
-    """All limits as one constraint; what they say of the length is put in terms of the coefficients."""
-    rows = [limit for limit in ground.limits(start) if not _is_length(limit)]
-    low, high = (np.concatenate([getattr(limit, side) for limit in rows]) for side in ("low", "high"))
+def _constraint(peak: PeakProblem, at: Callable[[np.ndarray], Iterate], first: Iterate) -> NonlinearConstraint:
+    """Join all constraints; what they require of the length is expressed by the coefficients."""
+    rows = [part for part in peak.constraints(first) if not _is_length(part)]
+    low, high = (np.concatenate([getattr(part, side) for part in rows]) for side in ("low", "high"))
 
     def values(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([limit.value for limit in ground.limits(at(x)) if not _is_length(limit)])
+        return np.concatenate([part.value for part in peak.constraints(at(x)) if not _is_length(part)])
 
     def slopes(x: np.ndarray) -> np.ndarray:
-        by_length = np.asarray(chord_slopes(ground.looks, at(x)).sum(axis=0)).ravel()[:-2]
+        by_length = np.asarray(chord_slopes(peak.points, at(x)).sum(axis=0)).ravel()[:-2]
         parts = []
-        for limit in ground.limits(at(x)):
-            if not _is_length(limit):
-                slope = limit.slope(np.arange(len(limit.value))).toarray()
+        for part in peak.constraints(at(x)):
+            if not _is_length(part):
+                slope = part.slope(np.arange(len(part.value))).toarray()
                 parts.append(slope[:, :-2] + np.outer(slope[:, -1], by_length))
         return np.vstack(parts)
 
     return NonlinearConstraint(values, low, high, jac=slopes)
 
 
-def _is_length(limit: Limit) -> bool:
-    return len(limit.value) == 1 and limit.low[0] == limit.high[0] == limit.value[0] == 0.0
+def _is_length(part: Constraint) -> bool:
+    return len(part.value) == 1 and part.low[0] == part.high[0] == part.value[0] == 0.0

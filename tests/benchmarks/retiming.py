@@ -12,15 +12,14 @@ import typer
 
 from pipeline.artifacts import json_bytes, write_whole
 from pipeline.config.file import load_config
-from pipeline.progress import silent
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage, retime_path
 from pipeline.retime.constraints import limit_rows
 from pipeline.retime.duration_bound import duration_bound
+from pipeline.retime.fastest import plan_rows
 from pipeline.retime.jerk.solve import limit_jerk
-from pipeline.retime.path_dynamics import grid, path_terms, terms_table
-from pipeline.retime.toppra import plan_rows
-from pipeline.run import run_pipeline
+from pipeline.retime.path_dynamics import evaluate_dynamics, grid, tabulate_dynamics
+from pipeline.run import RunOptions, run_pipeline
 from pipeline.run.reading import open_results
 from pipeline.stage import Stage
 from tests.benchmarks.alternatives import ALTERNATIVES
@@ -45,12 +44,12 @@ def benchmark(
     / "benchmarks",
 ) -> None:
     """Measure stage three on the refined path of a task."""
-    run_pipeline(load_config(config), run, last=Stage.REFINE)
+    run_pipeline(load_config(config), run, RunOptions(last=Stage.REFINE))
     results = open_results(run, Stage.REFINE)
     found = study(results.refinement.path, results.route.q_m)
     found["host"] = describe_host()
     began = time.perf_counter()
-    whole = retime_path(results.config, results.refinement.path, silent)
+    whole = retime_path(results.config, results.refinement.path)
     found["stage"] = {
         "seconds": time.perf_counter() - began,
         "duration_s": whole.duration_s,
@@ -63,7 +62,7 @@ def benchmark(
 
 def study(path: Path, waypoints: np.ndarray, grids: tuple[int, ...] = GRIDS, pieces: tuple[int, ...] = PIECES) -> Any:
     """Measure everything on one path; `waypoints` (n, 5) are the steps of its route."""
-    table = terms_table(path, grid(4_001))
+    table = tabulate_dynamics(path, grid(4_001))
     finest = duration_bound(table, grid(2 * grids[-1]))
     fastest = plan_rows(path, grid(grids[-1]), limit_rows(table.at(grid(grids[-1]))))
     return {
@@ -77,7 +76,7 @@ def study(path: Path, waypoints: np.ndarray, grids: tuple[int, ...] = GRIDS, pie
 
 def _measure_grid(path: Path, points: int, bound_s: float) -> dict[str, Any]:
     s = grid(points)
-    rows_s, rows = _median(lambda: limit_rows(path_terms(path, s)))
+    rows_s, rows = _median(lambda: limit_rows(evaluate_dynamics(path, s)))
     plan_s, planned = _median(lambda: plan_rows(path, s, rows))
     return {
         "points": points,

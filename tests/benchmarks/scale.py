@@ -9,11 +9,12 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.machine import Machine, build_machine
 from pipeline.machine.statics import statics_matrix
-from pipeline.progress import silent
 from pipeline.route import RegionTable, build_regions, plan_route
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.moves.candidates import find_moves
+from pipeline.route.problem import RouteProblem
 from pipeline.route.search.optimum import find_optimum
+from pipeline.route.search.states import unexpanded_graph
 from tests.benchmarks.isolated import peak_mb, stopwatch
 
 PARTS = ("regions_s", "moves_s", "relaxation_s", "solve_s")
@@ -35,14 +36,15 @@ def measure_parts(config: Config) -> Iterator[dict[str, Any]]:
         bounds = shortest_paths(regions, moves)
     yield told | {"relaxation": bounds.optimum, "peak_mb": peak_mb()}
     with stopwatch(told, "solve_s"):
-        optimum = find_optimum(config, regions, moves, bounds, silent, False)
+        problem = RouteProblem.of(config, machine, regions, moves)
+        optimum = find_optimum(problem, unexpanded_graph(regions, moves), bounds)
     told["total_s"] = sum(told[part] for part in PARTS)
     if optimum is None:
         yield told | {"status": "infeasible", "peak_mb": peak_mb()}
         return
     told |= {
         "status": optimum.sequence.outcome.status.value,
-        "objective": optimum.sequence.outcome.objective,
+        "objective": optimum.objective,
         "gap": optimum.sequence.outcome.gap,
         "threshold": optimum.threshold,
         "core_regions": optimum.regions,
@@ -50,7 +52,7 @@ def measure_parts(config: Config) -> Iterator[dict[str, Any]]:
         "peak_mb": peak_mb(),
     }
     yield told
-    del moves, bounds
+    del moves, bounds, problem
     with stopwatch(told, "followed_s"):
         followed = _followed(config, machine, regions)
     told["followed_s"] += told["regions_s"]

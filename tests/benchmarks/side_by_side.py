@@ -10,9 +10,10 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.route import RegionTable
+from pipeline.route.cost import route_cost
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.search.rule_check import route_cost, rule_violations
+from pipeline.route.search.rule_check import rule_violations
 from tests.benchmarks.exchange import load_exclusions, load_problem, load_regions, save_config
 from tests.benchmarks.isolated import FINISHED, measure
 from tests.benchmarks.problems import Problem

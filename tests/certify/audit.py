@@ -1,4 +1,4 @@
-"""Proven bounds held against the truth: poses by Newton's method at many random s, in every box and at its ends."""
+"""Proven bounds compared with the truth: poses by Newton's method at many random s, in every box and at its ends."""
 
 import numpy as np
 

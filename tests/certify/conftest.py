@@ -16,7 +16,7 @@ from pipeline.inclusion.uncertainty import of_everything, of_lengths
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from tests.certify.paths import NODES, START, determinant, ends_of, line_path, pose_path
-from tests.certify.runs import bear, write_run
+from tests.certify.runs import prove_tolerance, write_run
 
 
 @pytest.fixture(scope="session")
@@ -81,7 +81,9 @@ def true_run(
     path = pose_path(machine, np.linspace(START, goal, 11), 0, 11)
     certificate = certify_path(own_task, machine, path)
     certificate = replace(
-        certificate, link_length=bear(path, of_lengths(1e-4)), coordinates=bear(path, of_everything(2e-5))
+        certificate,
+        link_length=prove_tolerance(path, of_lengths(1e-4)),
+        coordinates=prove_tolerance(path, of_everything(2e-5)),
     )
     folder = tmp_path_factory.mktemp("runs") / "true"
     write_run(folder, own_task, path, certificate)

@@ -5,17 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from pipeline.artifacts.certificate import chains
-from pipeline.certify import Certificate
-from pipeline.certify.chain import close_chain, examine_nothing
-from pipeline.certify.limits import Limits
+from pipeline.artifacts.results.certificate import chains
+from pipeline.certify import Bounds, Certificate, Ranges
+from pipeline.certify.chain import close_chain
+from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck import StatedTolerance, Statement, verify
-from pipeline.certify.result import Bounds, ProvenChain, path_sha256
-from pipeline.inclusion.closure import geometry, working_precision
-from pipeline.inclusion.pieces import pieces
+from pipeline.certify.result import ProvenChain, path_sha256
+from pipeline.config import Config
+from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import CERTAIN
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
-from pipeline.machine.geometry import MODES
+from pipeline.machine.geometry import ACTUATORS, MODES
 from pipeline.machine.kinematics import follow, newton
 from pipeline.refine import Path
 from pipeline.route.regions.endpoints import Endpoint
@@ -70,13 +70,13 @@ def other_solution(machine: Machine, q: np.ndarray, pose: np.ndarray) -> np.ndar
 
 @dataclass(frozen=True, eq=False)
 class Jumping(Path):
-    """A path that tells poses of another branch beyond s = 1/2: there already (`before`), or only after it."""
+    """A path with poses of another branch beyond s = 1/2: from there on (`before`), or only after it."""
 
     beyond: Path
     before: bool
 
     def pose(self, s: np.ndarray | float) -> np.ndarray:
-        """Tell poses that all close, on two branches."""
+        """Evaluate poses that all close, on two branches."""
         s = np.atleast_1d(s)
         far = s >= 0.5 if self.before else s > 0.5
         return np.where(far[:, None], self.beyond.pose(s), super().pose(s))
@@ -97,22 +97,46 @@ def branching_chains(machine: Machine, line: Path) -> list[ProvenChain]:
     """Give chains of two proven boxes on different branches; the joint between them is on one, or on the other."""
     paths = two_branches(machine, line)
     with working_precision(64):
-        first, second = (
-            close_chain(geometry(machine), path, pieces(path.spline), 0.3, examine_nothing) for path in paths
-        )
+        first, second = (close_chain(build_problem(machine, path, 0.3)) for path in paths)
     boxes = (first.inclusions[0].box, second.inclusions[1].box)
     ends = (first.joints[0].box, second.joints[2].box)
     return [ProvenChain(CERTAIN, boxes, (ends[0], chain.joints[1].box, ends[1])) for chain in (first, second)]
 
 
-def verified(machine: Machine, path: Path, chain: ProvenChain) -> dict[str, bool]:
-    """Tell of what a chain claims of the configured machine whether it is verified."""
-    bounds = Bounds(1e9, 0.5, 1, (), np.zeros(0), np.tile([-9.0, 9.0], (5, 1)), np.full(2, 3.0), 1.0, 1.0)
-    limits = Limits(1e9, 1e9, 1e-5, np.tile([-9.0, 9.0], (5, 1)), np.full(2, 3.0), 0.0, np.nan)
-    stated = Statement(path_sha256(path), "", len(chain.boxes), bounds, None, None, (chain,))
+def bounds_of(
+    kappa: float = 31.0,
+    distances_m: dict[str, float] | None = None,
+    actuators_m: tuple[float, float] = (0.5, 1.5),
+    tilt_deg: tuple[float, float] = (6.0, 3.0),
+) -> Bounds:
+    """Make up bounds."""
+    distances = {"links 1 and 2a": 0.1} if distances_m is None else distances_m
+    return Bounds(
+        {
+            "kappa": Ranges(("kappa",), np.array([[-np.inf, kappa]])),
+            "det_sign": Ranges(("det_sign",), np.ones((1, 2))),
+            "distance_m": Ranges(tuple(distances), np.array([[least, np.inf] for least in distances.values()])),
+            "actuators_m": Ranges(ACTUATORS, np.tile(actuators_m, (5, 1))),
+            "tilt_deg": Ranges(("rx", "rz"), np.array([[-np.inf, largest] for largest in tilt_deg])),
+        },
+        kappa_s=0.5,
+        start_miss=1e-11,
+        goal_miss=2e-11,
+    )
+
+
+def verified(config: Config, path: Path, chain: ProvenChain) -> dict[str, bool]:
+    """Return which claims of a chain of the configured machine are verified."""
+    stated = Statement(path_sha256(path), "", len(chain.boxes), bounds_of(), None, None, (chain,))
     end = Endpoint(0, chain.joints[0].pose[0], path.q(0.0), 1.0, 1.0, 1.0, 1.0)
-    claims = verify(machine, path, limits, (end, end), "", stated)
+    claims = verify(config, path.machine, path, (end, end), stated)
     return {claim.what.removeprefix("configured machine: "): claim.verified for claim in claims}
+
+
+def knotted(degree: int, multiplicity: int) -> BSpline:
+    """Interpolate five columns by one piece, and put a knot at 1/2 so often."""
+    s = np.linspace(0.0, 1.0, degree + 1)
+    return make_interp_spline(s, np.sin(s[:, None] + np.arange(5.0)), k=degree).insert_knot(0.5, multiplicity)
 
 
 def torn(spline: BSpline, by: float) -> BSpline:
@@ -130,7 +154,7 @@ def determinant(machine: Machine, along: float) -> float:
 
 
 def state(certificate: Certificate) -> Statement:
-    """Say what a certificate states, as its file would."""
+    """Return what a certificate states, as its file would."""
     assert certificate.bounds is not None
     tolerances = [
         None if one is None else StatedTolerance(one.eps_m, 0 if one.chain is None else len(one.chain.boxes))

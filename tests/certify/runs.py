@@ -9,17 +9,18 @@ import numpy as np
 from typer.testing import CliRunner, Result
 
 from pipeline.artifacts import State, open_run_folder
-from pipeline.artifacts.certificate import certificate_bytes
 from pipeline.artifacts.layout import CERTIFICATE_JSON, PATH_NPZ
-from pipeline.artifacts.pack import npz_bytes, pack_refinement
+from pipeline.artifacts.npz import npz_bytes
+from pipeline.artifacts.results.certificate import certificate_bytes
+from pipeline.artifacts.results.path import pack_refinement
 from pipeline.certify import Certificate, Tolerance
-from pipeline.certify.chain import close_chain, examine_nothing
+from pipeline.certify.chain import close_chain
+from pipeline.certify.problem import build_problem
 from pipeline.certify.result import proven_chain
 from pipeline.cli import app
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config
-from pipeline.inclusion.closure import geometry, working_precision
-from pipeline.inclusion.pieces import pieces
+from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.refine import Path
 from pipeline.refine.result import Refinement
@@ -39,16 +40,16 @@ def write_run(folder: pathlib.Path, config: Config, path: Path, certificate: Cer
         run.change(State(config_sha256=config_sha256(config)), files, [], dump_config(config), {})
 
 
-def bear(path: Path, uncertainty: Uncertainty) -> Tolerance:
-    """Prove one calibration error to be borne."""
+def prove_tolerance(path: Path, uncertainty: Uncertainty) -> Tolerance:
+    """Prove that one calibration error is tolerated."""
     with working_precision(64):
-        chain = close_chain(geometry(path.machine), path, pieces(path.spline), 1e-4, examine_nothing, uncertainty)
-    assert chain.broken is None
+        chain = close_chain(build_problem(path.machine, path, 1e-4, uncertainty))
+    assert chain.failure is None
     return Tolerance(uncertainty.length_m, 2.0 * uncertainty.length_m, np.inf, proven_chain(chain, uncertainty))
 
 
 def check(folder: pathlib.Path) -> Result:
-    """Call the command line; whatever is not told in words is raised."""
+    """Call the command line; an unexpected exception is raised."""
     result = CliRunner().invoke(app, ["certify", "--check", str(folder / CERTIFICATE_JSON)], env={"COLUMNS": "400"})
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception

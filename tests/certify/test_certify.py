@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.artifacts.certificate import certificate_bytes, read_certificate
-from pipeline.certify import Certificate, certify_path, premises_sha256
-from pipeline.certify.limits import build_limits
+from pipeline.artifacts.results.certificate import certificate_bytes, read_certificate
+from pipeline.certify import Certificate, certify_path
 from pipeline.certify.recheck import verify
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError, UsageError
@@ -47,7 +46,7 @@ def test_a_refusal_says_where_and_why(
     assert isinstance(refused.value.diagnosis["certificate"], Certificate)
 
 
-def test_a_goal_that_is_missed_is_told(agder_config: Config, machine: Machine, own_path: Path) -> None:
+def test_a_goal_that_is_missed_is_reported(agder_config: Config, machine: Machine, own_path: Path) -> None:
     """The path is a motion, but not the task's."""
     with pytest.raises(NoSolutionError, match="the goal is missed by"):
         certify_path(agder_config, machine, own_path)
@@ -65,13 +64,14 @@ def test_a_certificate_is_read_as_it_was_written(
         assert (box.first, box.last) == (read.first, read.last)
         np.testing.assert_array_equal(box.pose, read.pose)
         np.testing.assert_array_equal(box.radius, read.radius)
-    limits, ends = build_limits(own_task, machine, 0.0), task_endpoints(own_task, machine)
-    claims = verify(machine, own_path, limits, ends, premises_sha256(own_task), stored)
+    claims = verify(own_task, machine, own_path, task_endpoints(own_task, machine), stored)
     assert all(claim.verified for claim in claims)
 
 
 @pytest.mark.parametrize("content", [b"{}", b"no", b'{"verdict": "not certified"}', None])
-def test_a_file_that_is_no_certificate_is_told(tmp_path_factory: pytest.TempPathFactory, content: bytes | None) -> None:
+def test_a_file_that_is_not_a_certificate_is_reported(
+    tmp_path_factory: pytest.TempPathFactory, content: bytes | None
+) -> None:
     """And so is one of a path that was refused."""
     file = tmp_path_factory.mktemp("run") / "certificate.json"
     if content is not None:
@@ -80,8 +80,10 @@ def test_a_file_that_is_no_certificate_is_told(tmp_path_factory: pytest.TempPath
         read_certificate(file)
 
 
-def test_the_wrong_branch_at_an_end_is_told(machine: Machine, line: Path, prove: Callable[..., Certificate]) -> None:
+def test_the_wrong_branch_at_an_end_is_reported(
+    machine: Machine, line: Path, prove: Callable[..., Certificate]
+) -> None:
     """A machine that is assembled the other way round cannot be at the start of this path."""
     certificate = prove(replace(machine, triangle_sign=-machine.triangle_sign), line)
-    assert certificate.broken is not None
-    assert "triangle" in certificate.broken.why
+    assert certificate.failure is not None
+    assert "triangle" in certificate.failure.reason.text

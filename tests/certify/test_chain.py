@@ -10,9 +10,10 @@ from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
 from pipeline.certify import Certificate
-from pipeline.certify.chain import JUMP, NO_INCLUSION, NO_POSE, close_chain, examine_nothing
-from pipeline.inclusion.closure import geometry, working_precision
-from pipeline.inclusion.pieces import pieces
+from pipeline.certify.chain import close_chain
+from pipeline.certify.problem import build_problem
+from pipeline.certify.reasons import ACTUATORS_JUMP, JUMP, NO_INCLUSION, NO_POSE, SPLINES_INCOMPLETE
+from pipeline.inclusion.closure import working_precision
 from pipeline.machine import Machine, inverse_kinematics, link_distances
 from pipeline.machine.geometry import MODES
 from pipeline.machine.kinematics import newton
@@ -58,17 +59,18 @@ def test_bounds_hold_at_samples_and_are_sharp(machine: Machine, line: Path, prov
     assert (link_distances(machine, pose, q[:, :3]).min(axis=0) >= bounds.distances_m).all()
     assert (q.min(axis=0) >= bounds.actuators_m[:, 0]).all()
     assert (q.max(axis=0) <= bounds.actuators_m[:, 1]).all()
-    assert (np.abs(pose[:, [3, 5]]).max(axis=0) <= bounds.tilt_rad).all()
+    assert (np.rad2deg(np.abs(pose[:, [3, 5]])).max(axis=0) <= bounds.tilt_deg).all()
 
 
 def test_a_path_through_a_singularity_is_refused_there(machine: Machine, prove: Prove, singular_at: float) -> None:
-    """The place is told, and everything before it is proven."""
+    """The place is reported, and everything before it is proven."""
     path = pose_path(machine, START + singular_at * 1.25 * S[:, None] * TOWARDS_SINGULARITY, RLL)
     certificate = prove(machine, path, (RLL, RLL), least_width=1e-4)
-    assert certificate.broken is not None
-    assert certificate.broken.s == pytest.approx(0.8, abs=0.02)
-    assert certificate.broken.why in (NO_INCLUSION, NO_POSE, JUMP) or "kappa" in certificate.broken.why
-    assert certificate.chain.boxes[-1].last <= certificate.broken.s
+    assert certificate.failure is not None
+    assert certificate.failure.s == pytest.approx(0.8, abs=0.02)
+    reason = certificate.failure.reason
+    assert reason in (NO_INCLUSION, NO_POSE, JUMP) or "kappa" in reason.text
+    assert certificate.chain.boxes[-1].last <= certificate.failure.s
 
 
 def test_a_path_that_touches_a_singularity_without_crossing_it_is_refused(
@@ -78,8 +80,8 @@ def test_a_path_that_touches_a_singularity_without_crossing_it_is_refused(
     along = singular_at - 0.8 * (S - 0.5) ** 2
     path = pose_path(machine, START + along[:, None] * TOWARDS_SINGULARITY, RLL)
     certificate = prove(machine, path, (RLL, RLL), least_width=1e-4)
-    assert certificate.broken is not None
-    assert certificate.broken.s == pytest.approx(0.5, abs=0.02)
+    assert certificate.failure is not None
+    assert certificate.failure.s == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_path_that_grazes_a_singularity_is_certified(machine: Machine, prove: Prove, singular_at: float) -> None:
@@ -99,8 +101,8 @@ def test_grazing_within_a_micrometre_of_pose_is_no_proof(machine: Machine, prove
     along = singular_at - 1e-6 - 0.8 * (S - 0.5) ** 2
     path = pose_path(machine, START + along[:, None] * TOWARDS_SINGULARITY, RLL)
     certificate = prove(machine, path, (RLL, RLL))
-    if certificate.broken is not None:
-        assert certificate.broken.s == pytest.approx(0.5, abs=0.02)
+    if certificate.failure is not None:
+        assert certificate.failure.s == pytest.approx(0.5, abs=0.02)
     else:
         assert certificate.bounds is not None
         assert certificate.bounds.kappa >= kappa_along(path, np.array([0.5]))[0]
@@ -115,8 +117,8 @@ def test_a_path_that_swaps_its_assembly_branch_is_refused_where_it_does(
     swapped = np.array([newton(machine, line.q(s)[None], other[None])[0][0] for s in line.node_s])
     poses = np.where(line.node_s[:, None] < 0.5, line.node_pose, swapped)
     certificate = prove(machine, replace(line, node_pose=poses), least_width=1e-5)
-    assert certificate.broken is not None
-    assert certificate.broken.s == pytest.approx(0.5, abs=0.05)
+    assert certificate.failure is not None
+    assert certificate.failure.s == pytest.approx(0.5, abs=0.05)
 
 
 def test_a_serial_singularity_is_driven_straight_through(machine: Machine, prove: Prove) -> None:
@@ -126,9 +128,9 @@ def test_a_serial_singularity_is_driven_straight_through(machine: Machine, prove
     q = solution.q_m[0] + (S - 0.5)[:, None] * np.array([0.1, 0.0, 0.0, 0.0, 0.0])
     path = actuator_path(machine, q, solution.pose[0])
     assert prove(machine, path, (before, after)).verdict == "certified"
-    broken = prove(machine, path, (before, before)).broken
-    assert broken is not None
-    assert broken.why == "at the goal arm 1 is not in working mode LRR"
+    failure = prove(machine, path, (before, before)).failure
+    assert failure is not None
+    assert failure.reason.text == "at the goal arm 1 is not in working mode LRR"
 
 
 def test_links_that_come_too_near_are_named(machine: Machine, line: Path, prove: Prove) -> None:
@@ -138,17 +140,17 @@ def test_links_that_come_too_near_are_named(machine: Machine, line: Path, prove:
     least, where = float(distance.min()), float(s[distance.argmin()])
     assert prove(replace(machine, link_link_m=least - 1e-4), line).verdict == "certified"
     certificate = prove(replace(machine, link_link_m=least + 1e-6), line, least_width=1e-4)
-    assert certificate.broken is not None
-    assert "are not proven" in certificate.broken.why
-    assert certificate.broken.s == pytest.approx(where, abs=0.1)
+    assert certificate.failure is not None
+    assert "are not proven" in certificate.failure.reason.text
+    assert certificate.failure.s == pytest.approx(where, abs=0.1)
 
 
 def test_actuators_that_jump_are_no_path(machine: Machine, line: Path, prove: Prove) -> None:
     """A knot as often as the degree plus one lets a spline jump; rational arithmetic sees a jump of any size."""
     certificate = prove(machine, replace(line, spline=torn(line.spline, 1e-13)))
-    assert certificate.broken is not None
-    assert certificate.broken.s == 0.5
-    assert "jump" in certificate.broken.why
+    assert certificate.failure is not None
+    assert certificate.failure.s == 0.5
+    assert certificate.failure.reason is ACTUATORS_JUMP
 
 
 @pytest.mark.parametrize("before", [True, False])
@@ -156,18 +158,12 @@ def test_proven_boxes_on_two_branches_do_not_join(machine: Machine, line: Path, 
     """Each half holds exactly one pose; a pose at s = 1/2 on either branch lies in one of the two boxes alone."""
     one, other = two_branches(machine, line)
     with working_precision(64):
-        balls, exact_pieces = geometry(machine), pieces(one.spline)
         for path in (one, other):
-            assert close_chain(balls, path, exact_pieces, 0.3, examine_nothing).broken is None
-        chain = close_chain(
-            balls,
-            Jumping(machine, one.spline, one.node_s, one.node_pose, other, before),
-            exact_pieces,
-            0.3,
-            examine_nothing,
-        )
-    assert chain.broken is not None
-    assert chain.broken.why == JUMP
+            assert close_chain(build_problem(machine, path, 0.3)).failure is None
+        jumping = Jumping(machine, one.spline, one.node_s, one.node_pose, other, before)
+        chain = close_chain(build_problem(machine, jumping, 0.3))
+    assert chain.failure is not None
+    assert chain.failure.reason is JUMP
     assert len(chain.inclusions) == (0 if before else 1)
 
 
@@ -175,8 +171,8 @@ def test_splines_that_are_not_of_zero_to_one_are_no_path(machine: Machine, line:
     """A chain from 0 to 1/2 proves nothing about the rest."""
     knots = line.spline.t / 2.0
     certificate = prove(machine, replace(line, spline=BSpline(knots, line.spline.c, 5)))
-    assert certificate.broken is not None
-    assert "do not reach from s = 0 to s = 1" in certificate.broken.why
+    assert certificate.failure is not None
+    assert certificate.failure.reason is SPLINES_INCOMPLETE
 
 
 def test_sharpness_is_no_reason_to_refuse(machine: Machine, line: Path, prove: Prove) -> None:

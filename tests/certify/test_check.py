@@ -28,19 +28,19 @@ def refused(result: Result) -> list[str]:
 
 
 def test_a_true_certificate_is_verified(run: pathlib.Path) -> None:
-    """And what was found is told: kappa, distances, travel, tilts, both tolerances."""
+    """What was found is reported: kappa, distances, travel, tilts, both tolerances."""
     result = check(run)
     assert result.exit_code == 0, result.stdout
     assert refused(result) == []
-    for told in (
+    for reported in (
         "cap 100",
-        "asked for 0.03",
+        "required 0.03",
         "limits 0 to 2.1 m",
         "limit 30 degrees",
         "stated 0.1 mm",
         "stated 0.02 mm",
     ):
-        assert told in result.stdout
+        assert reported in result.stdout
 
 
 def test_a_run_folder_stands_for_its_certificate(run: pathlib.Path) -> None:
@@ -67,10 +67,10 @@ def _without_the_last_box(data: Data) -> None:
 
 
 FORGED: dict[str, tuple[Callable[[Data], object], str]] = {
-    "no chain": (lambda data: data.update(chains=[]), "its first chain is of the configured machine"),
+    "no chain": (lambda data: data.update(chains=[]), "the first chain is of the configured machine"),
     "nothing but uncertain chains": (
         lambda data: data["chains"].pop(0),
-        "its first chain is of the configured machine",
+        "the first chain is of the configured machine",
     ),
     "the configured machine twice": (
         lambda data: data["chains"].insert(0, data["chains"][0]),
@@ -95,22 +95,22 @@ FORGED: dict[str, tuple[Callable[[Data], object], str]] = {
     ),
     "a chain for more than was proven": (
         lambda data: (_tell_more(data), data["chains"][1]["uncertainty"].update(length_m=0.5)),
-        "lengths ± 500, coordinates ± 0 mm: each holds one pose, regular",
+        "lengths ± 500, coordinates ± 0 mm: each box holds one regular pose",
     ),
     "more boxes than there are": (
         lambda data: data.update(boxes=9_999),
-        "its first chain is of the configured machine",
+        "the first chain is of the configured machine",
     ),
     "more boxes of a tolerance": (
         lambda data: data["tolerances"]["coordinates"].update(boxes=9_999),
         "the tolerance of coordinates has its chain",
     ),
-    "a box left out": (_without_a_box, "configured machine: each holds one pose, regular"),
-    "the last box left out": (_without_the_last_box, "configured machine: boxes reach from s = 0 to 1"),
-    "another path": (lambda data: data.update(path_sha256="0" * 64), "it is about this path"),
+    "a box left out": (_without_a_box, "configured machine: each box holds one regular pose"),
+    "the last box left out": (_without_the_last_box, "configured machine: boxes cover s = 0 to 1"),
+    "another path": (lambda data: data.update(path_sha256="0" * 64), "the certificate is of this path"),
     "another machine": (
         lambda data: data.update(premises_sha256="0" * 64),
-        "it is about this machine, limits, start and goal",
+        "the certificate is of this machine, limits, start and goal",
     ),
     "a bound of kappa above the cap": (
         lambda data: data["bounds"].update(kappa=1e6),
@@ -120,14 +120,14 @@ FORGED: dict[str, tuple[Callable[[Data], object], str]] = {
         lambda data: data["bounds"].update(kappa=1.0),
         "kappa stays below its bound, within the cap",
     ),
-    "no distance": (lambda data: data["bounds"].update(distance_m={}), "axes keep their distances, as asked for"),
+    "no distance": (lambda data: data["bounds"].update(distance_m={}), "axes keep their required distances"),
     "a distance missing": (
         lambda data: data["bounds"]["distance_m"].popitem(),
-        "axes keep their distances, as asked for",
+        "axes keep their required distances",
     ),
     "distances below what is asked for": (
         lambda data: data["bounds"].update(distance_m=dict.fromkeys(data["bounds"]["distance_m"], 0.0)),
-        "axes keep their distances, as asked for",
+        "axes keep their required distances",
     ),
     "travel beyond the rail": (
         lambda data: data["bounds"]["actuators_m"].update(c2=[-1.0, 3.0]),
@@ -140,11 +140,11 @@ FORGED: dict[str, tuple[Callable[[Data], object], str]] = {
     "another sign of det H": (lambda data: data["bounds"].update(det_sign=-1), "det H keeps its sign"),
     "a goal that is missed": (
         lambda data: data["bounds"].update(goal_miss=0.1),
-        "the goal is the task's, its mode and branch too",
+        "the goal is the task's: its pose, mode and branch",
     ),
     "numbers too large to compute with": (
         lambda data: data["chains"][0]["pose"][2][0].__setitem__(0, 1e300),
-        "configured machine: each holds one pose, regular",
+        "configured machine: each box holds one regular pose",
     ),
 }
 
@@ -170,7 +170,7 @@ def test_another_configuration_is_found(run: pathlib.Path, own_task: Config) -> 
     (run / "state.json").write_text(json.dumps({**state, "config_sha256": config_sha256(forged)}))
     result = check(run)
     assert result.exit_code == 1
-    assert refused(result) == ["it is about this machine, limits, start and goal"]
+    assert refused(result) == ["the certificate is of this machine, limits, start and goal"]
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +186,7 @@ def one_box(own_task: Config, machine: Machine, goal: np.ndarray) -> tuple[Path,
 SPLINES: dict[str, tuple[Callable[[BSpline], BSpline], str]] = {
     "an excursion beyond a knot": (
         lambda spline: bent(spline.insert_knot(0.3, 5), 7, 0.3),
-        "configured machine: each holds one pose, regular",
+        "configured machine: each box holds one regular pose",
     ),
     "a jump": (
         lambda spline: bent(doubled(spline.insert_knot(0.5, 5)), slice(6, 12), 1e-12),

@@ -1,4 +1,4 @@
-"""`certify --check` on the command line: files that are damaged are told key by key, with exit code 2."""
+"""`certify --check` on the command line: files that are damaged are reported key by key, with exit code 2."""
 
 import pathlib
 from collections.abc import Callable
@@ -20,25 +20,25 @@ def _set(*keys: str | int, to: object) -> Callable[[Data], object]:
 
 
 DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
-    "no bound of kappa": (_set("bounds", "kappa", to=None), "bounds.kappa: is null; there has to be a number"),
-    "words for a bound": (_set("bounds", "kappa", to="30"), 'bounds.kappa: is "30"; there has to be a number'),
-    "no bounds": (_set("bounds", to=None), "bounds: is null; there has to be a section"),
+    "no bound of kappa": (_set("bounds", "kappa", to=None), "bounds.kappa: is null; expected a number"),
+    "words for a bound": (_set("bounds", "kappa", to="30"), 'bounds.kappa: is "30"; expected a number'),
+    "no bounds": (_set("bounds", to=None), "bounds: is null; expected a section"),
     "another format": (_set("format", to=99), "is of format 99; this version reads format 2"),
     "the format before": (_set("format", to=1), "is of format 1; this version reads format 2"),
     "no format": (lambda data: data.pop("format"), "names no format; this version reads format 2"),
-    "another verdict": (_set("verdict", to="perhaps"), "verdict: is \"perhaps\"; there has to be 'certified'"),
+    "another verdict": (_set("verdict", to="perhaps"), "verdict: is \"perhaps\"; expected 'certified'"),
     "a refusal": (_set("verdict", to="not certified"), "says that the path is not certified"),
-    "a refusal that is certified": (_set("refused_at_s", to=0.5), "refused_at_s: is 0.5; there has to be null"),
+    "a refusal that is certified": (_set("refused_at_s", to=0.5), "refused_at_s: is 0.5; expected null"),
     "a key left out": (lambda data: data["bounds"].pop("det_sign"), "bounds.det_sign: is missing"),
     "a key that is not known": (_set("tolerance_mm", to=99), "tolerance_mm: is not a key of this format"),
-    "no sign": (_set("bounds", "det_sign", to=0), "bounds.det_sign: is 0; there has to be -1 or 1"),
+    "no sign": (_set("bounds", "det_sign", to=0), "bounds.det_sign: is 0; expected -1 or 1"),
     "an uncertainty below zero": (
         _set("chains", 1, "uncertainty", "length_m", to=-0.5),
-        "chains[1].uncertainty.length_m: is -0.5; there has to be a number of at least 0",
+        "chains[1].uncertainty.length_m: is -0.5; expected a number of at least 0",
     ),
     "a tolerance below zero": (
         _set("tolerances", "link_length", "proven_m", to=-1.0),
-        "tolerances.link_length.proven_m: is -1.0; there has to be a number of at least 0",
+        "tolerances.link_length.proven_m: is -1.0; expected a number of at least 0",
     ),
     "two tolerances": (_set("tolerance_m", to=0.5), "tolerance_m: is 0.5, but proven_m within tolerances is 0.0001"),
     "a radius below zero": (_set("chains", 0, "radius", 0, 0, to=-1.0), "chains[0].radius[0][0]: is -1.0"),
@@ -47,12 +47,12 @@ DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
     "poses left out": (lambda data: data["chains"][0]["pose"].pop(), "chains[0].pose: has"),
     "boxes left out": (
         lambda data: data["chains"][0].update(s=[], pose=[], radius=[], joint_pose=[], joint_radius=[]),
-        "chains[0].s: is a list of 0 entries; there has to be a list of at least 2 entries",
+        "chains[0].s: is a list of 0 entries; expected a list of at least 2 entries",
     ),
-    "chains that are none": (_set("chains", to=7), "chains: is 7; there has to be a list"),
+    "chains that are none": (_set("chains", to=7), "chains: is 7; expected a list"),
     "a hash that is none": (
         _set("path_sha256", to="yes"),
-        'path_sha256: is "yes"; there has to be 64 hexadecimal digits',
+        'path_sha256: is "yes"; expected 64 hexadecimal digits',
     ),
     "a number without end": (_set("bounds", "kappa", to=10**400), "bounds.kappa: is 1000"),
     "many faults": (_set("chains", 0, "radius", to=[[-1.0] * 6] * 9), "more"),
@@ -60,29 +60,29 @@ DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
 
 
 @pytest.mark.parametrize("name", DAMAGED)
-def test_a_damaged_certificate_is_told_key_by_key(run: pathlib.Path, name: str) -> None:
+def test_a_damaged_certificate_is_reported_key_by_key(run: pathlib.Path, name: str) -> None:
     """Exit 2, which key, what is there, what has to be, and what to do."""
-    change, told = DAMAGED[name]
+    change, reported = DAMAGED[name]
     forge(run, change)
     result = check(run)
     assert result.exit_code == 2
-    assert told in result.stderr
+    assert reported in result.stderr
     assert "What to change: certify the path again" in result.stderr
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
-        ('"kappa": ', '"kappa": NaN, "was": ', "holds NaN where a number has to be"),
-        ('"length_m": 0.0001', '"length_m": NaN', "holds NaN where a number has to be"),
-        ('"seconds": 1.0', '"seconds": -Infinity', "holds -Infinity where a number has to be"),
-        ('"seconds": 1.0', '"seconds": 1e999', "seconds: is Infinity; there has to be a finite number"),
+        ('"kappa": ', '"kappa": NaN, "was": ', "holds NaN where a number is expected"),
+        ('"length_m": 0.0001', '"length_m": NaN', "holds NaN where a number is expected"),
+        ('"seconds": 1.0', '"seconds": -Infinity', "holds -Infinity where a number is expected"),
+        ('"seconds": 1.0', '"seconds": 1e999', "seconds: is Infinity; expected a finite number"),
         ('"boxes": ', '"boxes": 1, "boxes": ', "has the key boxes twice in one section"),
-        ('"bounds"', "bounds", "is damaged: it is no JSON from line "),
-        ("{", "", "is damaged: it is no JSON from line "),
+        ('"bounds"', "bounds", "is damaged: it is not JSON from line "),
+        ("{", "", "is damaged: it is not JSON from line "),
     ],
 )
-def test_a_file_that_is_no_json_of_numbers_is_told(run: pathlib.Path, old: str, new: str, told: str) -> None:
+def test_a_file_that_is_not_json_of_numbers_is_reported(run: pathlib.Path, old: str, new: str, reported: str) -> None:
     """Exit 2, in words."""
     file = run / CERTIFICATE_JSON
     text = file.read_text()
@@ -90,11 +90,11 @@ def test_a_file_that_is_no_json_of_numbers_is_told(run: pathlib.Path, old: str, 
     file.write_text(text.replace(old, new, 1))
     result = check(run)
     assert result.exit_code == 2
-    assert told in result.stderr
+    assert reported in result.stderr
 
 
 @pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"", b"[]", b"7", b"[" * 100_000])
-def test_a_file_that_is_something_else_is_told(run: pathlib.Path, content: bytes) -> None:
+def test_a_file_that_is_something_else_is_reported(run: pathlib.Path, content: bytes) -> None:
     """Exit 2, without a traceback."""
     (run / CERTIFICATE_JSON).write_bytes(content)
     result = check(run)

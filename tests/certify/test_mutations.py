@@ -13,21 +13,27 @@ import pytest
 from flint import arb, fmpq, fmpq_poly
 from scipy.interpolate import BSpline
 
-from pipeline.certify import limits
-from pipeline.certify.chain import close_chain, examine_nothing
+from pipeline.certify.chain import close_chain
 from pipeline.certify.guess import guess_box
-from pipeline.certify.recheck import enclosure
+from pipeline.certify.problem import build_problem
+from pipeline.certify.recheck.arithmetic import enclosure
 from pipeline.certify.result import proven_chain
-from pipeline.inclusion import condition, distances, krawczyk
+from pipeline.config.file import load_config
+from pipeline.inclusion import bounds, condition, distances, krawczyk
 from pipeline.inclusion.closure import geometry, pose_series, shifted, working_precision
 from pipeline.inclusion.krawczyk import Box, Inclusion, Piecewise, along, include
 from pipeline.inclusion.pieces import Piece, pieces
+from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine import condition_number, link_distances, statics_matrix
+from pipeline.machine.clearance import link_pairs
 from pipeline.machine.kinematics import closure_jacobian
 from pipeline.refine import Path
 from tests.certify.audit import ROUNDING, cubic, deviations, samples_in
 from tests.certify.paths import Jumping, branching_chains, torn, two_branches, verified
+from tests.conftest import CONFIGS
+
+CONFIG = load_config(CONFIGS / "agder.yaml")
 
 
 def _box(path: Path) -> Box:
@@ -40,6 +46,13 @@ def _whole(path: Path) -> tuple[Box, Piecewise]:
     """Widen the path's first piece to a fast one: poses that hardly move hide what is missing."""
     box = _box(path)
     return box, along(geometry(path.machine), pieces(path.spline)[0], box)
+
+
+def _proven(path: Path, piece: Piece) -> ProvenBox:
+    """Take a box over a whole piece for proven, at a pose of zeros."""
+    balls, box = geometry(path.machine), Box(piece.first, piece.last, np.zeros((4, 6)), np.full(6, 1.0))
+    inclusion = Inclusion(box, np.zeros((2, 6, 6)), [arb(0)] * 6, [arb(0)] * 6, [])
+    return ProvenBox(path.machine, balls, piece, along(balls, piece, box), inclusion)
 
 
 def witness_residual(path: Path) -> None:
@@ -87,19 +100,16 @@ def witness_deviation(path: Path) -> None:
 def witness_distance(path: Path) -> None:
     """Bounds of distances are below every sample of a box."""
     box, series = _whole(path)
-    pairs = distances.build_pairs(path.machine)
-    bounds = distances.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
+    pairs = distances.AxisPairs.of(link_pairs(path.machine), False, path.machine.rails_m)
+    least = distances.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
     s = samples_in(box)
-    assert (bounds <= link_distances(path.machine, path.pose(s), path.q(s)[:, :3]).min(axis=0) + ROUNDING).all()
+    assert (least <= link_distances(path.machine, path.pose(s), path.q(s)[:, :3]).min(axis=0) + ROUNDING).all()
 
 
 def witness_ranges(path: Path) -> None:
     """What an actuator does between the middle of a box and its ends is within its bounds."""
     bend = fmpq_poly([1, 0, fmpq(1, 100)])
-    piece = Piece(0.0, 1.0, (bend,) * 5)
-    box = Box(0.0, 1.0, np.zeros((4, 6)), np.full(6, 1.0))
-    inclusion = Inclusion(box, np.zeros((2, 6, 6)), [arb(0)] * 6, [arb(0)] * 6, [])
-    ranges = limits._actuators(piece, inclusion, arb(0.5))
+    ranges = bounds.actuator_ranges(_proven(path, Piece(0.0, 1.0, (bend,) * 5)))
     assert (ranges[:, 1] >= 1.01).all()
 
 
@@ -107,10 +117,8 @@ def witness_rounding_of_bounds(path: Path) -> None:
     """A bound is above what it bounds, even by less than a rounding."""
     for k in range(1, 60):
         value = fmpq(1, 3 * k) + fmpq(1, 2**60)
-        piece = Piece(0.0, 1.0, (fmpq_poly([value]),) * 5)
-        box = Box(0.0, 1.0, np.zeros((4, 6)), np.full(6, 1.0))
-        inclusion = Inclusion(box, np.zeros((2, 6, 6)), [arb(0)] * 6, [arb(0)] * 6, [])
-        above = float(limits._actuators(piece, inclusion, arb(0.5))[0, 1])
+        box = _proven(path, Piece(0.0, 1.0, (fmpq_poly([value]),) * 5))
+        above = float(bounds.actuator_ranges(box)[0, 1])
         assert Fraction(above) >= Fraction(int(value.p), int(value.q))
 
 
@@ -139,23 +147,23 @@ def witness_links(path: Path) -> None:
     one, other = two_branches(path.machine, path)
     for before in (True, False):
         jumping = Jumping(one.machine, one.spline, one.node_s, one.node_pose, other, before)
-        chain = close_chain(geometry(path.machine), jumping, pieces(one.spline), 0.3, examine_nothing)
-        assert chain.broken is not None
+        chain = close_chain(build_problem(path.machine, jumping, 0.3))
+        assert chain.failure is not None
 
 
 def witness_stored_links(path: Path) -> None:
     """A stored chain of two proven boxes on different branches is not verified."""
     for chain in branching_chains(path.machine, path):
-        claims = verified(path.machine, two_branches(path.machine, path)[0], chain)
-        assert claims["each holds one pose, regular"]
-        assert not claims["neighbours share a branch"]
+        claims = verified(CONFIG, two_branches(path.machine, path)[0], chain)
+        assert claims["each box holds one regular pose"]
+        assert not claims["neighbouring boxes share a branch"]
 
 
 def witness_jump(path: Path) -> None:
     """Actuators that jump are no path, however little they do."""
     jumping = replace(path, spline=torn(path.spline, 1e-13))
-    chain = close_chain(geometry(path.machine), jumping, pieces(jumping.spline), 1e-2, examine_nothing)
-    assert chain.broken is not None
+    chain = close_chain(build_problem(path.machine, jumping, 1e-2))
+    assert chain.failure is not None
 
 
 def witness_knots(path: Path) -> None:
@@ -163,15 +171,15 @@ def witness_knots(path: Path) -> None:
     one, _ = two_branches(path.machine, path)
     bent = replace(one, spline=BSpline(one.spline.t, one.spline.c + [[0.0] * 5, [0.0] * 5, [0.1] * 5], 1))
     straight = replace(one, spline=BSpline([0.0, 0.0, 1.0, 1.0], one.spline.c[::2], 1))
-    chain = close_chain(geometry(path.machine), straight, pieces(straight.spline), 0.9, examine_nothing)
-    claims = verified(path.machine, bent, proven_chain(chain, CERTAIN))
-    assert claims["boxes reach from s = 0 to 1"]
-    assert not claims["each holds one pose, regular"]
+    chain = close_chain(build_problem(path.machine, straight, 0.9))
+    claims = verified(CONFIG, bent, proven_chain(chain, CERTAIN))
+    assert claims["boxes cover s = 0 to 1"]
+    assert not claims["each box holds one regular pose"]
 
 
 def witness_order(path: Path) -> None:
     """Boxes follow one another without a gap."""
-    chain = close_chain(geometry(path.machine), path, pieces(path.spline), 1e-6, examine_nothing)
+    chain = close_chain(build_problem(path.machine, path, 1e-6))
     boxes = [proven.box for proven in chain.inclusions]
     assert boxes[0].first == 0.0
     assert boxes[-1].last == 1.0
@@ -215,27 +223,28 @@ BROKEN: dict[str, Broken] = {
     "distances are taken in the middle": Broken(
         witness_distance,
         {
-            "distances._end_points": lambda pairs, series: [
+            "inclusion.distances._end_points": lambda pairs, series: [
                 table if order == 0 else 0 * table for order, table in enumerate(_END_POINTS(pairs, series))
             ]
         },
     ),
     "ranges are taken in the middle": Broken(
         witness_ranges,
-        {"certify.limits.polynomial_range": lambda coefficients, half: (coefficients[0], coefficients[0])},
+        {"inclusion.bounds.polynomial_range": lambda coefficients, half: (coefficients[0], coefficients[0])},
     ),
     "a bound is rounded to nearest": Broken(
-        witness_rounding_of_bounds, {"certify.limits.above": lambda value: float(value.upper())}
+        witness_rounding_of_bounds, {"inclusion.bounds.above": lambda value: float(value.upper())}
     ),
     "neighbours are not compared": Broken(witness_links, {"certify.chain.holds": lambda *given: True}),
-    "a jump is not looked for": Broken(witness_jump, {"certify.chain._no_function": lambda *given: None}),
-    "a rounding is dropped": Broken(witness_rounding_of_sums, {"certify.recheck.enclosure._U": 0.0}),
+    "a jump is not looked for": Broken(witness_jump, {"certify.chain._discontinuity": lambda *given: None}),
+    "a rounding is dropped": Broken(witness_rounding_of_sums, {"certify.recheck.arithmetic.enclosure._U": 0.0}),
     "stored neighbours are not compared": Broken(
         witness_stored_links,
-        {"certify.recheck.verdict.holds": lambda boxes, *given, at_end: np.ones(len(boxes.first), bool)},
+        {"certify.recheck.claims.chain.holds": lambda boxes, *given, at_end: np.ones(len(boxes.first), bool)},
     ),
     "knots are passed over": Broken(
-        witness_knots, {"certify.recheck.inclusion.on_one_piece": lambda spline, first, last: np.ones(len(first), bool)}
+        witness_knots,
+        {"certify.recheck.arithmetic.inclusion.on_one_piece": lambda spline, first, last: np.ones(len(first), bool)},
     ),
 }
 _END_POINTS = distances._end_points

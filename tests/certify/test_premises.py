@@ -1,4 +1,4 @@
-"""What a proof rests on, as a hash: what it does not read changes nothing."""
+"""The hash of what a proof rests on: what it does not read changes nothing."""
 
 from typing import Any
 

@@ -1,13 +1,13 @@
-"""How wrong the machine may be: proven by a chain, and below what was seen to fail."""
+"""Calibration tolerances: proven by a chain, and below errors at which a machine fails."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pipeline.certify import Certificate, Uncertainty
-from pipeline.certify.failure import failing_eps
+from pipeline.certify import Uncertainty
+from pipeline.certify.monte_carlo import failing_eps
+from pipeline.certify.problem import build_problem
 from pipeline.certify.tolerance import largest_tolerance, search_tolerances
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
@@ -29,21 +29,16 @@ def hasty(wide: Config) -> Config:
 
 
 @pytest.mark.slow
-def test_the_proven_tolerance_is_below_what_fails(
-    hasty: Config, machine: Machine, line: Path, prove: Callable[..., Certificate]
-) -> None:
-    """And every coordinate at once bears less than lengths alone."""
-    certificate = prove(machine, line)
+def test_the_proven_tolerance_is_below_what_fails(hasty: Config, machine: Machine, line: Path) -> None:
+    """And that of all coordinates is less than that of lengths alone."""
     with working_precision(64):
-        found = search_tolerances(hasty, machine, line, certificate)
-    assert found.link_length is not None
-    assert found.coordinates is not None
-    for tolerance in (found.link_length, found.coordinates):
+        link_length, coordinates = search_tolerances(hasty.certify, machine, line)
+    for tolerance in (link_length, coordinates):
         assert 0.0 < tolerance.eps_m < tolerance.refuted_m <= 1.3 * tolerance.eps_m
         assert tolerance.eps_m < tolerance.fails_m
         assert tolerance.chain is not None
         assert tolerance.chain.uncertainty.length_m == tolerance.eps_m
-    assert found.coordinates.eps_m < found.link_length.eps_m
+    assert coordinates.eps_m < link_length.eps_m
 
 
 @pytest.mark.slow
@@ -54,7 +49,8 @@ def test_a_path_near_a_singularity_bears_little(
     s = np.linspace(0.0, 1.0, 41)[:, None]
     path = pose_path(machine, START + 0.97 * singular_at * s * TOWARDS_SINGULARITY, RLL)
     with working_precision(64):
-        near, far = (largest_tolerance(hasty, machine, one, lengths) for one in (path, line))
+        problems = (build_problem(machine, one, 1e-4) for one in (path, line))
+        near, far = (largest_tolerance(hasty.certify, problem, lengths) for problem in problems)
     assert near.eps_m < 0.2 * far.eps_m
     assert near.fails_m < far.fails_m
     assert near.eps_m < near.fails_m
@@ -71,8 +67,8 @@ def test_a_machine_that_fails_does_so_at_its_eps(machine: Machine, singular_at: 
 @pytest.mark.parametrize("eps", [-1e-12, np.nan, np.inf])
 @pytest.mark.parametrize("name", ["length_m", "coordinate_m"])
 def test_an_uncertainty_is_a_number_that_is_not_negative(name: str, eps: float) -> None:
-    """What is none would count as certain."""
-    with pytest.raises(ValueError, match="finite, and not negative"):
+    """Anything else would count as certain."""
+    with pytest.raises(ValueError, match="finite and not negative"):
         Uncertainty(**{name: eps})
 
 

@@ -18,9 +18,7 @@ COARSE_PATH = PathFigures(
     kappa_integral=500.0,
     length=20.0,
     closure_residual_m=1e-13,
-    min_link_distance_m=0.040,
-    min_rail_distance_m=0.5,
-    max_tilt_deg=30.0,
+    measures={"min_link_distance_m": 0.040, "min_rail_distance_m": 0.5, "max_tilt_deg": 30.0},
     det_sign_constant=True,
     modes=("LLL", "RLL"),
 )
@@ -31,9 +29,7 @@ REFINED_PATH = dataclasses.replace(
     kappa_integral=350.0,
     length=21.0,
     closure_residual_m=3e-13,
-    min_link_distance_m=0.030,
-    min_rail_distance_m=0.6,
-    max_tilt_deg=27.0,
+    measures={"min_link_distance_m": 0.030, "min_rail_distance_m": 0.6, "max_tilt_deg": 27.0},
 )
 COARSE, REFINED = MeasuredPath(COARSE_PATH), MeasuredPath(REFINED_PATH)
 SLOW, FAST = MotionFigures(8.0, 2.0, 0.5, 40.0, 10.0), MotionFigures(4.0, 2.0, 0.4, 40.0, 10.0)
@@ -46,9 +42,9 @@ figures = st.builds(
     kappa_integral=positive,
     length=positive,
     closure_residual_m=st.floats(0.0, 1e-6),
-    min_link_distance_m=positive,
-    min_rail_distance_m=positive,
-    max_tilt_deg=st.floats(0.0, 85.0),
+    measures=st.fixed_dictionaries(
+        {"min_link_distance_m": positive, "min_rail_distance_m": positive, "max_tilt_deg": st.floats(0.0, 85.0)}
+    ),
     det_sign_constant=st.just(True),
     modes=st.sampled_from([("LLL",), ("LLL", "RLL"), ("LLL", "LRR", "RRR")]),
 ).map(MeasuredPath)
@@ -80,7 +76,7 @@ def test_lower_kappa_is_better_and_counts_negative() -> None:
     ],
 )
 def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, better: str) -> None:
-    """Distances are better when larger, all else when smaller; rounding in the closure is no difference."""
+    """Distances are better when larger, all else when smaller; rounding in the closure does not count."""
     row = by_name(compare_paths(COARSE, REFINED))[figure]
     assert row.per_cent == pytest.approx(per_cent)
     assert row.better == better
@@ -88,7 +84,9 @@ def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, b
 
 def test_no_per_cent_of_zero() -> None:
     """A coarse value of zero has no percentage, and its cell is empty."""
-    rows = compare_paths(MeasuredPath(dataclasses.replace(COARSE_PATH, max_tilt_deg=0.0)), REFINED)
+    rows = compare_paths(
+        MeasuredPath(dataclasses.replace(COARSE_PATH, measures={**COARSE_PATH.measures, "max_tilt_deg": 0.0})), REFINED
+    )
     row = by_name(rows)["largest tilt"]
     assert row.per_cent is None
     assert row.better == "coarse"

@@ -71,10 +71,8 @@ def test_rounder_corners_are_driven_faster(agder_config: Config, machine: Machin
     assert durations[1] < durations[0]
 
 
-def test_pieces_that_are_too_coarse_are_halved(
-    agder_config: Config, line: Path, smoothstep: Trajectory, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A failure with limited jerk is tried once more with twice the pieces; one without is told."""
+def test_pieces_that_are_too_coarse_are_halved(agder_config: Config, line: Path, smoothstep: Trajectory) -> None:
+    """A failure with limited jerk is tried once more with twice the pieces; one without is raised."""
     asked: list[int] = []
 
     def retime_path(config: Config, path: Path) -> Trajectory:
@@ -83,9 +81,8 @@ def test_pieces_that_are_too_coarse_are_halved(
             raise NoSolutionError("retime", "too coarse", "more pieces")
         return smoothstep
 
-    monkeypatch.setattr("pipeline.retime.retime_path", retime_path)
     common = common_retiming(agder_config)
-    assert retimed(agder_config, common, line) is smoothstep
+    assert retimed(agder_config, common, line, retime_path) is smoothstep
     assert asked == [300, 600]
     with pytest.raises(NoSolutionError, match="too coarse"):
-        retimed(agder_config, common.model_copy(update={"jerk": False}), line)
+        retimed(agder_config, common.model_copy(update={"jerk": False}), line, retime_path)

@@ -129,7 +129,7 @@ def messages(data: dict[str, Any]) -> list[str]:
         ("name", 12, "is 12; allowed is letters"),
     ],
 )
-def test_a_bad_value_is_told_with_its_path_and_what_is_allowed(path: str, value: object, message: str):
+def test_a_bad_value_is_reported_with_its_path_and_what_is_allowed(path: str, value: object, message: str):
     """One message per key: where it is, what was found, what is allowed, and the unit when that is the likely slip."""
     found = messages(with_value(path, value))[0]
     name = ".".join(path.split(".")).replace(".0.", "[0].")
@@ -197,7 +197,7 @@ def test_a_bad_value_is_told_with_its_path_and_what_is_allowed(path: str, value:
     ],
 )
 def test_a_rule_between_keys_names_the_key_to_look_at(data: dict[str, Any], message: str):
-    """Rules that involve several keys are told at one of them, with its full path."""
+    """Rules that involve several keys are reported at one of them, with its full path."""
     assert messages(data) == [message]
 
 
@@ -215,7 +215,7 @@ def test_a_rule_between_keys_names_the_key_to_look_at(data: dict[str, Any], mess
     ],
 )
 def test_a_missing_key_is_named(path: str, message: str):
-    """What is missing is told with what belongs there."""
+    """A missing key is reported with what belongs there."""
     assert messages(without(path)) == [f"{path.replace('.0.', '[0].')}: {message}"]
 
 
@@ -249,8 +249,8 @@ def test_an_unknown_key_is_refused_with_a_suggestion(path: str, message: str):
         ({"box": 5}, "task.visit[0].box: is 5; allowed is a section with the keys x_m, y_m, z_m, rx_deg, rz_deg or nu"),
     ],
 )
-def test_sections_that_may_be_left_out_are_told_like_others(visit: dict[str, Any], message: str):
-    """An unknown key inside one is told with the known ones; a value in its place may be null, too."""
+def test_optional_sections_are_reported_like_others(visit: dict[str, Any], message: str):
+    """An unknown key inside one is reported with the known ones; a value in its place may also be null."""
     assert any(found.startswith(message) for found in messages(with_value("task.visit", [visit])))
 
 
@@ -262,7 +262,7 @@ def test_a_key_that_is_no_text_is_refused():
     assert found.startswith("machine[5]: is not a known key; allowed here are rails")
 
 
-def test_all_errors_are_told_at_once():
+def test_all_errors_are_reported_together():
     """Several mistakes give several messages, one per line, under the name of the source."""
     data = with_value("task.start.x_m", 2100)
     data["route"]["kappa_max"] = 0
@@ -339,7 +339,7 @@ def test_jerk_is_a_switch(text: str, expected: bool) -> None:
 
 @pytest.mark.parametrize("value", [1, 0, "often", None, [True]])
 def test_a_switch_takes_nothing_but_on_and_off(value: object) -> None:
-    """Numbers are no truth values here, and truth values are none elsewhere."""
+    """Numbers are not switches, and true and false are not numbers."""
     assert messages(with_value("retime.jerk", value))[0].startswith("retime.jerk: is")
     assert "allowed is on or off" in messages(with_value("retime.jerk", value))[0]
     assert "allowed is a number" in messages(with_value("retime.speed", True))[0]
@@ -361,7 +361,7 @@ def test_a_switch_takes_nothing_but_on_and_off(value: object) -> None:
     ],
 )
 def test_keys_of_motion_are_checked(path: str, value: object, message: str) -> None:
-    """Limits, masses, speed and joint names are told like all others."""
+    """Limits, masses, speed and joint names are reported like all other keys."""
     assert message in messages(with_value(path, value))[0]
 
 

@@ -50,7 +50,7 @@ def write(folder: Path, text: str | bytes) -> Path:
         ("- machine\n", "(top level): must be a section with the keys machine, task and route"),
     ],
 )
-def test_a_malformed_file_is_told_with_its_line(tmp_path: Path, text: str | bytes, message: str):
+def test_a_malformed_file_is_reported_with_its_line(tmp_path: Path, text: str | bytes, message: str):
     """YAML that cannot be read is one clear message with line and column, never a traceback."""
     assert problem(write(tmp_path, text)).startswith(message)
 
@@ -79,7 +79,7 @@ def test_anchors_and_merges_work(tmp_path: Path):
 
 
 def test_merges_of_merges_are_no_doubled_keys(tmp_path: Path):
-    """A key that a merged section has, too, is not given twice, however deep the section that it came from."""
+    """A key that a merged section also has is not given twice, however deep the section it comes from."""
     text = "x: {a: &base {b: 1}, n: {m: &more {<<: *base, b: 2}}}\ny: {<<: *more, b: 3}\n"
     with pytest.raises(ConfigError) as caught:
         load_config(write(tmp_path, text))
@@ -92,7 +92,7 @@ def test_numbers_may_be_written_with_an_exponent(tmp_path: Path):
     assert load_config(write(tmp_path, text)).route.x_step_m == 0.1
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path: Path):
+def test_a_missing_file_is_reported(tmp_path: Path):
     """Neither a missing file nor a folder is a configuration."""
     assert problem(tmp_path / "none.yaml") == "(file): cannot be read: No such file or directory"
     assert problem(tmp_path) == "(file): cannot be read: Is a directory"

@@ -2,6 +2,9 @@
 
 import json
 import re
+import subprocess
+import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,18 +13,19 @@ import yaml
 from pipeline.errors import UsageError
 from pipeline.export import (
     CsvOptions,
-    Motion,
+    ExportRequest,
     format_beckhoff,
     format_halstreamer,
     format_samples,
     format_yaml,
-    motion_of,
     needed_decimals,
     read_beckhoff,
     read_csv,
     read_halstreamer,
     read_joint_trajectory,
     read_keyframes,
+    read_motion,
+    read_trajectory_csv,
 )
 from pipeline.export.formats import AngleUnit, Format, LengthUnit, Separator
 from pipeline.machine.geometry import ACTUATORS
@@ -30,29 +34,12 @@ LIMITS = np.array([2.0, 2.0, 2.0, 0.5, 0.5])
 PERIODS = [0.000125, 0.001, 0.004, 0.01, 0.1]
 
 
-def _read_csv_motion(text: str) -> Motion:
-    columns = read_csv(text)
-    groups = ("q{}_m", "qd{}_mps", "qdd{}_mps2")
-    parts = [np.stack([columns[name.format(k)] for k in range(1, 6)], axis=1) for name in groups]
-    return Motion(columns["t_s"], *parts)
-
-
-READERS = {
-    Format.CSV: _read_csv_motion,
-    Format.ROS2: lambda text: read_joint_trajectory(text)[0],
-    Format.ROS2_JSON: lambda text: read_joint_trajectory(text)[0],
-    Format.LINUXCNC: read_halstreamer,
-    Format.BECKHOFF: lambda text: read_beckhoff(text)[0],
-    Format.MUJOCO: read_keyframes,
-}
-
-
 @pytest.mark.parametrize("period_s", PERIODS)
 @pytest.mark.parametrize("kind", list(Format))
 def test_every_format_reads_back(make_samples, kind: Format, period_s: float) -> None:
     """Times to a nanosecond, values to half of the last decimal, whatever a format has of them."""
     samples = make_samples(period_s)
-    motion = READERS[kind](format_samples(kind, samples, LIMITS, ACTUATORS))
+    motion = read_motion(kind, format_samples(kind, samples, LIMITS, ACTUATORS))
     assert motion.t_s == pytest.approx(samples.t_s, abs=1e-9)
     assert np.abs(motion.q_m - samples.q_m).max() <= 0.51e-12
     for found, written in ((motion.qd_mps, samples.qd_mps), (motion.qdd_mps2, samples.qdd_mps2)):
@@ -66,9 +53,17 @@ def test_every_format_reads_back(make_samples, kind: Format, period_s: float) ->
 def test_positions_differenced_twice_are_accelerations(make_samples, kind: Format, period_s: float) -> None:
     """Rounding in the file makes no more than a ten thousandth of the smallest limit, at any period."""
     samples = make_samples(period_s)
-    motion = READERS[kind](format_samples(kind, samples, LIMITS, ACTUATORS))
+    motion = read_motion(kind, format_samples(kind, samples, LIMITS, ACTUATORS))
     exact, found = (np.diff(q, 2, axis=0) / period_s**2 for q in (samples.q_m, motion.q_m))
     assert np.abs(found - exact).max(initial=0.0) <= 1.01e-4 * 0.5
+
+
+def test_names_of_formats_are_known_without_numpy() -> None:
+    """The command line reads them whenever it starts."""
+    script = "import sys; from pipeline.export.formats import Format; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+    assert [str(kind) for kind in Format] == ["csv", "ros2", "ros2-json", "linuxcnc", "beckhoff", "mujoco"]
+    assert Format("ros2-json") is Format.ROS2_JSON
 
 
 @pytest.mark.parametrize("period_s", PERIODS)
@@ -96,21 +91,23 @@ def test_a_joint_trajectory_is_one(make_samples) -> None:
     assert stamps == sorted(set(stamps))
     assert all(0 <= nanosec < 10**9 for _, nanosec in stamps)
     assert json.loads(format_samples(Format.ROS2_JSON, make_samples(0.01), LIMITS, names)) == message
-    assert read_joint_trajectory(text)[1] == names
+    assert read_joint_trajectory(text).joint_names == names
 
 
 def test_a_joint_trajectory_has_to_end_at_rest_and_time_to_pass(make_samples) -> None:
     """What a controller would refuse is not written."""
-    motion = motion_of(make_samples(0.01))
-    with pytest.raises(ValueError, match="ends at rest"):
-        format_yaml(Motion(motion.t_s[:-1], motion.q_m[:-1], motion.qd_mps[:-1], motion.qdd_mps2[:-1]), ACTUATORS)
+    samples = make_samples(0.01)
+    moving = replace(samples, qd_mps=np.ones_like(samples.qd_mps))
+    with pytest.raises(ValueError, match="end at rest"):
+        format_yaml(ExportRequest(moving, LIMITS, ACTUATORS))
+    frozen = replace(samples, t_s=samples.t_s * 1e-9)
     with pytest.raises(ValueError, match="increase strictly"):
-        format_yaml(Motion(motion.t_s * 1e-9, motion.q_m, motion.qd_mps, motion.qdd_mps2), ACTUATORS)
+        format_yaml(ExportRequest(frozen, LIMITS, ACTUATORS))
 
 
 def test_halstreamer_lines_are_five_floats(make_samples) -> None:
     """Comments begin with #; all other lines have five numbers that strtod reads, and there is one per row."""
-    text = format_halstreamer(motion_of(make_samples(0.001)), 12)
+    text = format_halstreamer(ExportRequest(make_samples(0.001), LIMITS, ACTUATORS))
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     assert len(lines) == 201
     assert all(re.fullmatch(r"(-?\d+\.\d{12} ){4}-?\d+\.\d{12}", line) for line in lines)
@@ -118,7 +115,7 @@ def test_halstreamer_lines_are_five_floats(make_samples) -> None:
 
 def test_the_beckhoff_dialect_is_as_documented(make_samples) -> None:
     """Semicolons, decimal points, CRLF, ASCII; units in the column names; zeros without a sign."""
-    text = format_beckhoff(motion_of(make_samples(0.001)), ("a", "b", "c", "d.x", "e"), 9)
+    text = format_beckhoff(ExportRequest(make_samples(0.001), LIMITS, ("a", "b", "c", "d.x", "e")))
     assert text.isascii()
     assert text.count("\r\n") == text.count("\n") == 202
     assert text.endswith("\r\n")
@@ -126,7 +123,7 @@ def test_the_beckhoff_dialect_is_as_documented(make_samples) -> None:
     assert head.startswith("Time_ms;a.Position_mm;a.Velocity_mm_s;a.Acceleration_mm_s2;b.Position_mm")
     assert first.startswith("0.000000;300.000000000;0.000000000;")
     assert "-0.000000000;" not in text
-    assert read_beckhoff(text)[1] == ("a", "b", "c", "d.x", "e")
+    assert read_beckhoff(text).joint_names == ("a", "b", "c", "d.x", "e")
 
 
 def test_keyframes_are_read_by_mujoco(make_samples) -> None:
@@ -149,11 +146,12 @@ def test_keyframes_are_read_by_mujoco(make_samples) -> None:
         (read_joint_trajectory, '{"points": [', "not a joint trajectory"),
         (read_joint_trajectory, "a: [", "not a joint trajectory"),
         (read_halstreamer, "# period_s: 0.01\n1 2 3\n", "line 2 has 3 values"),
-        (read_halstreamer, "1 2 3 4 5\n", "period is not told"),
+        (read_halstreamer, "1 2 3 4 5\n", "no comment states the period"),
         (read_beckhoff, "Time_ms;a.Position_mm\r\n0;1\r\n", "not those of this dialect"),
         (read_beckhoff, "Time_ms;a.Position_mm;a.Velocity_mm_s\n", "not those of this dialect"),
         (read_keyframes, "<mujoco>", "not an MJCF file"),
         (read_keyframes, "<mujoco/>", "no keys"),
+        (read_trajectory_csv, "t_s,q1_m\n0,1\n", "no column q2_m"),
     ],
 )
 def test_what_is_not_the_format_is_refused(reader, text: str, message: str) -> None:
@@ -199,9 +197,9 @@ def test_csv_options(make_samples) -> None:
 @pytest.mark.parametrize(
     ("kind", "options", "message"),
     [
-        (Format.CSV, CsvOptions(columns=("q9_m",)), "no column q9_m; there are t_s"),
+        (Format.CSV, CsvOptions(columns=("q9_m",)), "no column q9_m; choose from t_s"),
         (Format.CSV, CsvOptions(columns=("t_s", "t_s")), "twice"),
-        (Format.CSV, CsvOptions(columns=()), "names no column; there are t_s"),
+        (Format.CSV, CsvOptions(columns=()), "names no column; choose from t_s"),
         (Format.CSV, CsvOptions(decimals=6), "6 decimals are too few.*\n.*at least 11"),
         (Format.CSV, CsvOptions(decimals=7, length=LengthUnit.MM), "at least 8"),
         (Format.ROS2, CsvOptions(decimals=14), "go with --format csv"),

@@ -9,7 +9,8 @@ from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.export import sidecar, trajectory_columns
 from pipeline.machine import Machine
-from pipeline.retime import TrajectorySamples, Usage
+from pipeline.machine.geometry import ACTUATORS
+from pipeline.retime import QUANTITIES, Quantity, TrajectorySamples, Usage
 
 
 @pytest.fixture
@@ -30,7 +31,8 @@ def samples() -> TrajectorySamples:
 @pytest.fixture
 def described(agder_config: Config, machine: Machine, samples: TrajectorySamples) -> dict:
     """The sidecar of these rows."""
-    return sidecar(agder_config, machine, samples, Usage(np.linspace(0.1, 0.5, 5), np.linspace(0.6, 1.0, 5)))
+    fractions = {"velocity": np.linspace(0.1, 0.5, 5), "acceleration": np.linspace(0.6, 1.0, 5)}
+    return sidecar(agder_config, machine, samples, Usage(fractions))
 
 
 def test_every_column_has_a_unit_and_a_meaning(described: dict, samples: TrajectorySamples) -> None:
@@ -60,6 +62,20 @@ def test_it_tells_period_duration_configuration_and_usage(
     assert described["usage"]["velocity"] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])
     assert described["usage"]["acceleration"] == pytest.approx([0.6, 0.7, 0.8, 0.9, 1.0])
     assert any("last row" in sentence for sentence in described["conventions"])
+
+
+def test_another_quantity_is_listed_with_its_limit(
+    agder_config: Config, machine: Machine, samples: TrajectorySamples
+) -> None:
+    """One more row of what was measured: limits of its own for each actuator or one for all, and usage."""
+    own = Quantity("heat", "W", ACTUATORS, limit=lambda _: np.full(5, 7.0), value=lambda path, _: path.q1)
+    shared = Quantity("noise", "m/s", ("TCP",), limit=lambda _: np.array([np.inf]), value=lambda path, _: path.q1)
+    usage = Usage({"heat": np.full(5, 0.5)}, quantities=(*QUANTITIES, own, shared))
+    described = sidecar(agder_config, machine, samples, usage)
+    assert described["limits"]["c2"]["heat_w"] == 7.0
+    assert described["shared_limits"]["noise_mps"] is None
+    assert list(described["usage"])[-2:] == ["heat", "noise"]
+    assert (described["usage"]["heat"], described["usage"]["noise"]) == ([0.5] * 5, None)
 
 
 def test_limits_are_the_machine_s(described: dict, machine: Machine) -> None:

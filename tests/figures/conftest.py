@@ -10,10 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from pipeline.arrays import FloatArray
-from pipeline.machine import MODES, Machine, inverse_kinematics, min_distances, statics_matrix
-from pipeline.machine.kinematics import closure_residual
-from pipeline.machine.statics import condition_number, det_sign
-from pipeline.machine.working_modes import reach_along_rails
+from pipeline.machine import MODES, Machine, condition_number, inverse_kinematics, statics_matrix
 from pipeline.refine.measure import PathSamples
 from pipeline.retime.result import TrajectorySamples
 from pipeline.route.result import Route, Search
@@ -69,20 +66,8 @@ def make_samples(machine: Machine, controlled: FloatArray, mode: str = "LLL") ->
 
 
 def samples_at(machine: Machine, pose: FloatArray, q_m: FloatArray) -> PathSamples:
-    """Fill in what follows from poses (n, 6) and actuator positions (n, 5)."""
-    H = statics_matrix(machine, pose, q_m[:, :3])
-    link, rail = min_distances(machine, pose, q_m[:, :3])
-    return PathSamples(
-        s=np.linspace(0.0, 1.0, len(pose)),
-        pose=pose,
-        q_m=q_m,
-        kappa=condition_number(H),
-        det_sign=det_sign(H),
-        link_distance_m=link,
-        rail_distance_m=rail,
-        closure_residual_m=np.abs(closure_residual(machine, pose, q_m)).max(axis=1),
-        reach_m=reach_along_rails(machine, pose, q_m[:, :3]),
-    )
+    """Sample a path through poses (n, 6) with actuator positions (n, 5)."""
+    return PathSamples(machine, pose, q_m, np.linspace(0.0, 1.0, len(pose)))
 
 
 @pytest.fixture(scope="session")

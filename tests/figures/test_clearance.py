@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pipeline.config import Config
 from pipeline.figures.clearance import clearance_figure
-from pipeline.machine import Machine
+from pipeline.machine import Machine, link_rail_distances
 from pipeline.refine.measure import PathSamples
 
 
@@ -59,7 +59,9 @@ def test_rails_are_shown_when_they_are_checked(
     assert len(axes) == 4
     assert axes[1].get_ylabel() == "least link-rail\ndistance (m)"
     assert limits_of(axes[1]) == [0.05]
-    np.testing.assert_array_equal(axes[1].get_lines()[1].get_ydata(), refined.rail_distance_m)
+    np.testing.assert_array_equal(
+        axes[1].get_lines()[1].get_ydata(), link_rail_distances(machine, refined.pose, refined.carts_m).min(axis=1)
+    )
 
 
 def test_a_locked_axis_has_its_tolerance_as_limit(

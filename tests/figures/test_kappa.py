@@ -73,9 +73,9 @@ def test_mode_changes_are_where_the_cart_passes_the_joint(
     agder_config: Config, route: Route, coarse: PathSamples, refined: PathSamples
 ) -> None:
     """Moving cart 2 to the other side for the last part of the path splits its strip there and nowhere else."""
-    reach = coarse.reach_m.copy()
-    reach[100:, 1] += 2.0
-    changed = kappa_figure(agder_config, route, dataclasses.replace(coarse, reach_m=reach), refined)
+    q_m = coarse.q_m.copy()
+    q_m[100:, 1] += 2.0
+    changed = kappa_figure(agder_config, route, dataclasses.replace(coarse, q_m=q_m), refined)
     strips = changed.axes[0]
     bars = [bar for bar in strips.patches if round(bar.get_y() + 0.45, 3) == 1.0]
     length = changed.axes[1].get_lines()[0].get_xdata()
@@ -91,9 +91,9 @@ def test_short_stretches_get_no_letter(
     agder_config: Config, route: Route, coarse: PathSamples, refined: PathSamples
 ) -> None:
     """A mode that lasts for two samples of 141 is drawn without a letter that would not fit."""
-    reach = coarse.reach_m.copy()
-    reach[100:102, 1] += 2.0
-    strips = kappa_figure(agder_config, route, dataclasses.replace(coarse, reach_m=reach), refined).axes[0]
+    q_m = coarse.q_m.copy()
+    q_m[100:102, 1] += 2.0
+    strips = kappa_figure(agder_config, route, dataclasses.replace(coarse, q_m=q_m), refined).axes[0]
     assert len(strips.patches) == 8
     assert {text.get_text() for text in strips.texts} == {"L"}
 

@@ -52,7 +52,7 @@ def test_the_image_holds_every_pose(balls: Geometry, line: Path) -> None:
 def test_an_uncertain_box_holds_the_poses_of_wrong_machines(
     balls: Geometry, machine: Machine, line: Path, length_only: bool
 ) -> None:
-    """Whatever is wrong about the machine by up to eps, its pose is within |C| E + k of the cubic."""
+    """For any errors of the machine of up to eps, its pose is within |C| E + k of the cubic."""
     eps = 2e-4
     inclusion = prove(balls, line, first_box(line), Uncertainty(eps, 0.0 if length_only else eps))
     assert inclusion is not None
@@ -76,7 +76,7 @@ def test_an_uncertain_box_holds_the_poses_of_wrong_machines(
 
 
 def test_a_box_in_the_wrong_place_is_not_proven(balls: Geometry, line: Path) -> None:
-    """Beside the solution there is none, and a box that does not follow it loses it."""
+    """A box beside the solution holds none, and one that does not follow it loses it."""
     box = first_box(line)
     with working_precision(64):
         piece = pieces(line.spline)[0]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pipeline.machine.pose import CONTROLLED
 from pipeline.measured import (
     Measurement,
     MeasurementComparison,
@@ -11,8 +12,7 @@ from pipeline.measured import (
     error_rows,
     reflector_positions,
 )
-from pipeline.measured.comparison import QUANTITIES, TABLE_HEADER, table_cells
-from pipeline.measured.estimate import CONTROLLED
+from pipeline.measured.comparison import COORDINATES, TABLE_HEADER, table_cells
 
 T = np.linspace(0.0, 1.0, 400)
 POINTS = np.array([[0.0, 0.10, 0.05], [0.0, 0.40, 0.05]])
@@ -27,7 +27,7 @@ def noisy(noise_m: float) -> MeasurementComparison:
 
 
 def test_noise_alone_is_about_its_error_bar() -> None:
-    """Where the machine does what it is told, root mean square errors are those of the noise."""
+    """Where the machine follows its commands, root mean square errors are those of the noise."""
     for row in error_rows(noisy(1e-4)):
         assert row.standardised_rms == pytest.approx(1.0, abs=5.0 / np.sqrt(2.0 * len(T)))
         assert row.error_bar is not None
@@ -39,7 +39,7 @@ def test_an_offset_is_found() -> None:
     off = np.array([1e-3, -2e-3, 3e-3, -0.01, 0.02])
     comparison = compare_measurement(Measurement(T, None, POSE[:, CONTROLLED] + off), POSE, Reflectors(POINTS, 1e-4))
     rows = error_rows(comparison)
-    assert [row.quantity for row in rows] == list(QUANTITIES)
+    assert [row.quantity for row in rows] == [row.name for row in COORDINATES]
     assert [row.mean for row in rows] == pytest.approx(off.tolist())
     assert [row.largest for row in rows] == pytest.approx(off.tolist())
     assert [row.rms for row in rows] == pytest.approx(np.abs(off).tolist())

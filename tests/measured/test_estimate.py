@@ -10,8 +10,8 @@ from scipy.optimize import least_squares
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
+from pipeline.machine.pose import CONTROLLED
 from pipeline.measured import Reflectors, estimate_poses, reflector_positions
-from pipeline.measured.estimate import CONTROLLED
 
 POINTS = np.array([[0.0, 0.10, 0.05], [0.0, 0.40, 0.05]])
 SLANTED = np.array([[0.08, 0.05, -0.04], [-0.10, 0.35, 0.12]])
@@ -32,7 +32,7 @@ def estimate(points: FloatArray, positions: FloatArray, pose: FloatArray, noise_
 def test_without_noise_the_pose_comes_back(
     first: tuple[float, ...], second: tuple[float, ...], pose: tuple[float, ...]
 ) -> None:
-    """Wherever two reflectors are that tell rz at all, all five coordinates are recovered to 1e-9."""
+    """Wherever two reflectors determine rz at all, all five coordinates are recovered to 1e-9."""
     points, true = np.array([first, second]), np.array([pose])
     assume(np.linalg.norm(points[1] - points[0]) > 0.05)
     try:
@@ -113,9 +113,13 @@ def test_angles_are_known_as_well_as_the_reflectors_are_apart() -> None:
 
 @pytest.mark.parametrize(
     ("second", "expected"),
-    [((0.0, 0.1, 0.05), "in one place"), ((0.3, 0.1, 0.05), "do not tell rz"), ((0.0, 0.1, 0.35), "do not tell rz")],
+    [
+        ((0.0, 0.1, 0.05), "in one place"),
+        ((0.3, 0.1, 0.05), "do not determine rz"),
+        ((0.0, 0.1, 0.35), "do not determine rz"),
+    ],
 )
-def test_reflectors_that_tell_nothing(second: tuple[float, ...], expected: str) -> None:
+def test_reflectors_that_determine_nothing(second: tuple[float, ...], expected: str) -> None:
     """In one place, or along the platform's x or z axis without tilt, reflectors are refused with the reason."""
     points = np.array([(0.0, 0.1, 0.05), second])
     flat = np.array([[1.0, 0.3, 0.9, 0.0, 0.0, 0.0]])
@@ -128,12 +132,12 @@ def test_reflectors_that_tell_nothing(second: tuple[float, ...], expected: str) 
     [
         (lambda positions: 1e3 * positions, "300 m apart"),
         (lambda positions: positions[:, [0, 0]], "0 m apart"),
-        (lambda positions: positions[:, ::-1], "other way round"),
+        (lambda positions: positions[:, ::-1], "points the wrong way"),
     ],
     ids=["millimetres", "the same twice", "exchanged"],
 )
 def test_what_cannot_have_been_seen_is_refused(seen: Callable[[FloatArray], FloatArray], said: str) -> None:
-    """Positions in another unit, the same reflector twice, and exchanged reflectors are told from noise."""
+    """Positions in another unit, the same reflector twice, and swapped reflectors are distinguished from noise."""
     positions = seen(reflector_positions(POINTS, POSE))
     with pytest.raises(UsageError, match=said):
         estimate(POINTS, positions, POSE)

@@ -1,4 +1,4 @@
-"""Measurements as tables: both kinds are read, and what is none is refused."""
+"""Measurements as tables: both kinds are read, and anything else is refused."""
 
 import numpy as np
 import pytest
@@ -43,8 +43,8 @@ def test_reflectors_go_before_a_pose() -> None:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"t_s": None}, "no measurement"),
-        ({"x2_m": None}, "no measurement"),
+        ({"t_s": None}, "not a measurement"),
+        ({"x2_m": None}, "not a measurement"),
         ({"y1_m": np.array(["1", "2", "far"])}, "y1_m"),
         ({"z1_m": np.array([0.0, np.nan, 1.0])}, "z1_m"),
         ({"t_s": np.array([0.0, 0.5, 0.5])}, "must increase"),
@@ -60,6 +60,6 @@ def test_what_is_no_measurement(change: dict[str, np.ndarray | None], expected: 
 
 
 def test_no_rows() -> None:
-    """A header alone is no measurement."""
+    """A header alone is not a measurement."""
     with pytest.raises(UsageError, match="no rows"):
         parse_measurement(read_csv("t_s,x1_m,y1_m,z1_m,x2_m,y2_m,z2_m\n"), 1.0)

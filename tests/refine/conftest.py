@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
+from pipeline.limits import node_limits
 from pipeline.machine import Machine
-from pipeline.machine.clearance import link_pairs
+from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path, Refinement, coarse_path, refine_path
-from pipeline.refine.corridor import corridor
-from pipeline.refine.peak.constraints import PathConstraints
+from pipeline.refine.corridor.cells import corridor
+from pipeline.refine.peak.constraints import LeastValues, PathConstraints
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
-from pipeline.refine.peak.sqp import PeakProblem
+from pipeline.refine.peak.problem import PeakProblem
 from pipeline.refine.splines import clamped_knots, fit
 from pipeline.route import Route, build_regions, plan_route
 from pipeline.route.metric import step_sizes
@@ -56,24 +57,28 @@ def free() -> np.ndarray:
 
 
 @pytest.fixture(scope="session")
-def ground(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray, free) -> PeakProblem:
-    """Look at splines of sixteen coefficients in 61 places along the route."""
-    looks = EvaluationPoints.at(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
-    wanted = np.full((61, len(link_pairs(machine))), machine.link_link_m)
-    demands = PathConstraints(corridor(quick_config, route, coarse, looks.s), wanted, np.zeros((61, 0)))
-    return PeakProblem(looks, demands, free, machine.actuator_limits_m)
+def peak(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray, free) -> PeakProblem:
+    """Evaluate splines of sixteen coefficients at 61 points along the route, with no margin to any limit."""
+    points = EvaluationPoints.at(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
+    samples = PoseSamples(machine, coarse.pose(points.s), coarse.q(points.s))
+    limits = [
+        LeastValues(limit, np.full(limit.values(samples).shape, limit.least))
+        for limit in node_limits(quick_config, machine)
+    ]
+    required = PathConstraints(corridor(quick_config, route, coarse, points.s), limits)
+    return PeakProblem(points, required, free, machine.actuator_limits_m)
 
 
 @pytest.fixture(scope="session")
-def looks(ground: PeakProblem) -> EvaluationPoints:
-    """Give the places."""
-    return ground.looks
+def points(peak: PeakProblem) -> EvaluationPoints:
+    """Give the points."""
+    return peak.points
 
 
 @pytest.fixture(scope="session")
-def iterate(looks: EvaluationPoints, coarse: Path) -> Iterate:
+def iterate(points: EvaluationPoints, coarse: Path) -> Iterate:
     """Fit the splines to the coarse path."""
-    found = iterate_at(looks, fit(looks.knots, coarse.node_s, coarse.q(coarse.node_s)), coarse.pose(looks.s))
+    found = iterate_at(points, fit(points.knots, coarse.node_s, coarse.q(coarse.node_s)), coarse.pose(points.s))
     assert found is not None
     return found
 

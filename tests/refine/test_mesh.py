@@ -7,15 +7,15 @@ import pytest
 from scipy.interpolate import BSpline
 
 from pipeline.refine import Path, Refinement, kappa_along
-from pipeline.refine.mesh import Mesh, _most, adapted_mesh, even_mesh, with_nodes
+from pipeline.refine.mesh import Mesh, adapted_mesh, even_mesh, largest_part, with_nodes
 from pipeline.refine.splines import DEGREE, clamped_knots, fit
 from pipeline.route.metric import arc_length
 
 NONE = np.zeros(0)
 
 
-def test_it_is_even_and_has_what_is_asked_for_besides() -> None:
-    """Twenty nodes, one of them doubled by a visit elsewhere, and as many coefficients as asked for."""
+def test_it_is_even_with_further_nodes_where_asked_for() -> None:
+    """Twenty nodes, one of them doubled by a visit elsewhere, and as many coefficients as given."""
     mesh = even_mesh(20, 9, np.array([0.5]))
     assert len(mesh.s) == 21
     assert 0.5 in mesh.s
@@ -30,8 +30,8 @@ def test_a_node_takes_the_place_of_one_that_is_nearly_there() -> None:
     assert len(mesh.s) == 22
 
 
-def test_nodes_are_added_where_a_promise_is_broken() -> None:
-    """In the middle of the interval that has the breach, once, however many there are in it."""
+def test_nodes_are_added_where_a_requirement_is_broken() -> None:
+    """In the middle of the interval with the violation, once, however many there are in it."""
     mesh = even_mesh(11, 8, NONE)
     more = with_nodes(mesh, np.array([0.31, 0.33, 0.36]))
     np.testing.assert_allclose(np.setdiff1d(more.s, mesh.s), [0.35])
@@ -78,8 +78,8 @@ def test_splines_converge_with_order_six() -> None:
 
 def test_what_has_no_error_is_not_marked() -> None:
     """Neighbours with the same error are marked together, and none where there is no error at all."""
-    assert not _most(np.zeros(4)).any()
-    np.testing.assert_array_equal(_most(np.array([3.0, 3.0, 1.0, 0.0])), [True, True, False, False])
+    assert not largest_part(np.zeros(4)).any()
+    np.testing.assert_array_equal(largest_part(np.array([3.0, 3.0, 1.0, 0.0])), [True, True, False, False])
 
 
 @pytest.mark.parametrize("rounds", [1, 3])

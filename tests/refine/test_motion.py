@@ -49,7 +49,7 @@ def test_the_pose_spline_keeps_its_tolerance(refinement: Refinement, tolerance: 
     np.testing.assert_allclose(spline([0.0, 1.0]), path.pose(np.array([0.0, 1.0]))[:, columns], atol=1e-12)
 
 
-def test_a_tolerance_below_rounding_is_told(refinement: Refinement) -> None:
+def test_a_tolerance_below_rounding_is_refused(refinement: Refinement) -> None:
     """What the best spline reached is in the message."""
     with pytest.raises(NoSolutionError, match=r"off by .* m and .* rad"):
         pose_spline(refinement.path, 0.0, 0.0)

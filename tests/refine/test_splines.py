@@ -25,7 +25,7 @@ def test_a_clamped_spline_begins_and_ends_at_its_outer_coefficients() -> None:
 
 @pytest.mark.parametrize("power", range(DEGREE + 1))
 def test_a_fit_reproduces_polynomials_up_to_its_degree(power: int) -> None:
-    """What a quintic spline can say exactly is fitted exactly."""
+    """What a quintic spline can represent exactly is fitted exactly."""
     s, knots = np.linspace(0.0, 1.0, 200), clamped_knots(15)
     q = np.repeat((s**power)[:, None], 5, axis=1)
     np.testing.assert_allclose(BSpline(knots, fit(knots, s, q), DEGREE)(s), q, atol=1e-10)

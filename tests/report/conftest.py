@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.artifacts import plain
+from pipeline.artifacts import jsonable
 from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
 from pipeline.config.file import parse_config
@@ -16,15 +16,13 @@ from pipeline.report import Report, RunResults, StageFacts, build_report, render
 from pipeline.retime import measure_trajectory, sample_trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
-from pipeline.summary.sections import (
-    certificate_section,
-    path_section,
-    regions_section,
-    route_section,
-    trajectory_section,
-    versions,
-)
-from tests.run.conftest import make_certificate, make_refinement, make_regions, make_route, make_trajectory
+from pipeline.summary.certificate import certificate_section
+from pipeline.summary.path import path_section
+from pipeline.summary.regions import regions_section
+from pipeline.summary.route import route_section
+from pipeline.summary.trajectory import trajectory_section
+from pipeline.summary.versions import versions
+from tests.run.short_results import make_certificate, make_refinement, make_regions, make_route, make_trajectory
 
 
 @pytest.fixture(scope="session")
@@ -39,7 +37,9 @@ def config(quick_config: Config) -> Config:
 def facts_of(config: Config, sections: Mapping[Stage, dict[str, object]]) -> dict[Stage, StageFacts]:
     """Say of each stage that it was done and wrote one file."""
     return {
-        stage: StageFacts(False, plain({**section, "seconds": 1.0}), {f"{stage}.npz": f"{stage}-hash"})
+        stage: StageFacts(
+            False, jsonable({**section, "seconds": 1.0}), {f"{stage}.npz": f"{stage}-hash"}, f"words of {stage}"
+        )
         for stage, section in sections.items()
     }
 

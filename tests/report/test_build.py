@@ -18,6 +18,7 @@ from pipeline.report.motion import build_scene, singular_loops
 from pipeline.report.payload import OUT_OF_REACH, levels, packed, payload
 from pipeline.report.tables import build_proof
 from pipeline.report.verdicts import headline, used_limits, verdicts
+from pipeline.retime import Trajectory
 from pipeline.stage import Stage
 
 
@@ -111,7 +112,7 @@ class TestPayload:
         assert np.all(np.abs(np.log(shown / np.clip(kappa, 20.0, 100.0))) <= 0.5001 * np.log(5.0) / 254.0)
 
     def test_out_of_reach_is_a_level_of_its_own(self) -> None:
-        """What cannot be reached is told apart from the least kappa."""
+        """What cannot be reached is distinguished from the least kappa."""
         assert levels(np.array([np.nan, 20.0]), 20.0, 100.0).tolist() == [OUT_OF_REACH, 1]
 
     def test_limits_that_are_none(self, report: Report) -> None:
@@ -126,12 +127,12 @@ class TestVerdicts:
     def test_a_certified_run(self, report: Report) -> None:
         """A complete and certified run is called so, and every verdict is good."""
         assert (report.headline.answer, report.headline.mood) == ("Certified", "good")
-        told = {verdict.topic: verdict for verdict in report.verdicts}
-        assert told["Run"].answer == "Exit code 0"
-        assert told["Certificate"].detail.startswith("1 boxes: κ at most 31.00")
-        assert told["Calibration"].answer == "±0.10 mm"
-        assert told["Route"].answer == "Optimal"
-        assert told["Limits"].mood == "good"
+        answers = {verdict.topic: verdict for verdict in report.verdicts}
+        assert answers["Run"].answer == "Exit code 0"
+        assert answers["Certificate"].detail.startswith("1 boxes: κ at most 31.00")
+        assert answers["Calibration"].answer == "±0.10 mm"
+        assert answers["Route"].answer == "Optimal"
+        assert answers["Limits"].mood == "good"
 
     def test_an_exceeded_limit_is_bad(self, complete: RunResults) -> None:
         """More than the limit is never called kept."""
@@ -172,24 +173,23 @@ class TestTables:
         assert report.comparison is not None
         assert "duration" in [row[0] for row in report.comparison.rows]
 
-    def test_a_coarse_path_that_cannot_be_driven(self, complete: RunResults, monkeypatch: pytest.MonkeyPatch) -> None:
-        """It is told of, and the rest of the report is there."""
+    def test_a_coarse_path_that_cannot_be_driven(self, complete: RunResults) -> None:
+        """The report says so, and the rest of it is there."""
 
-        def refuse(*_: object) -> None:
+        def refuse(*_: object) -> Trajectory:
             raise NoSolutionError("retime", "too heavy", "less load")
 
-        monkeypatch.setattr("pipeline.report.build.retimed", refuse)
-        report = build_report(complete)
+        report = build_report(complete, refuse)
         assert [motion.name for motion in report.motions] == ["refined"]
         assert report.motion_note == "The coarse path is not shown in motion: too heavy."
         assert report.comparison is not None
         assert "duration" not in [row[0] for row in report.comparison.rows]
 
-    def test_hashes_are_told(self, report: Report) -> None:
+    def test_hashes_are_listed(self, report: Report) -> None:
         """The provenance has versions, the configuration's hash, and that of every file of a stage."""
-        told = dict(report.provenance)
-        assert {"gantry-tau", "python", "configuration (SHA-256)"} <= set(told)
-        assert told["route.npz"] == "route-hash"
+        listed = dict(report.provenance)
+        assert {"gantry-tau", "python", "configuration (SHA-256)"} <= set(listed)
+        assert listed["route.npz"] == "route-hash"
 
 
 def test_failures_keep_what_was_there(

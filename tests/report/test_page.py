@@ -168,7 +168,7 @@ def test_a_failed_stage_is_shown_as_failed(
 def test_a_failed_certificate_is_no_certificate(
     complete: RunResults, failed_at: Callable[[RunResults, Stage], RunResults]
 ) -> None:
-    """Where the proof broke, the first words are that the path is not certified, and no bounds are shown."""
+    """Where the proof failed, the first words are that the path is not certified, and no bounds are shown."""
     report = build_report(failed_at(complete, Stage.CERTIFY))
     assert report.headline.answer == "Not certified"
     assert report.bounds is report.proof is None

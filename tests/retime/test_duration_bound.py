@@ -12,12 +12,12 @@ from pipeline.machine import Machine
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage
 from pipeline.retime.duration_bound import duration_bound
-from pipeline.retime.path_dynamics import grid, terms_table
-from pipeline.retime.toppra import plan
+from pipeline.retime.fastest import plan
+from pipeline.retime.path_dynamics import grid, tabulate_dynamics
 
 
 def _bound(path: Path, points: int) -> float:
-    return duration_bound(terms_table(path, grid(1_001)), grid(points))
+    return duration_bound(tabulate_dynamics(path, grid(1_001)), grid(points))
 
 
 @pytest.mark.parametrize("travel_m", [0.9, 0.3, 0.1, 0.01])
@@ -36,7 +36,7 @@ def test_a_line_run_through_unevenly_is_bounded_on_coarse_grids_too(line, machin
     path = line(travel_m, lambda s: s - part / (k * 2.0 * np.pi) * np.cos(2.0 * np.pi * k * s + phase), points=175)
     path = replace(path, machine=replace(machine, masses=None))
     exact = travel_m / machine.velocity_mps[0] + machine.velocity_mps[0] / machine.acceleration_mps2[0]
-    bound = duration_bound(terms_table(path, grid(2_001)), grid(points))
+    bound = duration_bound(tabulate_dynamics(path, grid(2_001)), grid(points))
     assert 0.5 * exact < bound <= exact * (1.0 + 1e-7)
 
 
@@ -83,7 +83,7 @@ def test_with_a_limit_of_the_tcp_a_line_is_bounded_by_what_it_takes(line, machin
     """2 sqrt(D / a), however fine the grid: the circle of accelerations has to be inside of what stands for it."""
     slow = replace(machine, tcp_acceleration_mps2=0.5, masses=None)
     path, exact = replace(line(0.1), machine=slow), 2.0 * np.sqrt(0.1 / 0.5)
-    bound = duration_bound(terms_table(path, grid(max(points, 2_001))), grid(points))
+    bound = duration_bound(tabulate_dynamics(path, grid(max(points, 2_001))), grid(points))
     assert exact * 0.999 < bound <= exact * (1.0 + 1e-7)
 
 

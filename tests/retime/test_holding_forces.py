@@ -1,4 +1,4 @@
-"""Whether the machine can be held and moved at all: told with the pose, and with advice that can help there."""
+"""Whether the machine can be held and moved at all: reported with the pose, and with advice that can help there."""
 
 from dataclasses import replace
 
@@ -8,8 +8,9 @@ import pytest
 from pipeline.errors import NoSolutionError
 from pipeline.refine.result import Path
 from pipeline.retime.holding_forces import require_ends_held, require_standing, resting_forces
-from pipeline.retime.path_dynamics import grid, path_terms, terms_table
-from pipeline.retime.reverse import reversed_path
+from pipeline.retime.path_dynamics import evaluate_dynamics, grid, tabulate_dynamics
+from pipeline.retime.quantities import at_rest
+from pipeline.retime.way_back import reversed_path
 
 
 def _with(path: Path, force_n: np.ndarray | None = None, friction_n: float = 0.0, load_kg: float = 0.0) -> Path:
@@ -21,9 +22,9 @@ def _with(path: Path, force_n: np.ndarray | None = None, friction_n: float = 0.0
 def test_resting_forces_are_those_of_the_path(path: Path) -> None:
     """The same numbers as along the path, at one of its places."""
     s = np.array([0.3])
-    found, terms = resting_forces(path.machine, path.pose(s), path.q(s)[:, :3]), path_terms(path, s)
-    assert found["force"] == pytest.approx(terms.c[:, :5])
-    assert found["link_force"] == pytest.approx(terms.c[:, 5:])
+    found, dynamics = resting_forces(path.machine, path.pose(s), path.q(s)[:, :3]), evaluate_dynamics(path, s)
+    assert found["force"] == pytest.approx(dynamics.c[:, :5])
+    assert found["link_force"] == pytest.approx(dynamics.c[:, 5:])
     assert resting_forces(replace(path.machine, masses=None), path.pose(s), path.q(s)[:, :3]) == {}
 
 
@@ -44,10 +45,10 @@ def test_a_load_too_heavy_for_an_end_asks_for_another_end(path: Path, places: li
     require_ends_held(replace(machine, force_n=np.full(5, np.inf)), path.pose(s), path.q(s)[:, :3])
 
 
-def test_on_the_way_the_place_is_told_along_the_way_there(path: Path) -> None:
-    """Forth and back, the force is too large at the same pose: so s is the same, too."""
-    c = np.abs(path_terms(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0)
-    ends = np.abs(path_terms(path, np.array([0.0, 1.0])).c[:, :5]).max(axis=0)
+def test_on_the_way_back_the_place_is_that_along_the_way_there(path: Path) -> None:
+    """There and back, the force is too large at the same pose, so that s is the same, too."""
+    c = np.abs(evaluate_dynamics(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0)
+    ends = np.abs(evaluate_dynamics(path, np.array([0.0, 1.0])).c[:, :5]).max(axis=0)
     drive = int(np.argmax(c / ends))
     limit = np.full(5, np.inf)
     limit[drive] = (c[drive] + ends[drive]) / 2.0
@@ -55,7 +56,7 @@ def test_on_the_way_the_place_is_told_along_the_way_there(path: Path) -> None:
     places = []
     for way, backwards in ((weak, False), (reversed_path(weak), True)):
         with pytest.raises(NoSolutionError, match="just to hold the machine at s = ") as caught:
-            require_standing(terms_table(way, grid(2_001)), backwards)
+            require_standing(tabulate_dynamics(way, grid(2_001)), backwards)
         assert "kappa_max" in caught.value.advice
         places.append(caught.value.diagnosis["s"])
     assert places[0] == pytest.approx(places[1], abs=1e-4)
@@ -63,12 +64,12 @@ def test_on_the_way_the_place_is_told_along_the_way_there(path: Path) -> None:
 
 def test_with_friction_it_is_not_called_holding(path: Path) -> None:
     """Gravity alone is within the limit; what is too much is to move against friction."""
-    limit = np.abs(path_terms(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0) + 10.0
+    limit = np.abs(evaluate_dynamics(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0) + 10.0
     with pytest.raises(NoSolutionError, match="against gravity and dry friction alone, however slow it moves") as e:
-        require_standing(terms_table(_with(path, limit, friction_n=60.0), grid(2_001)))
+        require_standing(tabulate_dynamics(_with(path, limit, friction_n=60.0), grid(2_001)))
     assert "just to hold" not in e.value.reason
     assert "machine.dynamics.friction" in e.value.advice
-    require_standing(terms_table(_with(path, limit, friction_n=5.0), grid(2_001)))
+    require_standing(tabulate_dynamics(_with(path, limit, friction_n=5.0), grid(2_001)))
 
 
 def test_friction_helps_to_hold_and_to_go_down(path: Path) -> None:
@@ -79,6 +80,6 @@ def test_friction_helps_to_hold_and_to_go_down(path: Path) -> None:
     require_ends_held(weak, path.pose(s), path.q(s)[:, :3])
     with pytest.raises(NoSolutionError, match="just to hold"):
         require_ends_held(_with(path, weak.force_n, friction_n=2.0).machine, path.pose(s), path.q(s)[:, :3])
-    rubbing = path_terms(_with(path, friction_n=20.0), np.linspace(0.0, 1.0, 2_001))
-    enough = 1.001 * np.abs(rubbing.resting()["force"]).max(axis=0)
-    require_standing(terms_table(_with(path, enough, friction_n=20.0), grid(2_001)))
+    rubbing = evaluate_dynamics(_with(path, friction_n=20.0), np.linspace(0.0, 1.0, 2_001))
+    enough = 1.001 * np.abs(at_rest(rubbing)["force"]).max(axis=0)
+    require_standing(tabulate_dynamics(_with(path, enough, friction_n=20.0), grid(2_001)))

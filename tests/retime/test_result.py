@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from pipeline.refine.result import Path
 from pipeline.retime import Trajectory, stretched
-from pipeline.retime.toppra import plan
+from pipeline.retime.fastest import plan
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ def test_it_takes_scalars_and_arrays_of_any_shape(trajectory: Trajectory) -> Non
 
 
 def test_there_is_no_third_derivative(trajectory: Trajectory) -> None:
-    """Where the acceleration jumps there is no jerk to be told."""
+    """Where the acceleration jumps there is no jerk to evaluate."""
     with pytest.raises(ValueError, match="derivatives 0 to 2"):
         trajectory.q(0.5, 3)
 

@@ -9,10 +9,12 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError, UnfitConfigError
+from pipeline.progress import Monitor
 from pipeline.refine.result import Path
-from pipeline.retime import measure_usage, retime_path, sample_trajectory
-from pipeline.retime.path_dynamics import path_terms
-from pipeline.retime.toppra import plan
+from pipeline.retime import TimingOptions, measure_usage, retime_path, sample_trajectory
+from pipeline.retime.fastest import plan
+from pipeline.retime.jerk.options import JerkOptions
+from pipeline.retime.path_dynamics import evaluate_dynamics
 
 
 def _config(config: Config, **options: Any) -> Config:
@@ -35,25 +37,22 @@ def test_all_limits_hold_everywhere_and_the_period_fits(without_jerk: Config, pa
 
 
 def test_the_grid_is_refined_until_limits_hold_between_its_points(agder_config: Config, path: Path) -> None:
-    """A grid that is too coarse is doubled, and every attempt is told."""
-    told: list[str] = []
-    trajectory = retime_path(
-        _config(agder_config, grid_points=60, jerk=False), path, lambda message, fraction=None: told.append(message)
-    )
-    assert len(told) > 1
-    assert "60 grid points" in told[0]
-    assert "120 grid points" in told[1]
+    """A grid that is too coarse is doubled, and every attempt is reported."""
+    reported: list[str] = []
+    monitor = Monitor(lambda message, fraction=None: reported.append(message))
+    trajectory = retime_path(_config(agder_config, grid_points=60, jerk=False), path, monitor)
+    assert len(reported) > 1
+    assert "60 grid points" in reported[0]
+    assert "120 grid points" in reported[1]
     assert measure_usage(trajectory).largest <= 1.0
     assert measure_usage(plan(path, 60)).largest > 1.001
 
 
-def test_limits_that_stay_broken_on_the_finest_grid_are_an_error(
-    agder_config: Config, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """When no finer grid is allowed, a broken limit is told and nothing comes out."""
-    monkeypatch.setattr("pipeline.retime.retime._MOST_GRID_POINTS", 100)
+def test_limits_that_stay_broken_on_the_finest_grid_are_an_error(agder_config: Config, path: Path) -> None:
+    """When no finer grid is allowed, an exceeded limit is an error and there is no result."""
+    options = TimingOptions(most_grid_points=100)
     with pytest.raises(NoSolutionError, match=r"limit of .* between two points of the plan"):
-        retime_path(_config(agder_config, grid_points=60), path)
+        retime_path(_config(agder_config, grid_points=60), path, options=options)
 
 
 def test_a_path_that_does_not_move_is_refused(agder_config: Config, path: Path) -> None:
@@ -92,7 +91,7 @@ def test_a_path_with_corners_is_refused(agder_config: Config, path: Path, degree
 
 
 def test_a_threefold_knot_is_fine_and_a_fourfold_one_is_not(without_jerk: Config, path: Path) -> None:
-    """Degree less multiplicity tells the smoothness: two derivatives are needed."""
+    """Degree minus multiplicity is the smoothness: two derivatives are needed."""
 
     def with_knot(times: int) -> Path:
         return replace(path, spline=path.spline.insert_knot(0.5, m=times))
@@ -102,18 +101,18 @@ def test_a_threefold_knot_is_fine_and_a_fourfold_one_is_not(without_jerk: Config
         retime_path(without_jerk, with_knot(4))
 
 
-def test_jerk_is_limited_by_default_and_what_it_costs_is_told(agder_config: Config, path: Path) -> None:
+def test_jerk_is_limited_by_default_and_what_it_costs_is_reported(agder_config: Config, path: Path) -> None:
     """All limits hold at every tenth of a period; the gap without jerk is below half a percent."""
     trajectory = retime_path(agder_config, path)
     usage = measure_usage(trajectory, agder_config.retime.period_s)
     assert set(usage.held()) == {"velocity", "acceleration", "jerk", "force", "link_force"}
     assert usage.largest <= 1.001
-    quality = trajectory.quality
-    assert quality.jerk_limited
-    assert 0.0 < quality.gap < 0.005
-    assert 0.0 < quality.jerk_cost < 0.02
-    assert quality.bound_s < quality.fastest_s < quality.motion_s <= trajectory.motion_s
-    assert min(quality.pieces, quality.rounds, quality.iterations) > 0
+    timing = trajectory.timing
+    assert timing.jerk_limited
+    assert 0.0 < timing.gap < 0.005
+    assert 0.0 < timing.jerk_cost < 0.02
+    assert timing.bound_s < timing.fastest_s < timing.motion_s <= trajectory.motion_s
+    assert min(timing.pieces, timing.rounds, timing.iterations) > 0
 
 
 def test_positions_at_a_millisecond_show_the_accelerations(agder_config: Config, path: Path) -> None:
@@ -126,13 +125,13 @@ def test_positions_at_a_millisecond_show_the_accelerations(agder_config: Config,
 def test_without_jerk_limits_the_peak_tells_what_a_controller_sees(without_jerk: Config, path: Path) -> None:
     """Accelerations jump: over a period that is many times the limit, the more the shorter the period."""
     trajectory = retime_path(without_jerk, path)
-    assert not trajectory.quality.jerk_limited
-    assert trajectory.quality.jerk_cost == 0.0
+    assert not trajectory.timing.jerk_limited
+    assert trajectory.timing.jerk_cost == 0.0
     coarse, fine = (measure_usage(trajectory, period) for period in (0.01, 0.001))
     assert not fine.jerk_held
-    assert fine.jerk.max() > 5.0 * coarse.jerk.max() > 5.0
+    assert fine.fractions["jerk"].max() > 5.0 * coarse.fractions["jerk"].max() > 5.0
     assert fine.largest <= 1.001
-    assert measure_usage(trajectory).jerk is None
+    assert "jerk" not in measure_usage(trajectory).fractions
 
 
 @pytest.mark.parametrize(("speed", "dwell_s"), [(0.3, (0.0, 0.0)), (1.0, (0.503, 0.2)), (0.5, (0.01, 1.0))])
@@ -140,7 +139,7 @@ def test_speed_and_dwell(without_jerk: Config, path: Path, speed: float, dwell_s
     """The motion takes 1 / speed times as long, and nothing moves for whole periods before and after it."""
     config = _config(without_jerk, jerk=False, speed=speed, dwell_s=dwell_s)
     trajectory, full = retime_path(config, path), retime_path(without_jerk, path)
-    assert trajectory.motion_s == pytest.approx(full.quality.motion_s / speed, abs=0.0101)
+    assert trajectory.motion_s == pytest.approx(full.timing.motion_s / speed, abs=0.0101)
     waits = np.ceil(np.array(dwell_s) / 0.01 - 1e-9) * 0.01
     assert trajectory.dwell_s == pytest.approx(waits)
     samples = sample_trajectory(trajectory, 0.01)
@@ -150,8 +149,10 @@ def test_speed_and_dwell(without_jerk: Config, path: Path, speed: float, dwell_s
     assert not samples.qdd_mps2[resting].any()
     assert np.array_equal(samples.q_m[-1], path.q(1.0))
     usage, most = measure_usage(trajectory, 0.01), measure_usage(full, 0.01)
-    assert usage.velocity.max() == pytest.approx(speed * most.velocity.max(), rel=5e-3)
-    assert usage.acceleration.max() == pytest.approx(speed**2 * most.acceleration.max(), rel=1e-2)
+    assert usage.fractions["velocity"].max() == pytest.approx(speed * most.fractions["velocity"].max(), rel=5e-3)
+    assert usage.fractions["acceleration"].max() == pytest.approx(
+        speed**2 * most.fractions["acceleration"].max(), rel=1e-2
+    )
 
 
 def test_a_load_that_gravity_alone_exceeds_is_refused_with_the_pose(agder_config: Config, path: Path) -> None:
@@ -169,7 +170,7 @@ def test_a_locked_actuator_that_would_have_to_move_is_named(agder_config: Config
     velocity[1] = 0.0
     locked = replace(path, machine=replace(path.machine, velocity_mps=velocity))
     with pytest.raises(
-        NoSolutionError, match=r"c2 would have to move, and its velocity limit is 0 m/s.* at the pose x "
+        NoSolutionError, match=r"c2 has to move from s = .* at the pose x .* its velocity limit is 0 m/s"
     ) as e:
         retime_path(agder_config, locked)
     assert e.value.exit_code == 1
@@ -184,20 +185,17 @@ def test_a_locked_actuator_that_need_not_move_is_fine(without_jerk: Config, line
     assert retime_path(without_jerk, locked).duration_s == retime_path(without_jerk, path).duration_s
 
 
-def test_limits_exceeded_by_more_than_rounding_are_an_error(
-    agder_config: Config, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What the last rounds leave may be taken off by stretching, but no more of a limit than that."""
-    monkeypatch.setattr("pipeline.retime.jerk.solve._ROUNDS", 1)
-    monkeypatch.setattr("pipeline.retime.retime._MOST_USAGE", 1.001)
+def test_limits_exceeded_by_more_than_rounding_are_an_error(agder_config: Config, path: Path) -> None:
+    """Stretching may remove what the last round leaves of a limit, but no more than that."""
+    options = TimingOptions(most_usage=1.001, jerk=JerkOptions(rounds=1))
     with pytest.raises(NoSolutionError, match="between two points of the plan") as e:
-        retime_path(_config(agder_config, jerk_pieces=40), path)
+        retime_path(_config(agder_config, jerk_pieces=40), path, options=options)
     assert "retime.jerk_pieces" in e.value.advice
 
 
 def _barely_held(path: Path, factor: float) -> Path:
     """The curve with drives that are stronger than gravity by a factor."""
-    static = np.abs(path_terms(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0)
+    static = np.abs(evaluate_dynamics(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0)
     return replace(path, machine=replace(path.machine, force_n=factor * static))
 
 
@@ -209,7 +207,7 @@ def test_drives_that_barely_hold_the_machine_move_it_slowly(
     weak = _barely_held(path, factor)
     trajectory = retime_path(_config(agder_config, jerk=jerk), weak)
     assert measure_usage(trajectory, 0.01).largest <= 1.001
-    assert 0.0 <= trajectory.quality.gap < 0.02
+    assert 0.0 <= trajectory.timing.gap < 0.02
     strong = retime_path(_config(agder_config, jerk=jerk), path)
     assert strong.duration_s < trajectory.duration_s < 1.5 * strong.duration_s
 
@@ -227,10 +225,10 @@ def test_the_gap_is_that_of_the_law_that_leaves_the_stage(
 ) -> None:
     """Without jerk limits the motion is the fastest law itself, as it was stretched, and never below the bound."""
     trajectory = retime_path(without_jerk, replace(path, machine=replace(path.machine, tcp_speed_mps=tcp_speed_mps)))
-    quality = trajectory.quality
-    assert quality.fastest_s == quality.motion_s
-    assert 0.0 <= trajectory.motion_s - quality.motion_s < 0.01
-    assert 0.0 <= quality.gap < 0.005
+    timing = trajectory.timing
+    assert timing.fastest_s == timing.motion_s
+    assert 0.0 <= trajectory.motion_s - timing.motion_s < 0.01
+    assert 0.0 <= timing.gap < 0.005
 
 
 def test_more_rows_than_a_table_may_have_are_refused_before_they_are_made(without_jerk: Config, path: Path) -> None:

@@ -17,7 +17,7 @@ from pipeline.retime import (
     stretched,
     time_reversed,
 )
-from pipeline.retime.toppra import plan
+from pipeline.retime.fastest import plan
 
 
 @pytest.fixture(scope="module")
@@ -27,19 +27,19 @@ def planned(path: Path) -> Trajectory:
 
 
 def test_usage_agrees_with_brute_force(planned: Trajectory) -> None:
-    """Looking at a hundred thousand instants finds no more, and hardly less."""
+    """Evaluating a hundred thousand instants finds no more, and hardly less."""
     t = np.linspace(0.0, planned.duration_s, 100_001)
     machine = planned.path.machine
     usage = measure_usage(planned)
     velocity = np.abs(planned.q(t, 1) / machine.velocity_mps).max(axis=0)
     acceleration = np.abs(planned.q(t, 2) / machine.acceleration_mps2).max(axis=0)
-    assert velocity == pytest.approx(usage.velocity, rel=2e-5)
-    assert acceleration == pytest.approx(usage.acceleration, rel=1e-3)
-    assert np.all(velocity <= usage.velocity + 1e-6)
-    assert np.all(acceleration <= usage.acceleration + 1e-5)
+    assert velocity == pytest.approx(usage.fractions["velocity"], rel=2e-5)
+    assert acceleration == pytest.approx(usage.fractions["acceleration"], rel=1e-3)
+    assert np.all(velocity <= usage.fractions["velocity"] + 1e-6)
+    assert np.all(acceleration <= usage.fractions["acceleration"] + 1e-5)
 
 
-def test_both_sides_of_a_jump_are_looked_at(line) -> None:
+def test_both_sides_of_a_jump_are_evaluated(line) -> None:
     """A law that brakes harder than it accelerates shows it, though the evaluation takes jumps from the right."""
     path = line(0.9)
     # Speeding up for two thirds of the time, braking twice as hard for the last third.
@@ -50,8 +50,8 @@ def test_both_sides_of_a_jump_are_looked_at(line) -> None:
         path, t, s / s[-1], np.array([0.0, 2.0 * sdd, 0.0]) / s[-1], np.array([sdd, -2.0 * sdd, 0.0]) / s[-1]
     )
     expected = 0.9 * 2.0 * sdd / s[-1] / path.machine.acceleration_mps2[:3]
-    assert measure_usage(law).acceleration[:3] == pytest.approx(expected)
-    assert measure_usage(law).acceleration[3:] == pytest.approx(0.0, abs=1e-9)
+    assert measure_usage(law).fractions["acceleration"][:3] == pytest.approx(expected)
+    assert measure_usage(law).fractions["acceleration"][3:] == pytest.approx(0.0, abs=1e-9)
 
 
 @settings(max_examples=25)
@@ -59,16 +59,16 @@ def test_both_sides_of_a_jump_are_looked_at(line) -> None:
 def test_usage_follows_the_stretch(planned: Trajectory, factor: float) -> None:
     """In f times the time, velocity usage is divided by f and acceleration usage by f^2."""
     before, after = measure_usage(planned), measure_usage(stretched(planned, planned.duration_s * factor))
-    assert after.velocity * factor == pytest.approx(before.velocity, rel=1e-9)
-    assert after.acceleration * factor**2 == pytest.approx(before.acceleration, rel=1e-9)
+    assert after.fractions["velocity"] * factor == pytest.approx(before.fractions["velocity"], rel=1e-9)
+    assert after.fractions["acceleration"] * factor**2 == pytest.approx(before.fractions["acceleration"], rel=1e-9)
 
 
 @given(st.lists(st.floats(0.0, 4.0), min_size=10, max_size=10))
 def test_the_stretch_is_the_least_that_makes_all_limits_hold(fractions: list[float]) -> None:
     """After it no fraction is above one; without need it is one; where it is more, a limit is just reached."""
-    usage = Usage(np.array(fractions[:5]), np.array(fractions[5:]))
+    usage = Usage({"velocity": np.array(fractions[:5]), "acceleration": np.array(fractions[5:])})
     f = usage.stretch
-    after = max((usage.velocity / f).max(), (usage.acceleration / f**2).max())
+    after = max((usage.fractions["velocity"] / f).max(), (usage.fractions["acceleration"] / f**2).max())
     assert after <= 1.0 + 1e-12
     assert f == 1.0 or after == pytest.approx(1.0)
 
@@ -79,7 +79,7 @@ def test_a_planned_law_passes(planned: Trajectory) -> None:
 
 
 @pytest.mark.parametrize("factor", [0.9, 0.5])
-def test_an_exceeded_acceleration_is_told(planned: Trajectory, factor: float) -> None:
+def test_an_exceeded_acceleration_is_reported(planned: Trajectory, factor: float) -> None:
     """Who, what, how much of what, and where; the place named is where it happens."""
     fast = stretched(planned, planned.duration_s * factor)
     with pytest.raises(NoSolutionError, match=r"of its acceleration limit of .* at s = .*, t = ") as caught:
@@ -91,7 +91,7 @@ def test_an_exceeded_acceleration_is_told(planned: Trajectory, factor: float) ->
     assert "smoother path" in caught.value.advice
 
 
-def test_an_exceeded_velocity_is_told(line) -> None:
+def test_an_exceeded_velocity_is_reported(line) -> None:
     """On a slow long line with gentle acceleration it is the velocity that is named, of the cart that has it."""
     path = line(2.0)
     law = Trajectory.from_breakpoints(

@@ -1,4 +1,4 @@
-"""The way back where friction makes it harder: timed by itself, or told to be impossible."""
+"""The way back: the same motion backwards; where friction makes it harder, timed by itself or refused."""
 
 from dataclasses import replace
 from typing import Any
@@ -9,8 +9,9 @@ import pytest
 from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError
 from pipeline.refine.result import Path
-from pipeline.retime import measure_usage, retime_path, way_back
-from pipeline.retime.path_dynamics import path_terms
+from pipeline.retime import Trajectory, measure_usage, retime_path, time_reversed, way_back
+from pipeline.retime.fastest import plan
+from pipeline.retime.path_dynamics import evaluate_dynamics
 
 
 def _config(config: Config, **options: Any) -> Config:
@@ -21,8 +22,8 @@ def _config(config: Config, **options: Any) -> Config:
 def needed(path: Path) -> dict[str, np.ndarray]:
     """Forces of the drives against gravity and friction, there and back."""
     rubbing = _rubbing(path, np.full(5, 2_000.0))
-    terms = path_terms(rubbing, np.linspace(0.0, 1.0, 2_001))
-    gravity, friction = terms.c[:, :5], terms.friction()
+    dynamics = evaluate_dynamics(rubbing, np.linspace(0.0, 1.0, 2_001))
+    gravity, friction = dynamics.c[:, :5], dynamics.friction()
     return {"there": np.abs(gravity + friction).max(axis=0), "back": np.abs(gravity - friction).max(axis=0)}
 
 
@@ -40,10 +41,10 @@ def _weak(path: Path, needed: dict[str, np.ndarray], part: float) -> tuple[Path,
     return _rubbing(path, force), drive
 
 
-def test_an_impossible_way_back_is_told_as_such(
+def test_an_impossible_way_back_is_reported_as_such(
     agder_config: Config, path: Path, needed: dict[str, np.ndarray]
 ) -> None:
-    """There it goes; of the way back is told that it is that, s along the way there, and that it is not holding."""
+    """The way there works; the error names the way back, with s along the way there, and does not mention holding."""
     weak, drive = _weak(path, needed, 0.5)
     config = _config(agder_config)
     there = retime_path(config, weak)
@@ -51,9 +52,9 @@ def test_an_impossible_way_back_is_told_as_such(
         NoSolutionError, match=r"^retime: on the way back, .* against gravity and dry friction"
     ) as caught:
         way_back(config, there)
-    terms = path_terms(weak, np.linspace(0.0, 1.0, 2_001))
-    back = np.abs(terms.c[:, :5] - terms.friction())[:, drive]
-    assert caught.value.diagnosis["s"] == pytest.approx(terms.s[np.argmax(back)], abs=1e-3)
+    dynamics = evaluate_dynamics(weak, np.linspace(0.0, 1.0, 2_001))
+    back = np.abs(dynamics.c[:, :5] - dynamics.friction())[:, drive]
+    assert caught.value.diagnosis["s"] == pytest.approx(dynamics.s[np.argmax(back)], abs=1e-3)
     assert "hold" not in caught.value.reason
 
 
@@ -71,3 +72,56 @@ def test_a_way_back_that_would_be_far_too_slow_is_timed_by_itself(
     assert measure_usage(back, 0.01).largest <= 1.001
     assert back.q(0.0) == pytest.approx(there.q(there.duration_s))
     assert back.q(back.duration_s) == pytest.approx(there.q(0.0))
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["jerk", "no jerk"])
+def trajectory(request: pytest.FixtureRequest, agder_config: Config, path: Path) -> Trajectory:
+    """The curve in time, with a dwell at each end."""
+    options = RetimeConfig(jerk=request.param, jerk_pieces=100, dwell_s=(0.2, 0.5))
+    return retime_path(agder_config.model_copy(update={"retime": options}), path)
+
+
+def test_it_is_the_same_motion_backwards(trajectory: Trajectory) -> None:
+    """q(T - t) and its derivatives, signs changing with every odd one; dwells change places."""
+    back = time_reversed(trajectory)
+    assert back.duration_s == trajectory.duration_s
+    assert back.dwell_s == (0.5, 0.2)
+    t = np.linspace(0.011, trajectory.duration_s - 0.013, 700)
+    breaks = np.abs(t[:, None] - 0.2 - trajectory.time_law.x).min(axis=1) > 1e-6
+    t = t[breaks]
+    for order in range(3):
+        there = trajectory.q(t, order) * (-1.0) ** order
+        assert back.q(back.duration_s - t, order) == pytest.approx(there, abs=1e-8)
+
+
+def test_reversing_twice_is_where_it_began(trajectory: Trajectory) -> None:
+    """Path and law come back to rounding."""
+    again = time_reversed(time_reversed(trajectory))
+    t = np.linspace(0.0, trajectory.duration_s, 300)
+    assert again.q(t) == pytest.approx(trajectory.q(t), abs=1e-12)
+    assert again.pose(t) == pytest.approx(trajectory.pose(t), abs=1e-9)
+
+
+def test_forces_without_friction_are_the_same_both_ways(trajectory: Trajectory) -> None:
+    """Inertia and gravity do not know the direction of time."""
+    one, other = measure_usage(trajectory), measure_usage(time_reversed(trajectory))
+    assert other.fractions["force"] == pytest.approx(one.fractions["force"], rel=1e-6)
+    assert other.fractions["velocity"] == pytest.approx(one.fractions["velocity"], rel=1e-6)
+
+
+def test_with_friction_the_way_back_may_take_longer(agder_config: Config, path: Path) -> None:
+    """A drive just strong enough one way is not so the other: the way back is slower then, and keeps all limits."""
+    masses = replace(path.machine.masses, friction_n=np.array([60.0, 60.0, 60.0, 0.0, 0.0]))
+    strong = replace(path.machine, masses=masses, force_n=np.full(5, 1_000.0))
+    there = plan(replace(path, machine=strong), 1_000)
+    peaks = {way: measure_usage(one).peaks["force"] for way, one in (("there", there), ("back", time_reversed(there)))}
+    harder = int(np.argmax(peaks["back"] / peaks["there"]))
+    assert peaks["back"][harder] > 1.01 * peaks["there"][harder]
+    limit = np.full(5, 1_000.0)
+    limit[harder] = 1.005 * peaks["there"][harder]
+    weak = replace(path, machine=replace(strong, force_n=limit))
+    config = agder_config.model_copy(update={"retime": RetimeConfig(jerk=False)})
+    one = retime_path(config, weak)
+    back = way_back(config, one)
+    assert back.duration_s >= one.duration_s
+    assert measure_usage(back, 0.01).largest <= 1.001

@@ -139,7 +139,7 @@ def cheapest() -> Callable[..., float]:
     """Give a dynamic program over step, region and reachable x: the least sum (5), infinite without a route.
 
     Along one sequence of regions the reachable x form an interval, so that labels (cost, least x, largest x) are
-    exact; one that costs more and reaches less than another is dropped, and so is one dearer than `cap`.
+    exact; one that costs more and reaches less than another is dropped, and so is one that costs more than `cap`.
     """
 
     def solve(regions: RegionTable, moves: Moves, positions: int, x_step_m: float, cap: float = np.inf) -> float:

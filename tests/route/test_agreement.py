@@ -10,21 +10,19 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from pipeline.config import Config
-from pipeline.progress import silent
 from pipeline.route.bounds.budget_prices import priced_bounds
-from pipeline.route.bounds.budgets import budgets
+from pipeline.route.bounds.budgets import task_budgets
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.programs.compact import build_compact_model, read_compact
-from pipeline.route.programs.paper import build_paper_model, read_paper
+from pipeline.route.problem import RouteProblem
+from pipeline.route.programs.whole import WHOLE_PROGRAMS
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.search.optimum import prove_on_core
 from pipeline.route.search.rule_check import rule_violations, task_violations
 from pipeline.route.search.states import expand_states
-from pipeline.solvers.highs import solve_model
+from pipeline.solvers import solve_program
 from pipeline.status import Status
 
 WIDE = np.array([1.0, 1e3, 1e3, 1e3, 1e3])
-PROGRAMS = {"paper": (build_paper_model, read_paper), "compact": (build_compact_model, read_compact)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,43 +134,44 @@ ASKED = st.sets(st.sampled_from(["visit", "budget", "travel", "stray"]))
 
 @settings(max_examples=300)
 @given(seed=st.integers(0, 1_000_000), asked=ASKED, margin=st.sampled_from([1e-6, 0.002, 1.0]))
-def test_the_core_finds_the_optimum_of_brute_force(draw, vary, seed, asked, margin):
+def test_the_core_finds_the_optimum_of_brute_force(draw, vary, machine, seed, asked, margin):
     """Whatever is asked of the route and whatever the first threshold; what it finds keeps all rules."""
     case = draw(seed, asked)
     config = vary(case.config, {"route.threshold_margin": margin})
-    layout = expand_states(case.regions, case.moves, case.near)
-    bounds = priced_bounds(layout.regions, layout.moves, budgets(config), silent)
+    graph = expand_states(case.regions, case.moves, case.near)
+    problem = RouteProblem.of(config, machine, case.regions, case.moves)
+    bounds = priced_bounds(graph.regions, graph.moves, problem.budgets)
     expected = _brute_force(case)
     # Of a route within the budgets and all else the bounds promise no more than it costs.
     assert bounds.optimum <= expected + 1e-9
-    optimum = prove_on_core(config, layout.regions, layout.moves, bounds, silent, False)
+    optimum = prove_on_core(problem, graph, bounds)
     if not np.isfinite(expected):
         assert optimum is None
         return
-    assert optimum.sequence.outcome.objective == pytest.approx(expected, abs=1e-6)
-    rows = layout.base[optimum.sequence.region]
+    assert optimum.objective == pytest.approx(expected, abs=1e-6)
+    rows = optimum.sequence.region
     assert rule_violations(case.regions, rows, optimum.sequence.x_m, WIDE, case.positions) == []
     assert task_violations(config, case.regions, rows, optimum.sequence.x_m) == []
     assert (~case.near[:, rows]).any(axis=1).all()
 
 
-@pytest.mark.parametrize("formulation", PROGRAMS)
+@pytest.mark.parametrize("formulation", WHOLE_PROGRAMS)
 @settings(max_examples=25)
 @given(seed=st.integers(0, 1_000_000), asked=ASKED)
 def test_the_other_programs_find_the_optimum_of_brute_force(draw, formulation, seed, asked):
     """Budgets are rows and columns there, and nothing is priced."""
     case = draw(seed, asked)
-    layout = expand_states(case.regions, case.moves, case.near)
-    build, read = PROGRAMS[formulation]
-    every = itertools.permutations(range(len(layout.regions)), 2)
-    admitted = set(zip(layout.moves.source.tolist(), layout.moves.target.tolist(), strict=True))
+    graph = expand_states(case.regions, case.moves, case.near)
+    whole = WHOLE_PROGRAMS[formulation]
+    every = itertools.permutations(range(len(graph.regions)), 2)
+    admitted = set(zip(graph.moves.source.tolist(), graph.moves.target.tolist(), strict=True))
     excluded = np.array(sorted(set(every) - admitted), dtype=np.int64).reshape(-1, 2)
-    model = build(layout.regions, Moves(*excluded.T), WIDE, case.positions, budgets(case.config))
-    outcome = solve_model(model, 60.0, silent)
+    program = whole.build(graph.regions, Moves(*excluded.T), WIDE, case.positions, task_budgets(case.config))
+    outcome = solve_program(program, 60.0)
     expected = _brute_force(case)
     if not np.isfinite(expected):
         assert outcome.status is Status.INFEASIBLE
         return
     assert outcome.objective == pytest.approx(expected, abs=1e-6)
-    rows, x = read(outcome.values, layout.regions, case.positions)
-    assert task_violations(case.config, case.regions, layout.base[rows], x) == []
+    rows, x = whole.read(outcome.values, graph.regions, case.positions)
+    assert task_violations(case.config, case.regions, graph.base[rows], x) == []

@@ -1,27 +1,44 @@
 """Stage one as a whole."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.errors import NoSolutionError
+from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.machine import build_machine
-from pipeline.progress import silent
-from pipeline.route import build_regions, plan_route, planner
+from pipeline.progress import Monitor
+from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.moves.check import Flaw, MoveChecks
-from pipeline.route.search import placement as placing
+from pipeline.route.moves.rejections import Rejection
+from pipeline.route.moves.screen import Screen
+from pipeline.route.planner import chosen_route, solve_problem
+from pipeline.route.problem import RouteProblem
 from pipeline.route.search.optimum import prove_on_core
+from pipeline.route.search.placement import rejected_moves
+from pipeline.route.search.states import unexpanded_graph
 from pipeline.status import Status
 
+KAPPA = Rejection("kappa exceeds its cap", "route.kappa_max")
+BOX = Rejection("the TCP enters a box to avoid", "route.avoid_margin")
 
-def _plan(config, **more):
+
+def _plan(config):
     machine = build_machine(config.machine)
-    return machine, plan_route(config, machine, build_regions(config, machine), **more)
+    return machine, plan_route(config, machine, build_regions(config, machine))
+
+
+def _problem(given, config=None):
+    return RouteProblem.of(config or given.config, given.machine, given.regions, given.moves)
+
+
+def _prove(problem):
+    graph = unexpanded_graph(problem.regions, problem.moves)
+    return prove_on_core(problem, graph, shortest_paths(problem.regions, problem.moves))
 
 
 @pytest.fixture(scope="module")
@@ -75,9 +92,8 @@ def test_less_tilt_or_a_locked_axis_still_leaves_a_route(quick_config, vary, ass
 def test_moves_that_fail_when_followed_are_forbidden_and_counted(twenty, assert_rules):
     """With 20 degrees of tilt the first routes do not hold; the one that does costs more than the relaxation."""
     seen = []
-    route = plan_route(
-        twenty.config, twenty.machine, twenty.regions, lambda message, fraction=None: seen.append(message)
-    )
+    monitor = Monitor(lambda message, fraction=None: seen.append(message))
+    route = plan_route(twenty.config, twenty.machine, twenty.regions, monitor)
     assert_rules(twenty.config, twenty.machine, route)
     assert 0 < route.search.forbidden_moves < route.search.followed_moves
     assert route.search.relaxation == pytest.approx(311.625, abs=1e-3)
@@ -87,33 +103,30 @@ def test_moves_that_fail_when_followed_are_forbidden_and_counted(twenty, assert_
     assert rounds[0] == "route: round 1, 0 moves forbidden"
 
 
-def test_moves_that_only_fail_where_they_are_made_take_rounds(twenty, monkeypatch):
-    """What the cores' moves did not show at one x, the route at its own may; too few rounds are told with the flaws."""
-    follow = placing.check_moves
+def _failing(times):
+    """Follow the moves of routes, and find the first of them in a box that many times."""
     calls = []
 
-    def once(*arguments):
-        checks = follow(*arguments)
-        calls.append(len(checks.flaw))
-        return replace(checks, flaw=[Flaw.BOX, *checks.flaw[1:]]) if len(calls) < 3 else checks
+    def follow(problem, placed):
+        calls.append(len(placed.region))
+        return [(0, BOX)] if len(calls) <= times else rejected_moves(problem, placed)
 
-    monkeypatch.setattr(placing, "check_moves", once)
-    route = plan_route(twenty.config, twenty.machine, twenty.regions)
+    return follow, calls
+
+
+def test_moves_that_only_fail_where_they_are_made_take_rounds(twenty):
+    """What the cores' moves did not show at one x, the route at its own may."""
+    follow, calls = _failing(2)
+    route = solve_problem(_problem(twenty), follow=follow)[0]
     assert route.search.rounds == len(calls) == 3
 
 
-def test_too_few_rounds_end_with_what_was_wrong_with_the_moves(twenty, vary, monkeypatch):
+def test_too_few_rounds_end_with_what_was_wrong_with_the_moves(twenty, vary):
     """The error counts the flaws and names the key."""
     config = vary(twenty.config, {"route.max_rounds": 2})
-    follow = placing.check_moves
-
-    def never(*arguments):
-        checks = follow(*arguments)
-        return replace(checks, flaw=[Flaw.BOX, *checks.flaw[1:]])
-
-    monkeypatch.setattr(placing, "check_moves", never)
     with pytest.raises(NoSolutionError, match=r"after 2 rounds .* \(\d+: .*\)") as caught:
-        plan_route(config, twenty.machine, twenty.regions)
+        solve_problem(_problem(twenty, config), follow=_failing(2)[0])
+    assert not isinstance(caught.value, InfeasibleError)
     assert "route.max_rounds" in caught.value.advice
     assert caught.value.exit_code == 1
 
@@ -121,7 +134,7 @@ def test_too_few_rounds_end_with_what_was_wrong_with_the_moves(twenty, vary, mon
 @pytest.mark.parametrize("tilt", [0, 5])
 def test_too_little_tilt_is_proven_to_leave_no_route(quick_config, vary, tilt):
     """Not a time limit: the regions that can be reached from the start are exhausted."""
-    with pytest.raises(NoSolutionError, match=r"no route exists on these .* \(proven by exhausting them\)") as caught:
+    with pytest.raises(InfeasibleError, match=r"no route exists on these .* \(proven by exhausting them\)") as caught:
         _plan(vary(quick_config, {"task.tilt_max_deg": tilt}))
     assert caught.value.stage == "route"
     assert "task.tilt_max_deg" in caught.value.advice
@@ -132,24 +145,24 @@ def test_too_little_tilt_is_proven_to_leave_no_route(quick_config, vary, tilt):
 @pytest.mark.parametrize(
     ("found", "words"), [(1, "there is only 1 route that strays"), (2, "are only 2 routes that stray ")]
 )
-def test_too_few_routes_are_counted(quick_config, vary, monkeypatch, found, words):
+def test_too_few_routes_are_counted(quick_config, vary, found, words):
     """An alternative of a rank beyond what there is."""
-    monkeypatch.setattr(planner, "plan_routes", lambda *arguments: [None] * found)
-    with pytest.raises(NoSolutionError, match=words) as caught:
-        plan_route(vary(quick_config, {"route.alternative": 3}), None, None)
-    assert caught.value.diagnosis["routes"] == found
+    config = vary(quick_config, {"route.alternative": 3})
+    with pytest.raises(InfeasibleError, match=words) as caught:
+        chosen_route(config.route, [None] * found)
+    assert caught.value.diagnosis == {"status": "infeasible", "routes": found}
 
 
 def test_start_and_goal_without_a_grid_between_them_have_no_route(quick_config, vary):
     """An empty table ends in the same proof."""
     config = vary(quick_config, {"route.grid.y_m": {"min": 5, "max": 5.1, "step": 0.1}, "task.tilt_max_deg": 0})
-    with pytest.raises(NoSolutionError, match="no route exists on these 2 regions"):
+    with pytest.raises(InfeasibleError, match="no route exists on these 2 regions"):
         _plan(config)
 
 
 def test_a_step_budget_too_small_names_the_one_that_is_needed(quick, vary, assert_rules):
     """Eleven moves need twelve positions: with eleven there is an error that says so, with twelve a route."""
-    with pytest.raises(NoSolutionError, match="at least 12 positions") as caught:
+    with pytest.raises(InfeasibleError, match="at least 12 positions") as caught:
         plan_route(vary(quick.config, {"route.step_budget": 11}), quick.machine, quick.regions)
     assert caught.value.diagnosis["fewest_positions"] == 12
     assert "12" in caught.value.advice
@@ -168,16 +181,17 @@ def test_x_that_takes_more_steps_than_there_are_is_proven_impossible(quick_confi
         "route.step_budget": 13,
         "task.tilt_max_deg": 10,
     }
-    with pytest.raises(NoSolutionError, match=r"within the step budget and the travel along X .*proven") as caught:
+    with pytest.raises(InfeasibleError, match=r"within the step budget and the travel along X .*proven") as caught:
         _plan(vary(quick_config, values))
     assert "x_step_m" in caught.value.advice
 
 
-def test_a_time_limit_is_told_as_such_with_the_best_known_route(quick, vary):
+def test_a_time_limit_is_reported_as_such_with_the_best_known_route(quick, vary):
     """No proof, no result: objective, bound and the key to change."""
     config = vary(quick.config, {"route.time_limit_s": 1e-6})
     with pytest.raises(NoSolutionError, match="without a proof") as caught:
         plan_route(config, quick.machine, quick.regions)
+    assert not isinstance(caught.value, InfeasibleError)
     assert caught.value.diagnosis["status"] == "time limit"
     assert "route.time_limit_s" in caught.value.advice
 
@@ -192,34 +206,16 @@ def test_the_first_guess_of_the_threshold_does_not_change_the_optimum(ten, vary,
     assert route.objective <= route.search.threshold * (1.0 + 1e-9)
 
 
-def test_a_sequence_that_breaks_the_rules_is_never_handed_on(ten, monkeypatch):
-    """Should a solver ever return one, the error says which rules it breaks."""
-    monkeypatch.setattr(placing, "rule_violations", lambda *arguments: ["(13): the move after step 3 is too long"])
-    with pytest.raises(NoSolutionError, match=r"breaks the rules: \(13\)") as caught:
-        plan_route(ten.config, ten.machine, ten.regions)
-    assert caught.value.diagnosis["broken"] == ["(13): the move after step 3 is too long"]
-
-
-@pytest.mark.parametrize(
-    ("start_m", "goal_m", "x_step_m", "binds"), [(1.3, 0.6, 0.05, True), (1.02, 1.02, 0.03, False)]
-)
-def test_the_optimum_over_real_regions_is_that_of_a_dynamic_program(
-    ten, vary, pose_problem, cheapest, start_m, goal_m, x_step_m, binds
-):
-    """Labels of cost and reachable x over five thousand regions; where x binds, the shortest path is not enough."""
-    values = {
-        "task.start.x_m": start_m,
-        "task.goal.x_m": goal_m,
-        "route.x_step_m": x_step_m,
-        "route.step_budget": 20,
-    }
-    problem = pose_problem(vary(ten.config, values))
-    bounds = shortest_paths(problem.regions, problem.moves)
-    optimum = prove_on_core(problem.config, problem.regions, problem.moves, bounds, silent, False)
-    objective = optimum.sequence.outcome.objective
-    expected = cheapest(problem.regions, problem.moves, 20, x_step_m, cap=objective + 0.1)
-    assert objective == pytest.approx(expected, abs=1e-6)
-    assert (objective > bounds.optimum + 1.0) == binds
+def test_a_sequence_that_breaks_the_rules_is_never_handed_on(ten):
+    """Should a solver ever return one, as here for moves of other steps, the error says which rules it breaks."""
+    problem = _problem(ten)
+    shorter = replace(problem, steps=problem.steps * [1.0, 0.9, 1.0, 1.0, 1.0])
+    with pytest.raises(
+        NoSolutionError, match=r"breaks the rules: \(14\): the move after step \d+ is too long"
+    ) as caught:
+        solve_problem(shorter)
+    assert caught.value.diagnosis["status"] == "not converged"
+    assert all(rule.startswith("(14)") for rule in caught.value.diagnosis["broken"])
 
 
 @pytest.fixture(scope="module")
@@ -256,56 +252,27 @@ def test_the_optimum_over_moves_that_hold_is_found_for_any_flaws(
     )
     expected = cheapest(regions, Moves(moves.source[good], moves.target[good]), positions, 1.0)
 
-    def check(config, machine, pose, q_m):
-        # y is the row's number.
-        ends = np.rint(pose[:, :, 1]).astype(int).tolist()
-        flaws = [Flaw.KAPPA if frozenset(pair) in bad else None for pair in ends]
-        return MoveChecks(flaws, np.zeros(len(ends)))
+    def follow(problem, placed):
+        rows = placed.region.tolist()
+        return [(step, KAPPA) for step, pair in enumerate(pairwise(rows)) if frozenset(pair) in bad]
 
-    def check_some(config, machine, regions, source, target):
+    def follow_some(source, target):
         # What is not found ahead of time is found when the route is followed.
-        checks = check(config, machine, regions.pose[np.stack([source, target], axis=1)], None)
-        return replace(checks, flaw=[flaw if random.random() < ahead else None for flaw in checks.flaw])
+        flawed = [frozenset(pair) in bad for pair in zip(source.tolist(), target.tolist(), strict=True)]
+        return [KAPPA if flaw and random.random() < ahead else None for flaw in flawed]
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(planner, "find_moves", lambda *arguments: moves)
-        patch.setattr(placing, "check_moves", check)
-        patch.setattr(planner, "check_pairs", check_some)
-        # Rows are a metre of y apart: only these rules do not apply to made-up regions.
-        patch.setattr(placing, "step_sizes", lambda options: np.array([1.0, 1e3, 1e3, 1e3, 1e3]))
-        config = hand_config(positions, **{"route.threshold_margin": margin})
-        if np.isfinite(expected):
-            route = plan_route(config, machine, regions)
-            assert route.objective == pytest.approx(expected, abs=1e-6)
-            assert route.search.gap == 0.0
-            assert ahead < 1.0 or route.search.rounds == 1
-        else:
-            with pytest.raises(NoSolutionError, match="proven"):
-                plan_route(config, machine, regions)
-
-
-def test_an_optimum_above_its_threshold_is_no_proof_yet(hand_table, hand_moves, hand_config):
-    """All nodes of the core look cheap enough, but x only lets the two dear ones follow each other.
-
-    With a threshold of 15 the program finds 24; the core of all routes of at most 24 then proves it.
-    """
-    a_cheap, a_dear, j, b_cheap, b_dear, start, goal = range(7)
-    wide = (-20.0, 20.0)
-    regions = hand_table(
-        [(0.0, 0.0), (8.0, 8.0), wide, (4.0, 4.0), (8.0, 8.0), wide, wide], [1.0, 11.0, 1.0, 1.0, 11.0, 1.0, 1.0]
-    )
-    before, after = (a_cheap, a_dear), (b_cheap, b_dear)
-    moves = hand_moves(
-        [(start, a) for a in before] + [(a, j) for a in before] + [(j, b) for b in after] + [(b, goal) for b in after]
-    )
-    bounds = shortest_paths(regions, moves)
-    assert bounds.optimum == 4.0
-    config = hand_config(5, **{"route.threshold_margin": 2.75})
-    seen = []
-    optimum = prove_on_core(config, regions, moves, bounds, lambda text, part=None: seen.append(text), False)
-    assert optimum.sequence.outcome.objective == pytest.approx(24.0)
-    assert optimum.threshold == pytest.approx(24.0)
-    assert [text.split()[-1] for text in seen if text.startswith("route: core")] == ["15.00", "24.00"]
+    config = hand_config(positions, **{"route.threshold_margin": margin})
+    # Rows are a metre of y apart: the other steps do not apply to made-up regions.
+    problem = replace(RouteProblem.of(config, machine, regions, moves), steps=np.array([1.0, 1e3, 1e3, 1e3, 1e3]))
+    screen = Screen(follow_some, len(regions))
+    if np.isfinite(expected):
+        route = solve_problem(problem, screen=screen, follow=follow)[0]
+        assert route.objective == pytest.approx(expected, abs=1e-6)
+        assert route.search.gap == 0.0
+        assert ahead < 1.0 or route.search.rounds == 1
+    else:
+        with pytest.raises(InfeasibleError, match="proven"):
+            solve_problem(problem, screen=screen, follow=follow)
 
 
 @pytest.fixture(scope="module")
@@ -318,9 +285,7 @@ def across(cross_config, vary, pose_problem):
 @pytest.mark.slow
 def test_a_detour_forced_by_x_is_proven_optimal(across, cheapest, assert_rules):
     """328.695121 before moves are followed, as a dynamic program over cost and reachable x finds, too."""
-    bounds = shortest_paths(across.regions, across.moves)
-    optimum = prove_on_core(across.config, across.regions, across.moves, bounds, silent, False)
-    assert optimum.sequence.outcome.objective == pytest.approx(328.695121, abs=1e-6)
+    assert _prove(_problem(across)).objective == pytest.approx(328.695121, abs=1e-6)
     assert cheapest(across.regions, across.moves, 25, 0.1, cap=328.8) == pytest.approx(328.695121, abs=1e-6)
     route = plan_route(across.config, across.machine, across.regions)
     assert_rules(across.config, across.machine, route)

@@ -1,4 +1,4 @@
-"""What a route tells about itself."""
+"""What can be read off a route."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def route() -> Route:
 
 
 def test_length_modes_and_largest_kappa_are_read_off_the_steps(route):
-    """The goal's kappa is looked at, too, although the sum leaves it out."""
+    """The goal's kappa counts, although the sum leaves it out."""
     assert len(route) == 5
     assert route.mode_names == ["LLL", "LLL", "LRL", "LRR", "RLL"]
     assert route.kappa_max == 9.0
@@ -39,6 +39,6 @@ def test_every_arm_that_changes_its_mode_is_counted_each_time(route):
 
 
 def test_a_solved_status_may_be_used_by_the_next_stage(route):
-    """Only a proven route is ever handed on, and it asks for nothing."""
+    """Only a proven route is ever handed on, and nothing has to be changed."""
     assert route.status.solved
     assert "Nothing" in route.status.advice

@@ -1,6 +1,8 @@
 """What a run says of a route that does not exist."""
 
 import json
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,11 +12,13 @@ from pipeline.artifacts import read_state
 from pipeline.cli import app
 from pipeline.config import Config
 from pipeline.config.file import dump_config, load_config
-from pipeline.errors import ConfigError, NoSolutionError
-from pipeline.progress import Progress
+from pipeline.errors import ConfigError, InfeasibleError, NoSolutionError
+from pipeline.progress import Monitor
 from pipeline.route import build_regions
-from pipeline.run import Results, run_pipeline
-from pipeline.run.diagnosis import Diagnosis, can_diagnose, diagnose
+from pipeline.run import Results, RunOptions, run_pipeline
+from pipeline.run.diagnosis import Diagnosis, diagnose
+from pipeline.run.failure import is_proven_infeasible
+from pipeline.run.stage_specs import SPECS, Specs
 from pipeline.stage import Stage
 from tests.conftest import CONFIGS
 
@@ -23,28 +27,32 @@ KEY = "route.step_budget"
 
 @pytest.fixture(scope="module")
 def narrow(change) -> Config:
-    """Take a small task with too few steps, on a grid whose ends are close to singular: few values to look at."""
+    """Take a small task with too few steps, on a grid whose ends are close to singular: few values to try."""
     config = load_config(CONFIGS / "tiny.yaml")
     tilts = {"route__grid__rx_step_deg": 10, "route__grid__rz_step_deg": 10, "task__tilt_max_deg": 10}
     return change(config, **tilts, route__step_budget=4)
 
 
-def test_a_proof_is_diagnosed_and_nothing_else() -> None:
-    """Limits of time, other stages and bad configurations have nothing to explain."""
-    proof = NoSolutionError("route", "none", "more", {"status": "infeasible"})
-    assert can_diagnose(Stage.ROUTE, proof)
-    assert not can_diagnose(Stage.REFINE, proof)
-    assert not can_diagnose(Stage.ROUTE, NoSolutionError("route", "late", "more", {"status": "time limit"}))
-    assert not can_diagnose(Stage.ROUTE, NoSolutionError("route", "none", "more"))
-    assert not can_diagnose(Stage.ROUTE, ConfigError([]))
+def test_proofs_alone_are_diagnosed() -> None:
+    """Limits of time, too few alternatives and bad configurations have nothing to explain."""
+    assert is_proven_infeasible(InfeasibleError("route", "none", "more"))
+    assert is_proven_infeasible(NoSolutionError("route", "none", "more", {"status": "infeasible"}))
+    assert not is_proven_infeasible(NoSolutionError("route", "late", "more", {"status": "time limit"}))
+    assert not is_proven_infeasible(NoSolutionError("route", "none", "more"))
+    assert not is_proven_infeasible(ConfigError([]))
     too_few = NoSolutionError("route", "only 2 routes", "more", {"status": "infeasible", "routes": 2})
-    assert not can_diagnose(Stage.ROUTE, too_few)
+    assert not is_proven_infeasible(too_few)
+
+
+def test_the_route_alone_is_diagnosed() -> None:
+    """No other stage can explain that there is no solution."""
+    assert [spec.stage for spec in SPECS if spec.explain is not None] == [Stage.ROUTE]
 
 
 def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
     """The message names what opens a route; the same is kept as numbers, with a picture."""
     with pytest.raises(NoSolutionError) as caught:
-        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
+        run_pipeline(narrow, tmp_path / "out", RunOptions(last=Stage.ROUTE))
     note, shown, kept = caught.value.__notes__
     assert note.startswith("Why not:\n    Reach: of ")
     assert f"\n    - {KEY} 8 instead of 4: a route exists, sum of kappa " in note
@@ -63,8 +71,8 @@ def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
 def test_the_picture_goes_with_the_failure(tmp_path: Path, narrow: Config, change) -> None:
     """Once a route is found the picture moves aside like the rest of the failure."""
     with pytest.raises(NoSolutionError):
-        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
-    run_pipeline(change(narrow, route__step_budget=8), tmp_path / "out", last=Stage.ROUTE)
+        run_pipeline(narrow, tmp_path / "out", RunOptions(last=Stage.ROUTE))
+    run_pipeline(change(narrow, route__step_budget=8), tmp_path / "out", RunOptions(last=Stage.ROUTE))
     assert not (tmp_path / "out" / "failed").exists()
     assert (tmp_path / "out" / "superseded" / "0001" / "failed" / "route.png").exists()
 
@@ -72,36 +80,39 @@ def test_the_picture_goes_with_the_failure(tmp_path: Path, narrow: Config, chang
 def test_without_diagnosis(tmp_path: Path, narrow: Config) -> None:
     """It can be left out: the failure is kept as ever."""
     with pytest.raises(NoSolutionError) as caught:
-        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE, why_not=False)
+        run_pipeline(narrow, tmp_path / "out", RunOptions(last=Stage.ROUTE, why_not=False))
     assert len(caught.value.__notes__) == 1
     assert "why_not" not in json.loads((tmp_path / "out" / "failed" / "route.json").read_text())
     assert not (tmp_path / "out" / "failed" / "route.png").exists()
 
 
-def test_interrupted_diagnosis(tmp_path: Path, narrow: Config, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C ends the diagnosis, not the message: the failure is told and kept."""
+def explained_by(explain: Callable[..., Diagnosis]) -> Specs:
+    """Give the real stages, but with another diagnosis."""
+    return tuple(replace(spec, explain=explain) if spec.stage is Stage.ROUTE else spec for spec in SPECS)
 
-    def interrupted(results: Results, progress: Progress) -> Diagnosis:
+
+def test_interrupted_diagnosis(tmp_path: Path, narrow: Config) -> None:
+    """Ctrl-C ends the diagnosis, not the message: the failure is reported and kept."""
+
+    def interrupted(*_: object) -> Diagnosis:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("pipeline.run.execute.diagnose", interrupted)
     with pytest.raises(NoSolutionError) as caught:
-        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
+        run_pipeline(narrow, tmp_path / "out", RunOptions(last=Stage.ROUTE), specs=explained_by(interrupted))
     assert caught.value.__notes__[0].startswith("Why not: interrupted")
     assert (tmp_path / "out" / "failed" / "route.json").exists()
     assert not (tmp_path / "out" / "failed" / "route.png").exists()
 
 
 @pytest.mark.parametrize("trouble", [ValueError, MemoryError, SystemExit])
-def test_failed_diagnosis(tmp_path: Path, narrow: Config, monkeypatch: pytest.MonkeyPatch, trouble: type) -> None:
-    """Whatever else ends the diagnosis is told, and what is known of the route was kept before."""
+def test_failed_diagnosis(tmp_path: Path, narrow: Config, trouble: type) -> None:
+    """Whatever else ends the diagnosis is reported; the failure of the route was recorded before."""
 
-    def fails(results: Results, progress: Progress) -> Diagnosis:
+    def fails(*_: object) -> Diagnosis:
         raise trouble
 
-    monkeypatch.setattr("pipeline.run.execute.diagnose", fails)
     with pytest.raises(trouble):
-        run_pipeline(narrow, tmp_path / "out", last=Stage.ROUTE)
+        run_pipeline(narrow, tmp_path / "out", RunOptions(last=Stage.ROUTE), specs=explained_by(fails))
     kept = json.loads((tmp_path / "out" / "failed" / "route.json").read_text())
     assert "step_budget" in kept["advice"]
     assert read_state(tmp_path / "out").stages[Stage.ROUTE].status == "failed"
@@ -124,8 +135,8 @@ def test_progress_says_what_is_looked_at(tmp_path: Path, narrow: Config, machine
     """Every message names the limit."""
     said: list[str] = []
     results = Results(narrow, machine, tmp_path)
-    results.regions = build_regions(narrow, machine)
-    diagnose(results, lambda message, fraction=None: said.append(message))
+    results.keep(Stage.REGIONS, build_regions(narrow, machine))
+    diagnose(results, Monitor(lambda message, fraction=None: said.append(message)))
     assert all(message.startswith("why not: ") for message in said)
     for key in ("task.tilt_max_deg", "route.kappa_max", "machine.clearance.link_link_m", KEY):
         assert any(key in message for message in said)

@@ -1,4 +1,4 @@
-"""Ctrl-C is noted while a block is at work, and raised when it is over."""
+"""Ctrl-C is noted while a block runs, and raised when it ends."""
 
 import signal
 import threading
@@ -19,7 +19,7 @@ def test_an_interrupt_waits_for_the_end_of_the_block() -> None:
 
 
 def test_an_interrupted_block_that_fails_was_interrupted() -> None:
-    """What fails for being interrupted is no failure of its own; other failures are."""
+    """What fails because it was interrupted is not reported as a failure; other failures are."""
     with pytest.raises(KeyboardInterrupt), interrupts_noted():
         signal.raise_signal(signal.SIGINT)
         raise ArithmeticError

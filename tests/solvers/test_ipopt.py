@@ -1,4 +1,4 @@
-"""Running IPOPT: every iteration is told, and Ctrl-C ends it, whatever class it is raised as."""
+"""Running IPOPT: every iteration is reported, and Ctrl-C ends it, whatever class it is raised as."""
 
 import signal
 import threading
@@ -19,7 +19,7 @@ def _run(listener: Iteration = lambda number, objective: None) -> tuple[dict[str
     return run_ipopt("test", problem, {"ipopt": {"print_level": 0}}, given, listener)
 
 
-def test_every_iteration_is_told() -> None:
+def test_every_iteration_is_reported() -> None:
     """The listener hears of the start and of each iteration, with the objective there."""
     heard: list[tuple[int, float]] = []
     result, stats = _run(lambda number, objective: heard.append((number, objective)))
@@ -28,7 +28,7 @@ def test_every_iteration_is_told() -> None:
     assert stats["return_status"] == "Solve_Succeeded"
 
 
-def test_ctrl_c_ends_the_solve_though_a_handler_of_its_own_raises(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_ends_the_solve_though_a_handler_of_its_own_raises() -> None:
     """The command line raises a class of its own, which must not end up as a failed solve."""
 
     class Interrupt(KeyboardInterrupt):

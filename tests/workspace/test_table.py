@@ -59,7 +59,7 @@ def test_the_setting_is_said(machine: Machine) -> None:
     """Tilt, cap, clearances and step are in the line below the table; rails only where they are checked."""
     setting = WorkspaceSetting(kappa_max=30.0, rx_rad=np.deg2rad(-10.0), step_m=0.01)
     text = setting_text(machine, setting)
-    for part in ("rx -10 deg", "rz 0 deg", "kappa < 30", "0.03 m", "grid step 0.01 m"):
+    for part in ("rx -10 deg", "rz 0 deg", "kappa at most 30", "0.03 m", "grid step 0.01 m"):
         assert part in text
     assert "links and rails" not in text
     assert "links and rails 0.05 m" in setting_text(replace(machine, link_rail_m=0.05), setting)

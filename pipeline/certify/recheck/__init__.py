@@ -1,6 +1,10 @@
-"""A certificate verified again: the same statements, other code, other arithmetic, all boxes at once."""
+"""The independent check of a certificate: the same statements, other code, other arithmetic, all boxes at a time.
 
-from pipeline.certify.recheck.claim import Claim
+One module of `claims` verifies one claim. Of the search for a proof it shares only what need not be right: where boxes
+are, and directions between axes.
+"""
+
+from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.profile import KappaProfile, kappa_profile
 from pipeline.certify.recheck.statement import StatedTolerance, Statement
 from pipeline.certify.recheck.verdict import MANDATORY, verify

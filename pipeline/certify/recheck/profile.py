@@ -1,12 +1,12 @@
-"""What a stored chain proves of kappa box by box, by the same arithmetic that verifies it."""
+"""The bound of kappa over each box of a stored chain, by the arithmetic that verifies it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.recheck.bounds import kappa_bounds
-from pipeline.certify.recheck.inclusion import build_boxes, include
+from pipeline.certify.recheck.arithmetic.inclusion import build_boxes, include
+from pipeline.certify.recheck.claims.kappa import kappa_bounds
 from pipeline.certify.result import ProvenChain
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
@@ -14,7 +14,7 @@ from pipeline.refine.result import Path
 
 @dataclass(frozen=True, eq=False)
 class KappaProfile:
-    """Upper bounds of kappa (n,) over boxes that reach from `edges` (n + 1,) of s to the next; infinite: unproven."""
+    """Upper bounds of kappa (n,) over boxes between neighbouring `edges` (n + 1,) of s; infinite if not proven."""
 
     edges: FloatArray
     kappa: FloatArray
@@ -23,7 +23,7 @@ class KappaProfile:
 def kappa_profile(machine: Machine, path: Path, chain: ProvenChain) -> KappaProfile:
     """Bound kappa over every box of a chain."""
     boxes = build_boxes(machine, path, chain.boxes)
-    # Numbers that are none compare as false: what cannot be computed is not proven.
+    # NaN compares as false: what cannot be computed is not proven.
     with np.errstate(all="ignore"):
         found = include(machine, boxes, chain.uncertainty)
         kappa, _ = kappa_bounds(machine, boxes, found.image)

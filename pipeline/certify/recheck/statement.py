@@ -1,13 +1,14 @@
-"""All a certificate states that can be verified, as it was read: nothing of it is believed."""
+"""Everything in a certificate that can be verified, as it was read; nothing of it is trusted."""
 
 from dataclasses import dataclass
 
-from pipeline.certify.result import Bounds, ProvenChain
+from pipeline.certify.bounds import Bounds
+from pipeline.certify.result import ProvenChain
 
 
 @dataclass(frozen=True)
 class StatedTolerance:
-    """How wrong the machine may be, and how many boxes the proof has: none where eps is zero."""
+    """A calibration tolerance, and the number of boxes of its proof: none if eps is zero."""
 
     eps_m: float
     boxes: int
@@ -22,13 +23,13 @@ class Statement:
     path_sha256, premises_sha256 : str
         Hashes of the path, and of machine, limits and ends.
     boxes : int
-        How many there are for the machine as configured.
+        Number of boxes for the machine as configured.
     bounds : Bounds
         What they prove.
     link_length, coordinates : StatedTolerance or None
-        Calibration tolerances; None where none is stated.
+        Calibration tolerances; None if not stated.
     chains : tuple of ProvenChain
-        The proofs: that of the machine as configured first.
+        The proofs, that of the machine as configured first.
     """
 
     path_sha256: str

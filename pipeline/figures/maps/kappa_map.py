@@ -1,4 +1,4 @@
-"""Maps of kappa over the YZ plane at one tilt in one working mode: where poses are good, where singular."""
+"""Maps of kappa over the YZ plane at one tilt in one working mode: where poses are well-conditioned or singular."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class KappaMap:
     def has_singularities(self) -> bool:
         """True when det H changes sign between neighbouring points that are both in reach.
 
-        Signs that differ across a gap out of reach prove nothing: only cells wholly in reach count.
+        Different signs across a gap out of reach prove nothing: only cells completely in reach count.
         """
         corners = np.stack([self.det[:-1, :-1], self.det[1:, :-1], self.det[:-1, 1:], self.det[1:, 1:]])
         # A corner out of reach makes both NaN, and no comparison with NaN is true.
@@ -54,9 +54,9 @@ class KappaMap:
 
 
 def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tuple[float, float], mode: int) -> KappaMap:
-    """Evaluate kappa and det H over y (ny,) and z (nz,) at tilt (rx, rz) in a working mode; x plays no role.
+    """Evaluate kappa and det H over y (ny,) and z (nz,) at tilt (rx, rz) in a working mode; they do not depend on x.
 
-    Reach alone decides where there is a value: strokes, travel and clearance are not looked at.
+    Only reach decides where there is a value: strokes, travel and clearance are not checked.
     """
     y, z = np.meshgrid(y_m, z_m)
     controlled = np.zeros((y.size, 5))
@@ -73,7 +73,7 @@ def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tupl
 def seen_window(
     grid: GridConfig, machine: Machine, tilts_rad: FloatArray, modes: IntArray, points_yz: Sequence[FloatArray]
 ) -> YzWindow:
-    """Bounds of everything there is to see: what can be reached of the grid at some tilt, and points (m, 2).
+    """Bound what is shown: whatever of the grid can be reached at some tilt, and points (m, 2).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Maps of kappa as pictures: one look for all figures that show them, and a figure of maps alone."""
+"""Maps of kappa as pictures: one style for all figures that show them, and a figure of maps only."""
 
 from collections.abc import Iterable, Mapping
 from typing import Literal
@@ -46,13 +46,13 @@ def kappa_map_figure(maps: Mapping[str, KappaMap], kappa_max: float = 100.0) -> 
 
 
 def map_norm(maps: Iterable[KappaMap], kappa_max: float) -> LogNorm:
-    """Scale colours from the least kappa of all maps to the cap, beyond which all is dark."""
+    """Scale colours from the least kappa of all maps to the cap, beyond which everything is dark."""
     least = min((float(np.nanmin(a.kappa)) for a in maps if np.isfinite(a.kappa).any()), default=1.0)
     return LogNorm(min(least, 0.5 * kappa_max), kappa_max)
 
 
 def draw_map(axes: Axes, a_map: KappaMap, norm: LogNorm) -> None:
-    """Draw kappa in colours, det H = 0 as lines, and what is out of reach hatched."""
+    """Draw kappa in colours, det H = 0 as lines, and hatch what is out of reach."""
     axes.grid(False)
     axes.set_facecolor(style.LIGHT_GREY)
     axes.patch.set(hatch=_HATCH, edgecolor="white", linewidth=0.0)
@@ -77,7 +77,7 @@ def draw_map(axes: Axes, a_map: KappaMap, norm: LogNorm) -> None:
 
 
 def _extent(a_map: KappaMap) -> tuple[float, float, float, float]:
-    """Edges of the image whose pixels are centred on the map's points."""
+    """Compute the edges of the image whose pixels are centred on the points of the map."""
     y, z = a_map.y_m, a_map.z_m
     half_y, half_z = 0.5 * (y[1] - y[0]), 0.5 * (z[1] - z[0])
     return float(y[0] - half_y), float(y[-1] + half_y), float(z[0] - half_z), float(z[-1] + half_z)
@@ -86,7 +86,7 @@ def _extent(a_map: KappaMap) -> tuple[float, float, float, float]:
 def add_kappa_bar(
     figure: Figure, panels: list[Axes], norm: LogNorm, extend: Literal["neither", "max"] = "neither"
 ) -> None:
-    """Put the colour bar of kappa below panels."""
+    """Add the colour bar of kappa below the panels."""
     bar = figure.colorbar(
         ScalarMappable(norm, COLORMAP), ax=panels, location="bottom", extend=extend, aspect=35, pad=0.02, shrink=0.9
     )

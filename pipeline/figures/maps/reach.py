@@ -1,4 +1,4 @@
-"""What can be reached when there is no route: a panel per working mode in the YZ plane, tilts laid over each other."""
+"""What can be reached when there is no route: a panel per working mode in the YZ plane, all tilts overlaid."""
 
 from typing import Any
 
@@ -33,8 +33,8 @@ _ROUNDING = 1e-9
 def reach_figure(config: Config, regions: RegionTable, from_start: BoolArray, to_goal: BoolArray) -> Figure:
     """Draw the regions (n,) that can be reached from the start, those that can reach the goal, and the rest.
 
-    A cell of the grid counts when one of its regions does, whatever its tilt. Gates count for the grid point
-    below and to the left of them. Working modes without regions are left out.
+    A cell of the grid counts if one of its regions does, whatever its tilt. Gates count for the grid point below and
+    to the left of them. Working modes without regions are omitted.
     """
     modes = np.unique(regions.modes)
     columns = min(_COLUMNS, len(modes))
@@ -56,7 +56,7 @@ def reach_figure(config: Config, regions: RegionTable, from_start: BoolArray, to
 
 
 def _cells(config: Config, regions: RegionTable) -> tuple[IntArray, IntArray, tuple[int, int]]:
-    """Column along y and row along z of every region, clipped to the grid, and the shape (z, y) of a map."""
+    """Compute the column (y) and row (z) of every region, clipped to the grid, and the shape (z, y) of a map."""
     indices, counts = [], []
     for axis, column in (("y_m", 1), ("z_m", 2)):
         grid = getattr(config.route.grid, axis)
@@ -70,7 +70,7 @@ def _cells(config: Config, regions: RegionTable) -> tuple[IntArray, IntArray, tu
 def _classify(
     cells: tuple[IntArray, IntArray, tuple[int, int]], here: BoolArray, from_start: BoolArray, to_goal: BoolArray
 ) -> FloatArray:
-    """What every cell is, as a number of `_CLASSES`; NaN where no region is. Shape (z, y)."""
+    """Classify every cell, by the index into `_CLASSES`; NaN where there is no region. Shape (z, y)."""
     y, z, shape = cells
 
     def marked(rows: BoolArray) -> BoolArray:
@@ -88,7 +88,7 @@ def _classify(
 
 
 def _window(config: Config, regions: RegionTable) -> FloatArray:
-    """Least and largest y, and z, of the cells with regions: rows y and z, metres."""
+    """Compute the least and largest y and z of the cells with regions: rows y and z, in metres."""
     yz = regions.controlled[:, 1:3]
     margin = np.array([config.route.grid.y_m.step, config.route.grid.z_m.step])
     return np.stack([yz.min(axis=0) - margin, yz.max(axis=0) + margin], axis=1)
@@ -130,7 +130,7 @@ def _mark(marker: str, fill: str) -> dict[str, Any]:
 
 
 def _legend_handles(maps: list[FloatArray]) -> list[Patch | Line2D]:
-    """The classes that occur, and the two ends."""
+    """Make entries for the classes that occur, and for both ends."""
     present = {int(value) for a_map in maps for value in np.unique(a_map[np.isfinite(a_map)])}
     handles: list[Patch | Line2D] = [
         Patch(facecolor=colour, label=label) for number, (colour, label) in enumerate(_CLASSES) if number in present

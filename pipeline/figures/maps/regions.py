@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.arrays import BoolArray, FloatArray
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.maps.panels import COLORMAP, add_kappa_bar
@@ -22,7 +22,7 @@ _MARGIN_M = 0.08
 
 @style.styled
 def regions_figure(config: Config, regions: RegionTable) -> Figure:
-    """Draw the regions at the tilt that is nearest to none, a panel per working mode.
+    """Draw the regions at the smallest tilt, a panel per working mode.
 
     A region is a disc as wide as the grid's steps, coloured by kappa; a gate, where an arm changes its mode, is a dot.
     Modes without regions at this tilt are left out.
@@ -56,15 +56,14 @@ def regions_figure(config: Config, regions: RegionTable) -> Figure:
 
 
 def _slice(regions: RegionTable) -> RegionTable:
-    """Keep the regions whose rx and rz are those of the region with the least tilt."""
+    """Select the regions with the rx and rz of the region with the least tilt."""
     tilts = regions.controlled[:, 3:]
     flattest = tilts[int(np.argmin(np.abs(tilts).max(axis=1)))]
-    rows: BoolArray = np.abs(tilts - flattest).max(axis=1) < _SAME_RAD
-    return regions.take(rows)
+    return regions.take(np.abs(tilts - flattest).max(axis=1) < _SAME_RAD)
 
 
 def _window(yz: FloatArray) -> FloatArray:
-    """Least and largest y, and z: rows y and z, metres."""
+    """Compute the least and largest y and z: rows y and z, in metres."""
     return np.stack([yz.min(axis=0) - _MARGIN_M, yz.max(axis=0) + _MARGIN_M], axis=1)
 
 

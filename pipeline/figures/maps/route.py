@@ -17,12 +17,13 @@ from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_
 from pipeline.figures.maps.panels import add_kappa_bar, draw_map, map_handles, map_norm
 from pipeline.figures.samples import corner_samples
 from pipeline.machine.geometry import Machine
+from pipeline.machine.pose import TILT_COLUMNS
 from pipeline.refine.measure import PathSamples
 from pipeline.route.result import Route
 
 MAX_PANELS = 28
 _FEW = 12
-"""Panels that go three to a row; more go four to a row."""
+"""Most panels with three to a row; with more, there are four to a row."""
 _POINTS_Y, _POINTS_Z = 100, 80
 
 _REFINED_LINE: dict[str, Any] = {"color": style.REFINED, "linewidth": 0.8, "label": "refined path"}
@@ -53,7 +54,7 @@ _HERE: dict[str, Any] = {
 
 @dataclass(frozen=True, eq=False)
 class _Canvas:
-    """What all panels share; the coarse path (m, 2) reaches step i at its row `corners[i]`."""
+    """Shared by all panels; the coarse path (m, 2) reaches step i at its row `corners[i]`."""
 
     norm: LogNorm
     window: YzWindow
@@ -71,7 +72,7 @@ def route_figure(
     coarse: PathSamples | None = None,
     refined: PathSamples | None = None,
 ) -> Figure:
-    """Draw every step of the route, at most 28, each over the map of kappa for its tilt and working mode.
+    """Draw the steps of the route, at most 28, each over the map of kappa for its tilt and working mode.
 
     Dark is near a Type-II singularity, the yellow loops are det H = 0, the hatched area is out of reach.
     """
@@ -80,7 +81,7 @@ def route_figure(
     refined_yz = None if refined is None else refined.pose[:, 1:3]
     paths = [coarse_yz] if refined_yz is None else [coarse_yz, refined_yz]
     window = seen_window(
-        config.route.grid, machine, route.pose[steps][:, [3, 5]], route.modes[steps], [route.pose[:, 1:3], *paths]
+        config.route.grid, machine, route.pose[steps][:, TILT_COLUMNS], route.modes[steps], [route.pose[:, 1:3], *paths]
     )
     maps = _maps(machine, route, steps, window)
     canvas = _Canvas(
@@ -113,7 +114,7 @@ def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
 
 
 def select_steps(route: Route, count: int) -> IntArray:
-    """Choose at most `count` >= 3 steps evenly, with the first, the last and that of the largest kappa."""
+    """Choose at most `count` >= 3 steps evenly, including the first, the last and that of the largest kappa."""
     last = len(route) - 1
     steps = np.unique(np.linspace(0, last, min(count, len(route))).round().astype(np.int64))
     worst = int(np.argmax(route.kappa))
@@ -126,7 +127,7 @@ def select_steps(route: Route, count: int) -> IntArray:
 def _maps(machine: Machine, route: Route, steps: IntArray, window: YzWindow) -> list[KappaMap]:
     y_m = np.linspace(window.y_least, window.y_largest, _POINTS_Y)
     z_m = np.linspace(window.z_least, window.z_largest, _POINTS_Z)
-    tilts = [(float(route.pose[i, 3]), float(route.pose[i, 5])) for i in steps]
+    tilts = [(float(rx), float(rz)) for rx, rz in route.pose[steps][:, TILT_COLUMNS]]
     return [kappa_map(machine, y_m, z_m, tilt, int(route.modes[i])) for i, tilt in zip(steps, tilts, strict=True)]
 
 
@@ -136,7 +137,7 @@ def _draw_panel(axes: Axes, canvas: _Canvas, step: int, a_map: KappaMap) -> None
     _draw_paths(axes, canvas, step)
     axes.set_xlim(canvas.window.y_least, canvas.window.y_largest)
     axes.set_ylim(canvas.window.z_least, canvas.window.z_largest)
-    tilts = np.rad2deg(route.pose[step, [3, 5]])
+    tilts = np.rad2deg(route.pose[step, TILT_COLUMNS])
     axes.set_title(
         f"{step}  {route.mode_names[step]}  κ {route.kappa[step]:.1f}\n"
         f"rx {_degrees(tilts[0])}  rz {_degrees(tilts[1])}",

@@ -1,4 +1,4 @@
-"""The usable workspace in 3-D: what all arms to the left reach, and all to the right, between the rails."""
+"""The usable workspace in 3-D: the volumes of the modes with all arms left and all right, between the rails."""
 
 from typing import Any
 
@@ -17,23 +17,23 @@ from pipeline.workspace.usable import Workspace
 
 _SHOWN = (("LLL", "all left", style.BLUE), ("RRR", "all right", style.ORANGE))
 _MOST_CELLS = 50
-"""Cells along y or z that are drawn: more take long, and look no better."""
+"""Largest number of cells along y or z that are drawn: more take long and look no better."""
 _ALPHA = 0.6
 _LIGHT = np.array([0.4, -0.6, 0.7]) / np.linalg.norm([0.4, -0.6, 0.7])
 _DARKEST = 0.55
 _MARGIN_M = 0.1
 _NEIGHBOURS = (((0, -1), (0, 0), (1, 0)), ((0, 1), (0, 1), (1, 1)), ((-1, 0), (0, 0), (0, 1)), ((1, 0), (1, 0), (1, 1)))
-"""A neighbouring cell as (z, y) and both corners, (z, y), of the edge towards it."""
+"""For each neighbour (z, y) of a cell, both corners (z, y) of the edge they share."""
 
 
 @style.styled
 def workspace_volume_figure(machine: Machine, workspace: Workspace) -> Figure:
     """Draw the usable volumes of LLL and RRR as translucent bodies, and the rails.
 
-    Where they overlap either mode can be used; the legend has their volumes, and that of all eight modes together.
+    Where they overlap, either mode can be used. The legend has their volumes, and that of all eight modes together.
     """
     figure = Figure(figsize=(style.WIDTH_IN, 2.75), dpi=style.DPI)
-    # 3-D axes are a square, half empty here, that cuts off what is beyond it: it may stick out of the page.
+    # 3-D axes are a square, half empty here, that clips what is beyond it: it may extend beyond the page.
     axes: Axes3D = figure.add_axes((-0.04, 0.1, 0.95, 1.0), projection="3d", proj_type="ortho", azim=-58.0, elev=20.0)
     axes.set_facecolor("none")
     shells = [shell(workspace, MODES.index(mode)) for mode, _, _ in _SHOWN]
@@ -49,9 +49,9 @@ def workspace_volume_figure(machine: Machine, workspace: Workspace) -> Figure:
 
 
 def shell(workspace: Workspace, mode: int) -> FloatArray:
-    """Faces of the body that a working mode can use, quadrilaterals (n, 4, 3): both ends in x, and walls on the rim.
+    """Build the surface of the volume that a working mode can use, quadrilaterals (n, 4, 3): ends in x, and side walls.
 
-    Only every few cells are taken, at most 50 along y and z. Ends of neighbouring cells meet in their mean.
+    At most 50 cells along y and z are drawn. The ends of neighbouring cells meet in their mean.
     """
     every = -(-max(workspace.least_m.shape[1:]) // _MOST_CELLS)
     half = 0.5 * every * workspace.setting.step_m
@@ -75,24 +75,23 @@ def shell(workspace: Workspace, mode: int) -> FloatArray:
 
 
 def _at_corners(values: FloatArray) -> FloatArray:
-    """Mean at the corners of cells (nz, ny) over those of their up to four cells that are not NaN; NaN for none."""
+    """Average the up to four cells (nz, ny) around each corner that are not NaN; NaN if there are none."""
     padded = np.pad(values, 1, constant_values=np.nan)
     around = np.stack([padded[:-1, :-1], padded[1:, :-1], padded[:-1, 1:], padded[1:, 1:]])
     known = np.isfinite(around).sum(axis=0)
     total = np.nansum(around, axis=0)
-    mean: FloatArray = np.divide(total, known, out=np.full(total.shape, np.nan), where=known > 0)
-    return mean
+    return np.asarray(np.divide(total, known, out=np.full(total.shape, np.nan), where=known > 0))
 
 
 def _shifted(used: BoolArray, by: tuple[int, int]) -> BoolArray:
-    """Tell of every cell whether the cell that is `by` (z, y) from it is used."""
+    """Look up, for every cell, whether the cell at an offset `by` (z, y) is used."""
     rows, columns = used.shape
-    padded: BoolArray = np.pad(used, 1)
+    padded = np.pad(used, 1)
     return padded[1 + by[0] : 1 + by[0] + rows, 1 + by[1] : 1 + by[1] + columns]
 
 
 def _shaded(faces: FloatArray, colour: str) -> FloatArray:
-    """Colours (n, 4) of faces in a light from the front, above and right."""
+    """Shade faces (n, 4, 3) by a light from the front, above and right. Colours (n, 4)."""
     normals = np.cross(faces[:, 2] - faces[:, 0], faces[:, 3] - faces[:, 1])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     bright = _DARKEST + (1.0 - _DARKEST) * np.abs(normals @ _LIGHT)
@@ -100,7 +99,7 @@ def _shaded(faces: FloatArray, colour: str) -> FloatArray:
 
 
 def _set_axes(axes: Axes3D, points: FloatArray) -> None:
-    """Show all points, in one scale, with ticks every half metre."""
+    """Show all points on one scale, with ticks every half metre."""
     low, high = points.min(axis=0) - _MARGIN_M, points.max(axis=0) + _MARGIN_M
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(tuple(high - low), zoom=1.1)

@@ -1,4 +1,4 @@
-"""The usable workspace as maps of the YZ plane: how much of x each working mode can use, and all of them together."""
+"""The usable workspace as maps of the YZ plane: the usable length along x of each working mode, and of all together."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,7 +20,7 @@ _MARGIN_M = 0.03
 def workspace_figure(workspace: Workspace) -> Figure:
     """Draw nine maps of one colour scale: the usable length along x in the eight working modes and in their union.
 
-    Every panel tells its volume; what cannot be used is white. All show the part of the plane that the union covers.
+    The title of a panel states its volume; cells that cannot be used are white. All show the extent of the union.
     """
     maps = [*workspace.lengths_m, workspace.union_m]
     volumes = [*workspace.volumes_m3.tolist(), workspace.union_m3]
@@ -41,7 +41,7 @@ def workspace_figure(workspace: Workspace) -> Figure:
 
 
 def _window(workspace: Workspace) -> FloatArray:
-    """Least and largest y, and z, of the cells in use, with a margin; all cells where none is. Shape (2, 2)."""
+    """Compute the least and largest y and z of the cells in use, with a margin; of all cells if none is. (2, 2)."""
     used = workspace.union_m > 0.0
     spans = []
     for centres, along in ((workspace.y_m, used.any(axis=0)), (workspace.z_m, used.any(axis=1))):

@@ -1,7 +1,8 @@
-"""What a trajectory asks of the machine over time: jerks and forces with their limits, and the use of every limit."""
+"""Loads of a trajectory over time: jerks and forces with their limits, and the usage of every limit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,22 +14,22 @@ from matplotlib.ticker import MaxNLocator
 from pipeline.arrays import FloatArray
 from pipeline.figures import style
 from pipeline.machine.geometry import ACTUATORS, LINKS
-from pipeline.retime.path_dynamics import grid, terms_table
-from pipeline.retime.quantities import JERK, KINDS, limited, limits
+from pipeline.retime.path_dynamics import grid, tabulate_dynamics
+from pipeline.retime.quantities import JERK, QUANTITIES, Quantities, evaluate, limited, limits
 from pipeline.retime.result import Trajectory
 
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE, style.SKY_BLUE)
 _INSTANTS = 4_001
 _TABLE_POINTS = 2_001
 _PANEL_IN, _REST_IN = 0.62, 0.3
-"""Heights of a panel for the use of a limit, and of what is below all of them."""
+"""Heights of a panel for the usage of a limit, and of what is below all of them."""
 _CARTS, _TELESCOPES = slice(0, 3), slice(3, 5)
 
 
 class _Panel(NamedTuple):
-    """Which of a kind of load is drawn together."""
+    """A panel: the columns of a quantity that are drawn together, its label, and the names of the columns."""
 
-    kind: str
+    quantity: str
     which: slice
     label: str
     names: Sequence[str]
@@ -56,17 +57,18 @@ class _Loads:
     allowed: dict[str, FloatArray]
 
 
-def _loads(trajectory: Trajectory) -> _Loads:
+def _loads(trajectory: Trajectory, quantities: Quantities = QUANTITIES) -> _Loads:
     t = np.linspace(0.0, trajectory.duration_s, _INSTANTS)
     s, *state = (trajectory.s(t, order) for order in range(4))
-    values = terms_table(trajectory.path, grid(_TABLE_POINTS)).at(s).values(*state)
+    dynamics = tabulate_dynamics(trajectory.path, grid(_TABLE_POINTS)).at(s)
+    values = evaluate(dynamics, *state, quantities=quantities)
     if trajectory.jerk_jumps:
         del values[JERK]
-    return _Loads(t, values, limits(trajectory.path.machine))
+    return _Loads(t, values, limits(trajectory.path.machine, quantities))
 
 
 def has_loads(trajectory: Trajectory) -> bool:
-    """Tell whether there is anything to draw: jerks, where they are limited, or forces, where masses are known."""
+    """Check whether there is anything to draw: jerks if they are limited, forces if masses are known."""
     return not trajectory.jerk_jumps or trajectory.path.machine.masses is not None
 
 
@@ -74,8 +76,8 @@ def has_loads(trajectory: Trajectory) -> bool:
 def loads_figure(trajectory: Trajectory) -> Figure:
     """Draw jerks and forces of the actuators and the forces along the links over time, limits dashed.
 
-    Carts are on the left, telescopes on the right. Without masses there are no forces, without limited jerk no jerks:
-    they have no panels then.
+    Carts are on the left, telescopes on the right. There are no panels of forces without masses, and none of jerks
+    without limited jerk.
 
     Raises
     ------
@@ -85,13 +87,13 @@ def loads_figure(trajectory: Trajectory) -> Figure:
     if not has_loads(trajectory):
         raise ValueError("without masses and without limited jerk there are no loads to draw")
     loads = _loads(trajectory)
-    rows = [row for row in _ROWS if row[0].kind in loads.values]
+    rows = [row for row in _ROWS if row[0].quantity in loads.values]
     figure = style.new_figure(0.7 + 1.1 * len(rows))
     mosaic: list[Any] = [[row[0].label, row[-1].label] for row in rows]
     axes = figure.subplot_mosaic(mosaic, sharex=True)
     for number, panel in ((number, panel) for number, row in enumerate(rows) for panel in row):
         _draw(axes[panel.label], loads, panel)
-        if number == 0 or panel.kind == "link_force":
+        if number == 0 or panel.quantity == "link_force":
             style.name_lines(axes[panel.label], panel.which.stop - panel.which.start)
     for name in mosaic[-1]:
         axes[name].set_xlabel("time (s)")
@@ -108,8 +110,8 @@ def loads_figure(trajectory: Trajectory) -> Figure:
 
 
 def _draw(axes: Axes, loads: _Loads, panel: _Panel) -> None:
-    """Draw some of a kind; limits far beyond all that is used would only flatten the curves, and are told instead."""
-    values, allowed = loads.values[panel.kind][:, panel.which], loads.allowed[panel.kind][panel.which]
+    """Draw a panel; a limit far above the curves would only flatten them, and is written next to the axis instead."""
+    values, allowed = loads.values[panel.quantity][:, panel.which], loads.allowed[panel.quantity][panel.which]
     for value, colour, name in zip(values.T, _COLOURS[panel.which], panel.names[panel.which], strict=True):
         axes.plot(loads.t_s, value, color=colour, linewidth=0.7, label=name)
     used = float(np.abs(values).max())
@@ -124,22 +126,22 @@ def _draw(axes: Axes, loads: _Loads, panel: _Panel) -> None:
 
 
 @style.styled
-def usage_figure(trajectory: Trajectory) -> Figure:
-    """Draw which part of each kind of limit is used over time, by whichever actuator or link uses most of it.
+def usage_figure(trajectory: Trajectory, quantities: Quantities = QUANTITIES) -> Figure:
+    """Draw the largest fraction of each limited quantity over time, of whichever actuator or link uses most of it.
 
-    A panel for each kind: together their curves would hide each other.
+    Each has a panel of its own: together their curves would hide each other.
     """
-    loads = _loads(trajectory)
-    names = [name for name in limited(trajectory.path.machine) if name in loads.values]
-    kinds = [kind for kind in KINDS if kind.name in names]
-    figure = style.new_figure(_PANEL_IN * len(kinds) + _REST_IN)
-    panels = figure.subplots(len(kinds), sharex=True, sharey=True, squeeze=False)[:, 0]
-    for axes, kind, colour in zip(panels, kinds, (*_COLOURS, style.BLACK), strict=False):
-        share = (np.abs(loads.values[kind.name]) / loads.allowed[kind.name]).max(axis=1)
+    loads = _loads(trajectory, quantities)
+    names = [name for name in limited(trajectory.path.machine, quantities) if name in loads.values]
+    shown = [quantity for quantity in quantities if quantity.name in names]
+    figure = style.new_figure(_PANEL_IN * len(shown) + _REST_IN)
+    panels = figure.subplots(len(shown), sharex=True, sharey=True, squeeze=False)[:, 0]
+    for axes, quantity, colour in zip(panels, shown, cycle((*_COLOURS, style.BLACK)), strict=False):
+        share = (np.abs(loads.values[quantity.name]) / loads.allowed[quantity.name]).max(axis=1)
         axes.fill_between(loads.t_s, share, color=colour, alpha=0.25, linewidth=0.0)
-        axes.plot(loads.t_s, share, color=colour, linewidth=0.7, label=kind.words)
+        axes.plot(loads.t_s, share, color=colour, linewidth=0.7, label=quantity.words)
         axes.axhline(1.0, **style.LIMIT_LINE)
-        axes.set_title(f"{kind.words}, at most {share.max():.2f}", loc="left", fontsize=style.SMALL_TEXT_PT)
+        axes.set_title(f"{quantity.words}, at most {share.max():.2f}", loc="left", fontsize=style.SMALL_TEXT_PT)
         axes.set_yticks([0.0, 0.5, 1.0])
     panels[-1].set_xlim(0.0, loads.t_s[-1])
     panels[-1].set_ylim(0.0, 1.12)

@@ -1,4 +1,4 @@
-"""A measured motion over the commanded one, as in Fig. 8 of the paper, and its errors beside it."""
+"""A measured motion and the commanded one, as in Fig. 8 of the paper, and the errors beside them."""
 
 from typing import Any
 
@@ -9,10 +9,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.figures import style
-from pipeline.measured.comparison import QUANTITIES, SCALES, UNITS, MeasurementComparison
+from pipeline.measured.comparison import COORDINATES, Coordinate, MeasurementComparison
 
 _SHOWN = 40
-"""Measured points drawn over a commanded curve: more would hide it."""
+"""Number of measured points drawn over a commanded curve: more would hide it."""
 _SHORTEST_S = 1e-3
 """Least time shown, for a measurement of a single instant."""
 _BAND = 2.0
@@ -23,14 +23,14 @@ _BAND = 2.0
 def measured_figure(comparison: MeasurementComparison) -> Figure:
     """Draw x, y, z, rx, rz over time: commanded and measured on the left, their difference on the right.
 
-    On the left every few measured points are shown, on the right all of them, with two standard deviations of their
-    noise around zero where it is known.
+    On the left some of the measured points are shown, on the right all of them, with a band of two standard deviations
+    of their noise if it is known.
     """
     figure = style.new_figure(5.6)
-    panels = figure.subplots(len(QUANTITIES), 2, sharex=True)
-    for index, row in enumerate(panels):
-        _draw_motion(row[0], comparison, index)
-        _draw_error(row[1], comparison, index)
+    panels = figure.subplots(len(COORDINATES), 2, sharex=True)
+    for index, (row, coordinate) in enumerate(zip(panels, COORDINATES, strict=True)):
+        _draw_motion(row[0], comparison, index, coordinate)
+        _draw_error(row[1], comparison, index, coordinate)
     panels[0, 0].set_title("motion")
     panels[0, 1].set_title("measured - commanded")
     for axes in panels[-1]:
@@ -43,24 +43,24 @@ def measured_figure(comparison: MeasurementComparison) -> Figure:
     return figure
 
 
-def _draw_motion(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
-    angle = UNITS[index] == "deg"
-    scale = SCALES[index] if angle else 1.0
+def _draw_motion(axes: Axes, comparison: MeasurementComparison, index: int, coordinate: Coordinate) -> None:
+    angle = coordinate.unit == "deg"
+    scale = coordinate.scale if angle else 1.0
     every = max(len(comparison.t_s) // _SHOWN, 1)
     axes.plot(comparison.t_s, scale * comparison.commanded[:, index], color=style.COARSE, linewidth=0.8)
     axes.plot(comparison.t_s[::every], scale * comparison.measured[::every, index], **_dots())
-    axes.set_ylabel(f"{QUANTITIES[index]} ({'deg' if angle else 'm'})")
+    axes.set_ylabel(f"{coordinate.name} ({'deg' if angle else 'm'})")
     axes.yaxis.set_major_locator(style.angle_locator() if angle else MaxNLocator(4))
 
 
-def _draw_error(axes: Axes, comparison: MeasurementComparison, index: int) -> None:
-    scale = SCALES[index]
+def _draw_error(axes: Axes, comparison: MeasurementComparison, index: int, coordinate: Coordinate) -> None:
+    scale = coordinate.scale
     if comparison.std is not None:
         half = _BAND * scale * comparison.std[:, index]
         axes.fill_between(comparison.t_s, -half, half, color=style.SKY_BLUE, alpha=0.5, linewidth=0.0)
     axes.plot(comparison.t_s, scale * comparison.error[:, index], color=style.REFINED, linewidth=0.5)
     axes.axhline(0.0, color=style.COARSE, linewidth=0.5)
-    axes.set_ylabel(f"{QUANTITIES[index]} ({UNITS[index]})")
+    axes.set_ylabel(f"{coordinate.name} ({coordinate.unit})")
     axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
@@ -76,7 +76,7 @@ def _dots() -> dict[str, Any]:
 
 
 def _handles(band: bool) -> list[Line2D | Patch]:
-    """What commanded, measured and, where it is known, the band of noise look like."""
+    """Make entries for commanded, measured and, if it is known, the band of noise."""
     handles: list[Line2D | Patch] = [
         Line2D([], [], color=style.COARSE, label="commanded"),
         Line2D([], [], label="measured", **_dots()),

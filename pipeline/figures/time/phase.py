@@ -1,11 +1,11 @@
-"""The phase plane: path speed along the path, under the curve that no motion can cross."""
+"""The phase plane: path speed along the path, below the maximum-velocity curve."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.figures import style
 from pipeline.retime.constraints import largest_speed, limit_rows
-from pipeline.retime.path_dynamics import grid, terms_table
+from pipeline.retime.path_dynamics import grid, tabulate_dynamics
 from pipeline.retime.result import Trajectory
 
 _PLACES = 1_501
@@ -14,13 +14,13 @@ _HEADROOM = 1.35
 
 @style.styled
 def phase_figure(trajectory: Trajectory) -> Figure:
-    """Draw sd over s, the maximum-velocity curve, and what velocity limits alone would allow.
+    """Draw sd over s, the maximum-velocity curve, and the caps of the velocity limits alone.
 
-    Below the maximum-velocity curve some path acceleration keeps accelerations and forces within their limits; limits
-    of jerk are not in it.
+    Below the maximum-velocity curve some path acceleration keeps accelerations and forces within their limits; jerk is
+    not considered.
     """
     s = grid(_PLACES)
-    rows = limit_rows(terms_table(trajectory.path, s).grid)
+    rows = limit_rows(tabulate_dynamics(trajectory.path, s).grid)
     top = largest_speed(rows)
     t = np.linspace(0.0, trajectory.duration_s, 4 * _PLACES)
     speed = trajectory.s(t, 1)

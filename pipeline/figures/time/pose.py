@@ -1,4 +1,4 @@
-"""The pose over time, as commanded, with the steps of the route it came from (as in Fig. 8 of the paper)."""
+"""The commanded pose over time, with the steps of the route (as in Fig. 8 of the paper)."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +10,7 @@ from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.samples import corner_samples
 from pipeline.machine.geometry import Machine
+from pipeline.machine.pose import TILT_COLUMNS
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 from pipeline.refine.measure import PathSamples
 from pipeline.retime.result import TrajectorySamples
@@ -24,7 +25,7 @@ _COLOURS = {
     "rz": style.PURPLE,
 }
 _LEAST_APART = 0.07
-"""Part of the axis that the names of two working modes need to stand beside each other."""
+"""Fraction of the axis that the names of two working modes need to be side by side."""
 
 
 @style.styled
@@ -33,13 +34,13 @@ def pose_figure(
 ) -> Figure:
     """Draw x, y, z, and the controlled angles rx, rz, over time; circles are the steps of the route.
 
-    A step stands at the time when the trajectory has gone the same part of its length as the coarse path has there.
-    Vertical lines are changes of working mode, whose names stand on top.
+    A step is drawn at the time when the trajectory has covered the same fraction of its length as the coarse path has
+    there. Vertical lines are changes of working mode, with the names above.
     """
     figure = style.new_figure(3.2)
     position, angle = figure.subplots(2, 1, sharex=True)
     times = _step_times(config, route, coarse, trajectory)
-    angles, route_angles = np.rad2deg(trajectory.pose[:, [3, 5]]), np.rad2deg(route.pose[:, [3, 5]])
+    angles, route_angles = np.rad2deg(trajectory.pose[:, TILT_COLUMNS]), np.rad2deg(route.pose[:, TILT_COLUMNS])
     _draw(position, trajectory.t_s, trajectory.pose[:, :3], times, route.pose[:, :3], ("x", "y", "z"))
     _draw(angle, trajectory.t_s, angles, times, route_angles, ("rx", "rz"))
     position.set_ylabel("position (m)")
@@ -64,12 +65,11 @@ def _draw(
 
 
 def _step_times(config: Config, route: Route, coarse: PathSamples, trajectory: TrajectorySamples) -> FloatArray:
-    """When the trajectory has gone the part of its length that the coarse path has gone at a step. Shape (steps,)."""
+    """Find when the trajectory has covered the fraction of its length that the coarse path has at each step (n,)."""
     sizes = step_sizes(config.route)
     before, gone = arc_length(coarse.pose, sizes), arc_length(trajectory.pose, sizes)
     parts = before[corner_samples(coarse, route)] / before[-1]
-    times: FloatArray = np.interp(parts * gone[-1], gone, trajectory.t_s)
-    return times
+    return np.asarray(np.interp(parts * gone[-1], gone, trajectory.t_s))
 
 
 def _mark_modes(panels: list[Axes], machine: Machine, trajectory: TrajectorySamples) -> None:

@@ -1,7 +1,7 @@
-"""First and second derivatives of the program, those of kappa given and not derived.
+"""First and second derivatives of the program, with those of kappa given instead of derived.
 
-Where the objective has the kappa of a node, its expansion about the very point asked for takes its place: it has the
-same derivatives there, and costs next to nothing.
+In the objective, the kappa of a node is replaced by its expansion about the point of evaluation, which has the same
+derivatives there and costs next to nothing.
 """
 
 from collections.abc import Callable
@@ -17,9 +17,9 @@ Objective = Callable[[ca.MX], ca.MX]
 def derivative_options(
     kappa: NodeKappa, nodes: ca.MX, x: ca.MX, objective: Objective, g: ca.MX
 ) -> dict[str, ca.Function]:
-    """Build what CasADi's solvers take instead of differentiating: options grad_f, jac_g and hess_lag.
+    """Build the options grad_f, jac_g and hess_lag, which CasADi's solvers use instead of differentiating.
 
-    `nodes` (9, k) are pose and carts of every node as expressions of all unknowns x (n,), g (m,) the constraints; the
+    `nodes` (9, k) are pose and carts of every node as expressions of all unknowns x (n,), `g` (m,) the constraints; the
     Hessian is the upper triangle of that of lam_f f + lam_g . g.
     """
     k = nodes.shape[1]

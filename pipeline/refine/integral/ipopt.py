@@ -1,4 +1,4 @@
-"""Solving the program of stage two: options, progress, and which constraints are violated where IPOPT ends."""
+"""Solving the program of stage two with IPOPT: options, progress, and which constraints are violated at the end."""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.progress import Progress
+from pipeline.progress import QUIET, Monitor
 from pipeline.refine.integral.program import Program
 from pipeline.solvers import run_ipopt
 from pipeline.status import Status
@@ -16,17 +16,26 @@ _STATUS = {
     "Solved_To_Acceptable_Level": Status.CONVERGED,
     "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
 }
-_PRECISE = {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9}
-_ROUGH = {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1}
-
 Accuracy = Literal["rough", "precise"]
 """Good enough to start another solve from, or as good as it gets."""
-_MANNERS: dict[Accuracy, dict[str, float]] = {"rough": _ROUGH, "precise": _PRECISE}
+_TOLERANCES: dict[Accuracy, dict[str, float]] = {
+    "rough": {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1},
+    "precise": {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9},
+}
+
+
+@dataclass(frozen=True)
+class IpoptOptions:
+    """When IPOPT stops."""
+
+    max_iterations: int
+    time_limit_s: float
+    accuracy: Accuracy = "precise"
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
-    """Where IPOPT ended: the unknowns, and the largest violation per named group of constraints."""
+class IpoptResult:
+    """Where IPOPT ended: the unknowns x, and the largest violation of each named group of constraints."""
 
     status: Status
     message: str
@@ -35,44 +44,41 @@ class Solution:
     violations: dict[str, float]
 
 
-def solve_program(
-    program: Program,
-    max_iterations: int,
-    time_limit_s: float,
-    progress: Progress,
-    what: str,
-    verbose: bool = False,
-    manner: Accuracy = "precise",
-) -> Solution:
-    """Solve with IPOPT and MUMPS from the program's start; never raises for a failed solve, the status tells.
+def solve_program(program: Program, options: IpoptOptions, label: str, monitor: Monitor = QUIET) -> IpoptResult:
+    """Solve with IPOPT and MUMPS from the program's guess; never raises for a failed solve, which the status reports.
+
+    Parameters
+    ----------
+    label : str
+        What progress messages begin with.
 
     Raises
     ------
     KeyboardInterrupt
-        When the user interrupts.
+        If the user interrupts.
     """
-    options: dict[str, Any] = {
+    solver_options: dict[str, Any] = {
         **program.derivatives,
         "no_nlp_grad": True,
         "ipopt": {
-            "max_iter": max_iterations,
-            "max_wall_time": time_limit_s,
-            "print_level": 5 if verbose else 0,
+            "max_iter": options.max_iterations,
+            "max_wall_time": options.time_limit_s,
+            "print_level": 5 if monitor.verbose else 0,
             "mu_strategy": "adaptive",
-            **_MANNERS[manner],
+            **_TOLERANCES[options.accuracy],
             # Bounds are promises to a machine: IPOPT must not relax them.
             "bound_relax_factor": 0.0,
         },
     }
     (lbx, ubx), (lbg, ubg) = program.variable_bounds, program.constraint_bounds
 
-    def tell(iteration: int, objective: float) -> None:
-        progress(f"{what}: IPOPT iteration {iteration}, objective {objective:.2f}")
+    def report(iteration: int, objective: float) -> None:
+        monitor.progress(f"{label}: IPOPT iteration {iteration}, objective {objective:.2f}")
 
-    given = {"x0": program.start, "lbx": lbx, "ubx": ubx, "lbg": lbg, "ubg": ubg}
-    result, stats = run_ipopt("refine", program.problem, options, given, tell)
+    given = {"x0": program.guess, "lbx": lbx, "ubx": ubx, "lbg": lbg, "ubg": ubg}
+    result, stats = run_ipopt("refine", program.problem, solver_options, given, report)
     message = str(stats["return_status"])
-    return Solution(
+    return IpoptResult(
         status=_STATUS.get(message, Status.NOT_CONVERGED),
         message=message,
         x=np.array(result["x"]).ravel(),

@@ -1,8 +1,8 @@
-"""The smooth kappa of all collocation nodes at once, with its derivatives, as CasADi sees it.
+"""The smooth kappa of all collocation nodes, with its derivatives, as a function of CasADi.
 
-kappa goes through H alone: its gradient by pose and carts is the one by H contracted with dH, and its second
-derivatives are those by H along dH plus the gradient contracted with the second derivatives of H. CasADi finds those of
-H, which are short; left to differentiate kappa itself twice it needs ten times the time of everything else.
+kappa depends on H alone: its gradient by pose and carts is the one by H contracted with dH, and its second derivatives
+are those by H along dH plus the gradient contracted with the second derivatives of H. CasADi derives those of H, which
+are short; differentiating kappa itself twice would take it ten times as long as everything else.
 """
 
 from collections.abc import Sequence
@@ -16,13 +16,13 @@ from pipeline.machine.schatten import smooth_condition
 from pipeline.machine.symbolic import statics_function, statics_terms_function
 
 UNKNOWNS = 9
-"""What H depends on: the pose (6) and the carts (3); telescopes leave it alone."""
+"""Size of what H depends on: the pose (6) and the carts (3), not the telescopes."""
 
 
 class NodeKappa(ca.Callback):
     """(pose and carts of k nodes (9, k)) -> kappa (1, k), gradients (9, k), second derivatives (9, 9 k).
 
-    IPOPT asks for objective, constraints and their derivatives at the same point one after the other: the last answer
+    IPOPT evaluates objective, constraints and their derivatives at the same point one after the other: the last result
     is kept.
     """
 
@@ -32,32 +32,32 @@ class NodeKappa(ca.Callback):
         self._statics = statics_function(machine).map(nodes)
         self._terms = statics_terms_function(machine).map(nodes)
         self._at: FloatArray = np.full((UNKNOWNS, nodes), np.nan)
-        self._answer: list[ca.DM] = []
+        self._result: list[ca.DM] = []
         self.construct("node_kappa", {})
 
     def get_n_in(self) -> int:
-        """One input: the nodes."""
+        """Return the number of inputs: the nodes."""
         return 1
 
     def get_n_out(self) -> int:
-        """Values, gradients, second derivatives."""
+        """Return the number of outputs: values, gradients, second derivatives."""
         return 3
 
     def get_sparsity_in(self, i: int) -> ca.Sparsity:
-        """All entries, (9, k)."""
+        """Return a dense pattern, (9, k)."""
         return ca.Sparsity.dense(UNKNOWNS, self._nodes)
 
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
-        """All entries: (1, k), (9, k), (9, 9 k)."""
+        """Return dense patterns: (1, k), (9, k), (9, 9 k)."""
         rows, columns = ((1, 1), (UNKNOWNS, 1), (UNKNOWNS, UNKNOWNS))[i]
         return ca.Sparsity.dense(rows, columns * self._nodes)
 
     def eval(self, arguments: Sequence[ca.DM]) -> list[ca.DM]:
-        """Evaluate at nodes (9, k); not a number where they are none."""
+        """Evaluate at nodes (9, k); all NaN if a node is not finite."""
         at = np.array(arguments[0])
         if not np.array_equal(at, self._at):
-            self._at, self._answer = at, self._evaluate(at)
-        return self._answer
+            self._at, self._result = at, self._evaluate(at)
+        return self._result
 
     def _evaluate(self, at: FloatArray) -> list[ca.DM]:
         k, pose, q = self._nodes, at[:6], np.vstack([at[6:], np.zeros((2, self._nodes))])

@@ -1,8 +1,8 @@
 """The nonlinear program of stage two, written in CasADi.
 
-Unknowns: pose (6) and actuators (5) of every collocation node, the spline coefficients, a separating vector for
-every pair of links that comes near, and the length. With the actuators as unknowns of their own the Hessian is
-sparse: a node touches itself and its neighbour, and the splines only enter linear equations.
+Unknowns: pose (6) and actuators (5) of every collocation node, the spline coefficients, unknowns of limits (a
+separating vector for every pair of axes that come near), and the length. With the actuators as unknowns of their own
+the Hessian is sparse: a node touches itself and its neighbour, and the splines enter linear equations only.
 
     minimise    the integral of kappa: over neighbouring nodes, (kappa_k + kappa_k+1) / 2 times their distance in
                 the route's metric
@@ -10,11 +10,12 @@ sparse: a node touches itself and its neighbour, and the splines only enter line
     subject to  closure(pose_k, q_k) = 0,  q_k = basis(s_k) . coefficients,
                 corridor, strokes and travel (bounds of the coefficients hold everywhere: convex hull),
                 0.5 <= speed along s relative to the mean <= 1.5, actuators moving at both ends,
-                n . (a - b) >= clearance,  n . n <= 1,
+                the rows of every limit at the nodes,
                 every cart on its side of the platform,
                 the first and the last leg of the splines' control polygon along given directions.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -23,35 +24,39 @@ from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
 from pipeline.arrays import FloatArray
+from pipeline.limits import NodeLimit
+from pipeline.limits.interface.rows import Nodes, Row, Unknowns
 from pipeline.machine.geometry import PRIMARY, Machine
+from pipeline.machine.pose import CONTROLLED
+from pipeline.machine.samples import PoseSamples
 from pipeline.machine.symbolic import closure_function, joints_function
-from pipeline.refine.corridor import Corridor
+from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.integral.derivatives import derivative_options
 from pipeline.refine.integral.node_kappa import NodeKappa
-from pipeline.refine.integral.separation import Separations, apartness
+from pipeline.refine.mesh import Mesh
 from pipeline.refine.splines import DEGREE, basis
-from pipeline.route.metric import CONTROLLED, arc_length
+from pipeline.route.metric import arc_length
 
 SPEED_RANGE = (0.5, 1.5)
 """Speed along s relative to its mean: without it the optimum rushes through where kappa is high."""
-
 END_SPEED = 0.3
 """Least speed of the actuators at start and goal, relative to that up to the next node."""
-_STILL = 1e-4
+_SMOOTHING = 1e-4
 """Share of the mean distance between nodes, added in quadrature: a distance of zero has no derivative."""
+_LEAST_LENGTH = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class InitialGuess:
-    """Where the solver starts: poses (k, 6), coefficients (n, 5)."""
+    """Where the solver starts: poses and actuators of the k nodes, coefficients (n, 5)."""
 
-    pose: FloatArray
+    nodes: PoseSamples
     coefficients: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A named group of constraints: rows of g from `begin` on, for messages that say what is violated."""
+    """A named group of constraints: rows of g from `begin` to `end`, for messages that say what is violated."""
 
     name: str
     begin: int
@@ -60,10 +65,26 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A nonlinear program ready for a solver: CasADi expressions, bounds, start, and how to read its solution.
+    """A nonlinear program ready for a solver: CasADi expressions, bounds, guess, and how to read its solution.
 
-    `derivatives` are those of `derivatives.derivative_options`; `integral` gives the integral of the smooth kappa;
-    `kappa` is what computes it, and has to live as long as the program.
+    Attributes
+    ----------
+    problem : dict
+        Unknowns x, objective f and constraints g.
+    derivatives : dict
+        Those of `derivatives.derivative_options`.
+    integral : ca.Function
+        x -> the integral of the smooth kappa.
+    variable_bounds, constraint_bounds : pair of (n,), pair of (m,)
+        Lower and upper bounds.
+    guess : (n,)
+        Where the solver starts.
+    blocks : tuple of Block
+        Names of the constraints.
+    nodes, coefficients : int
+        How many nodes there are, and spline coefficients per actuator.
+    kappa : NodeKappa or None
+        What computes kappa, which has to live as long as the program.
     """
 
     problem: dict[str, ca.MX]
@@ -71,168 +92,194 @@ class Program:
     integral: ca.Function
     variable_bounds: tuple[FloatArray, FloatArray]
     constraint_bounds: tuple[FloatArray, FloatArray]
-    start: FloatArray
+    guess: FloatArray
     blocks: tuple[Block, ...]
     nodes: int
     coefficients: int
     kappa: NodeKappa | None = None
 
     def poses(self, x: FloatArray) -> FloatArray:
-        """Poses of the nodes in a solution vector, shape (nodes, 6)."""
+        """Return the poses of the nodes in a solution vector, shape (nodes, 6)."""
         return x[: 6 * self.nodes].reshape(self.nodes, 6)
 
     def spline_coefficients(self, x: FloatArray) -> FloatArray:
-        """Spline coefficients in a solution vector, shape (coefficients, 5)."""
+        """Return the spline coefficients in a solution vector, shape (coefficients, 5)."""
         begin = 11 * self.nodes
         return x[begin : begin + 5 * self.coefficients].reshape(self.coefficients, 5)
 
 
 @dataclass(frozen=True, eq=False)
 class ProgramData:
-    """What one solve is about.
+    """What a program is written for.
 
     Attributes
     ----------
-    s, knots : (k,), (n,)
-        Parameters of the nodes; knots of the splines.
-    corridor, separations : Corridor, Separations
-        Bounds of the poses; what is kept apart.
+    mesh : Mesh
+        Nodes, k of them, and knots.
+    corridor : Corridor
+        Bounds of the poses.
+    limits : sequence of NodeLimit
+        What nodes have to keep.
+    clearance_margin_m, reach_m : float
+        What nodes keep on top of distances, and how near to a limit something has to come to get a row.
     steps : (5,)
         The metric: largest moves per step of the route.
-    exponent : float
-        Of the smooth kappa, a Schatten condition number.
     directions : (2, 5)
-        Unit vectors that the actuators leave the start and come to the goal in; not a number where they are free.
+        Unit vectors in which the actuators leave the start and reach the goal, NaN where they are free.
+    exponent : float
+        Exponent of the smooth kappa, a Schatten condition number.
     evenness : float
-        What uneven speed along s costs, in units of kappa. The integral itself does not change when a path is
-        run through differently: without this cost nothing holds the nodes, and IPOPT creeps.
+        Cost of uneven speed along s, in units of kappa. The integral itself does not change if a path is traversed
+        differently: without this cost nothing holds the nodes in place, and IPOPT creeps.
     """
 
-    s: FloatArray
-    knots: FloatArray
+    mesh: Mesh
     corridor: Corridor
-    separations: Separations
+    limits: Sequence[NodeLimit]
+    clearance_margin_m: float
+    reach_m: float
     steps: FloatArray
-    exponent: float
     directions: FloatArray
+    exponent: float
     evenness: float
 
 
-def build_program(machine: Machine, setting: ProgramData, start: InitialGuess) -> Program:
-    """Write the program for given nodes, corridor and separations, to be started from `start`."""
-    k, n, m = len(setting.s), len(start.coefficients), len(setting.separations)
-    pose, q, coefficients = ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n)
-    normal, length = ca.MX.sym("n", 3, m), ca.MX.sym("length")
-    B = basis(setting.knots, setting.s)
-    moves = (pose[list(CONTROLLED), 1:] - pose[list(CONTROLLED), :-1]) / ca.DM(setting.steps)
+@dataclass(frozen=True, eq=False)
+class _Symbols:
+    """Unknowns of the program: pose (6, k), q (5, k), coefficients (5, n), length (1, 1)."""
+
+    pose: ca.MX
+    q: ca.MX
+    coefficients: ca.MX
+    length: ca.MX
+
+
+def build_program(data: ProgramData, guess: InitialGuess) -> Program:
+    """Write the program of a mesh, to be started from a guess."""
+    machine, k, n = guess.nodes.machine, len(data.mesh.s), data.mesh.coefficients
+    x = _Symbols(ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n), ca.MX.sym("length"))
+    first_length = float(arc_length(guess.nodes.pose, data.steps)[-1])
+    moves = (x.pose[list(CONTROLLED), 1:] - x.pose[list(CONTROLLED), :-1]) / ca.DM(data.steps)
     squared = ca.sum1(moves**2)
-    distance = ca.sqrt(squared + (_STILL * _length(setting, start) / k) ** 2)
-    fraction = ca.DM(np.diff(setting.s)).T * length
-    trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
-    groups = [
-        ("closure", ca.vec(closure_function(machine).map(k)(pose, q)), 0.0, 0.0),
-        ("spline", ca.vec(q - coefficients @ _sparse(B).T), 0.0, 0.0),
-        ("speed along the path (least)", ca.vec(squared - (SPEED_RANGE[0] * fraction) ** 2), 0.0, np.inf),
-        ("speed along the path (largest)", ca.vec(squared - (SPEED_RANGE[1] * fraction) ** 2), -np.inf, 0.0),
-        ("length", length - ca.sum2(distance), 0.0, 0.0),
-        ("clearance", apartness(machine, setting.separations, pose, q, normal), 0.0, np.inf),
-        ("separating vectors", ca.vec(ca.sum1(normal**2)), -np.inf, 1.0),
-        ("sides of the carts", _sides(machine, setting.corridor, pose, q), setting.corridor.side_margin_m, np.inf),
-        ("speed at the ends", _end_speeds(setting, q, coefficients), 0.0, np.inf),
-        *_directions(setting.directions, coefficients),
+    distance = ca.sqrt(squared + (_SMOOTHING * first_length / k) ** 2)
+    at_nodes = Nodes(x.pose, x.q, guess.nodes, data.clearance_margin_m, data.reach_m)
+    parts = [limit.program_part(at_nodes) for limit in data.limits]
+    unknowns = _unknowns(data, guess, x, [own for part in parts for own in part.unknowns], first_length)
+    rows = [
+        *_path_rows(machine, data.mesh, x, squared, distance),
+        *(row for part in parts for row in part.rows),
+        Row("sides of the carts", _sides(machine, data.corridor, x), data.corridor.side_margin_m, np.inf),
+        *_end_speeds(data.mesh, x),
+        *_directions(data.directions, x.coefficients),
     ]
-    g = ca.vertcat(*(expression for _, expression, _, _ in groups))
-    x = ca.veccat(pose, q, coefficients, normal, length)
-    nodes, kappa = ca.vertcat(pose, q[:3, :]), NodeKappa(machine, k, setting.exponent)
-    rest = setting.evenness * _unevenness(setting, start, distance, length)
+    vector, g = ca.veccat(*(part.symbol for part in unknowns)), ca.vertcat(*(row.expression for row in rows))
+    nodes, kappa = ca.vertcat(x.pose, x.q[:3, :]), NodeKappa(machine, k, data.exponent)
+    trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
+    rest = data.evenness * _unevenness(data.mesh, distance, x.length, first_length)
 
     def objective(kappas: ca.MX) -> ca.MX:
         return ca.dot(kappas, trapezoids) + rest
 
     kappas = kappa(nodes)[0]
-    sizes = [(name, expression.numel(), low, top) for name, expression, low, top in groups]
-    ends = np.cumsum([size for _, size, _, _ in sizes])
     return Program(
-        problem={"x": x, "f": objective(kappas), "g": g},
-        derivatives=derivative_options(kappa, nodes, x, objective, g),
-        integral=ca.Function("integral", [x], [ca.dot(kappas, trapezoids)]),
-        variable_bounds=_variable_bounds(machine, setting, start),
+        problem={"x": vector, "f": objective(kappas), "g": g},
+        derivatives=derivative_options(kappa, nodes, vector, objective, g),
+        integral=ca.Function("integral", [vector], [ca.dot(kappas, trapezoids)]),
+        variable_bounds=(_joined(part.low for part in unknowns), _joined(part.high for part in unknowns)),
         constraint_bounds=(
-            np.concatenate([np.full(size, low) for _, size, low, _ in sizes]),
-            np.concatenate([np.full(size, top) for _, size, _, top in sizes]),
+            _joined(np.full(row.expression.numel(), row.low) for row in rows),
+            _joined(np.full(row.expression.numel(), row.high) for row in rows),
         ),
-        start=_start_vector(setting, start, B),
-        blocks=tuple(
-            Block(name, int(end) - size, int(end)) for (name, size, _, _), end in zip(sizes, ends, strict=True)
-        ),
+        guess=_joined(part.guess for part in unknowns),
+        blocks=_blocks(rows),
         nodes=k,
         coefficients=n,
         kappa=kappa,
     )
 
 
-def _sides(machine: Machine, corridor: Corridor, pose: ca.MX, q: ca.MX) -> ca.MX:
+def _unknowns(
+    data: ProgramData, guess: InitialGuess, x: _Symbols, own: list[Unknowns], first_length: float
+) -> list[Unknowns]:
+    """List all unknowns with guess and bounds; `own` are those of the limits."""
+    nodes, count = guess.nodes, len(guess.coefficients)
+    low, high = (np.tile(bound, (count, 1)) for bound in nodes.machine.actuator_limits_m.T)
+    low[[0, -1]] = high[[0, -1]] = guess.coefficients[[0, -1]]
+    free = np.full_like(nodes.q_m, np.inf)
+    return [
+        Unknowns(x.pose, nodes.pose, data.corridor.low, data.corridor.high),
+        Unknowns(x.q, nodes.q_m, -free, free),
+        Unknowns(x.coefficients, guess.coefficients, low, high),
+        *own,
+        Unknowns(x.length, np.array([first_length]), np.array([_LEAST_LENGTH]), np.array([np.inf])),
+    ]
+
+
+def _path_rows(machine: Machine, mesh: Mesh, x: _Symbols, squared: ca.MX, distance: ca.MX) -> list[Row]:
+    """Write closure, splines, the speed along s and the length."""
+    closure = closure_function(machine).map(len(mesh.s))(x.pose, x.q)
+    fraction = ca.DM(np.diff(mesh.s)).T * x.length
+    least, largest = SPEED_RANGE
+    return [
+        Row("closure", ca.vec(closure), 0.0, 0.0),
+        Row("spline", ca.vec(x.q - x.coefficients @ _sparse(basis(mesh.knots, mesh.s)).T), 0.0, 0.0),
+        Row("speed along the path (least)", ca.vec(squared - (least * fraction) ** 2), 0.0, np.inf),
+        Row("speed along the path (largest)", ca.vec(squared - (largest * fraction) ** 2), -np.inf, 0.0),
+        Row("length", x.length - ca.sum2(distance), 0.0, 0.0),
+    ]
+
+
+def _sides(machine: Machine, corridor: Corridor, x: _Symbols) -> ca.MX:
     """Write side * (C_x - A_x) for the arms and nodes that have a side. Shape (entries,)."""
     nodes, arms = np.nonzero(corridor.sides)
     if len(nodes) == 0:
         return ca.MX(0, 1)
-    platform, cart = (ca.vec(joints) for joints in joints_function(machine).map(pose.shape[1])(pose, q))
-    # Of every node 18 entries by columns, x first.
+    platform, cart = (ca.vec(joints) for joints in joints_function(machine).map(x.pose.shape[1])(x.pose, x.q))
+    # Every node has 18 entries by columns, x first.
     rows = (18 * nodes + PRIMARY[arms]).tolist()
     return ca.DM(corridor.sides[nodes, arms]) * (cart[rows] - platform[rows])
 
 
-def _end_speeds(setting: ProgramData, q: ca.MX, coefficients: ca.MX) -> ca.MX:
+def _end_speeds(mesh: Mesh, x: _Symbols) -> list[Row]:
     """Write |q'|^2 at both ends less a share of the mean one up to the next node, squared: a spline may halt there."""
-    s, t = setting.s, setting.knots
-    first = DEGREE * (coefficients[:, 1] - coefficients[:, 0]) / (t[DEGREE + 1] - t[0])
-    last = DEGREE * (coefficients[:, -1] - coefficients[:, -2]) / (t[-1] - t[-DEGREE - 2])
+    s, t, c, q = mesh.s, mesh.knots, x.coefficients, x.q
+    first = DEGREE * (c[:, 1] - c[:, 0]) / (t[DEGREE + 1] - t[0])
+    last = DEGREE * (c[:, -1] - c[:, -2]) / (t[-1] - t[-DEGREE - 2])
     means = ((q[:, 1] - q[:, 0]) / (s[1] - s[0]), (q[:, -1] - q[:, -2]) / (s[-1] - s[-2]))
-    rows = [ca.sumsqr(end) - ca.sumsqr(END_SPEED * mean) for end, mean in zip((first, last), means, strict=True)]
-    speeds: ca.MX = ca.vertcat(*rows)
-    return speeds
+    ends = zip(("start", "goal"), (first, last), means, strict=True)
+    return [
+        Row(f"speed at the {name}", ca.sumsqr(end) - ca.sumsqr(END_SPEED * mean), 0.0, np.inf)
+        for name, end, mean in ends
+    ]
 
 
-def _directions(directions: FloatArray, coefficients: ca.MX) -> list[tuple[str, ca.MX, float, float]]:
+def _directions(directions: FloatArray, coefficients: ca.MX) -> list[Row]:
     """Write that a leg of the control polygon has nothing across its direction, and something along it."""
     legs = (coefficients[:, 1] - coefficients[:, 0], coefficients[:, -1] - coefficients[:, -2])
-    groups = []
+    rows = []
     for name, direction, leg in zip(("start", "goal"), directions, legs, strict=True):
         if np.isfinite(direction).all():
             across = null_space(direction[None]).T
-            groups.append((f"direction at the {name}", ca.DM(across) @ leg, 0.0, 0.0))
-            groups.append((f"way at the {name}", ca.dot(ca.DM(direction), leg), 0.0, np.inf))
-    return groups
+            rows.append(Row(f"direction at the {name}", ca.DM(across) @ leg, 0.0, 0.0))
+            rows.append(Row(f"sense of direction at the {name}", ca.dot(ca.DM(direction), leg), 0.0, np.inf))
+    return rows
 
 
-def _unevenness(setting: ProgramData, start: InitialGuess, distance: ca.MX, length: ca.MX) -> ca.MX:
-    """Write the variance of the speed along s, in units of the start's mean speed, times the start's length."""
-    first_length, ds = _length(setting, start), ca.DM(np.diff(setting.s)).T
+def _unevenness(mesh: Mesh, distance: ca.MX, length: ca.MX, first_length: float) -> ca.MX:
+    """Write the variance of the speed along s, in units of the guess's mean speed, times the guess's length."""
+    ds = ca.DM(np.diff(mesh.s)).T
     deviation = (distance / ds - length) / first_length
     return first_length * ca.dot(ds, deviation**2)
 
 
-def _variable_bounds(machine: Machine, setting: ProgramData, start: InitialGuess) -> tuple[FloatArray, FloatArray]:
-    nodes, pairs = len(setting.s), len(setting.separations)
-    limits = machine.actuator_limits_m
-    coefficient_low = np.tile(limits[:, 0], (len(start.coefficients), 1))
-    coefficient_high = np.tile(limits[:, 1], (len(start.coefficients), 1))
-    coefficient_low[[0, -1]] = coefficient_high[[0, -1]] = start.coefficients[[0, -1]]
-    normal_high = np.full((pairs, 3), np.inf)
-    normal_high[setting.separations.of_rail, 0] = 0.0
-    low = (setting.corridor.low, np.full(5 * nodes, -np.inf), coefficient_low, -normal_high, [1e-3])
-    high = (setting.corridor.high, np.full(5 * nodes, np.inf), coefficient_high, normal_high, [np.inf])
-    return (np.concatenate([np.ravel(part) for part in low]), np.concatenate([np.ravel(part) for part in high]))
+def _blocks(rows: Sequence[Row]) -> tuple[Block, ...]:
+    sizes = [row.expression.numel() for row in rows]
+    ends = np.cumsum(sizes).tolist()
+    return tuple(Block(row.name, end - size, end) for row, size, end in zip(rows, sizes, ends, strict=True))
 
 
-def _start_vector(setting: ProgramData, start: InitialGuess, B: csr_array) -> FloatArray:
-    q = B @ start.coefficients
-    parts = (start.pose, q, start.coefficients, setting.separations.normal, [_length(setting, start)])
+def _joined(parts: Iterable[FloatArray]) -> FloatArray:
     return np.concatenate([np.ravel(part) for part in parts])
-
-
-def _length(setting: ProgramData, start: InitialGuess) -> float:
-    return float(arc_length(start.pose, setting.steps)[-1])
 
 
 def _sparse(matrix: csr_array) -> ca.DM:

@@ -1,8 +1,8 @@
-"""A path while its largest kappa is brought down: where it is looked at, what it does there, and how that changes.
+"""An SQP iterate: evaluation points, pose and kappa there, and their derivatives by the actuators.
 
-The unknowns are the spline coefficients alone. The pose at a look follows the actuators by forward kinematics, so that
-the closure holds exactly on every iterate; how anything changes with the actuators there is a central difference along
-the motion that they force on the platform.
+The unknowns are the spline coefficients alone. The pose at a point follows from the actuators by forward kinematics, so
+that the closure holds exactly on every iterate; derivatives are central differences along the motion that the actuators
+force on the platform.
 """
 
 from collections.abc import Callable
@@ -16,10 +16,10 @@ from scipy.sparse import csr_array, diags_array, eye_array, kron
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import newton, pose_jacobian
+from pipeline.machine.samples import PoseSamples
 from pipeline.machine.schatten import smooth_condition
-from pipeline.machine.statics import statics_matrix
+from pipeline.refine.measure import kappa_trapezoids
 from pipeline.refine.splines import DEGREE, basis
-from pipeline.route.metric import CONTROLLED
 
 _DIFFERENCE_M = 1e-6
 """Half the width of the central differences."""
@@ -29,7 +29,19 @@ _CLOSED_M = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class EvaluationPoints:
-    """Where a path is looked at: s (k,), and the basis there, actuators (5 k,) = `spread` @ coefficients (5 n,)."""
+    """Where a path is evaluated.
+
+    Attributes
+    ----------
+    s, knots : (k,), (n + 6,)
+        Parameters of the points; knots of the splines.
+    steps : (5,)
+        The metric: largest moves per step of the route.
+    exponent : float
+        Exponent of the smooth kappa.
+    spread : (5 k, 5 n)
+        Spline basis: actuators (5 k,) = spread @ coefficients (5 n,).
+    """
 
     machine: Machine
     s: FloatArray
@@ -47,31 +59,30 @@ class EvaluationPoints:
     def at(
         cls, machine: Machine, s: FloatArray, knots: FloatArray, steps: FloatArray, exponent: float
     ) -> "EvaluationPoints":
-        """Look at s (k,) of splines with given knots; `exponent` is that of the smooth kappa."""
+        """Evaluate splines with given knots at s (k,); `exponent` is that of the smooth kappa."""
         return cls(machine, s, knots, steps, exponent, csr_array(kron(basis(knots, s), eye_array(5))))
 
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """What a path does where it is looked at.
+    """A path at its k evaluation points.
 
     Attributes
     ----------
     coefficients : (n, 5)
-        Of its splines.
-    q_m, pose : (k, 5), (k, 6)
-        Actuators and poses.
+        Coefficients of its splines.
+    samples : PoseSamples
+        Poses and actuators.
     kappa, kappa_slope : (k,), (k, 5)
         The smooth condition number and its derivative by the actuators there.
     moves : (k, 6, 5)
         Derivative of the pose by the actuators.
     chords : (k - 1, 5)
-        Moves from look to look in the metric of the route.
+        Moves from point to point in the metric of the route.
     """
 
     coefficients: FloatArray
-    q_m: FloatArray
-    pose: FloatArray
+    samples: PoseSamples
     kappa: FloatArray
     kappa_slope: FloatArray
     moves: FloatArray
@@ -80,43 +91,43 @@ class Iterate:
     @property
     def distances(self) -> FloatArray:
         """Lengths of the chords, (k - 1,)."""
-        lengths: FloatArray = np.linalg.norm(self.chords, axis=1)
-        return lengths
+        return np.asarray(np.linalg.norm(self.chords, axis=1), dtype=float)
 
     @property
     def integral(self) -> float:
         """The integral of the smooth kappa by the trapezoidal rule."""
-        return float(np.sum(self.distances * (self.kappa[1:] + self.kappa[:-1])) / 2.0)
+        return float(kappa_trapezoids(self.kappa, self.distances).sum())
 
 
-def iterate_at(looks: EvaluationPoints, coefficients: FloatArray, near: FloatArray) -> Iterate | None:
+def iterate_at(points: EvaluationPoints, coefficients: FloatArray, near: FloatArray) -> Iterate | None:
     """Evaluate splines with coefficients (n, 5), poses near given ones (k, 6); None where the closure is lost."""
-    machine, q = looks.machine, BSpline(looks.knots, coefficients, DEGREE)(looks.s)
+    machine, q = points.machine, BSpline(points.knots, coefficients, DEGREE)(points.s)
     pose, miss = newton(machine, q, near)
     if not (miss < _CLOSED_M).all():
         return None
-    moves = pose_jacobian(machine, pose, q)
-    spectrum = smooth_condition(statics_matrix(machine, pose, q[:, :3]), looks.exponent)
-    H_slope = slopes(lambda p, carts: statics_matrix(machine, p, carts), pose, q, moves)
+    samples, moves = PoseSamples(machine, pose, q), pose_jacobian(machine, pose, q)
+    spectrum = smooth_condition(samples.H, points.exponent)
+    H_slope = slopes(lambda beside: beside.H, samples, moves)
     return Iterate(
         coefficients=coefficients,
-        q_m=q,
-        pose=pose,
+        samples=samples,
         kappa=spectrum.kappa,
         kappa_slope=np.einsum("kij,kijn->kn", spectrum.gradient, H_slope, optimize=True),
         moves=moves,
-        chords=np.diff(pose[:, CONTROLLED], axis=0) / looks.steps,
+        chords=np.diff(samples.controlled, axis=0) / points.steps,
     )
 
 
-def slopes(
-    of: Callable[[FloatArray, FloatArray], FloatArray], pose: FloatArray, q_m: FloatArray, moves: FloatArray
-) -> FloatArray:
-    """Differentiate a function of poses (k, 6) and carts (k, 3) with values (k, ...) by the actuators. (k, ..., 5)."""
+def slopes(of: Callable[[PoseSamples], FloatArray], samples: PoseSamples, moves: FloatArray) -> FloatArray:
+    """Differentiate a function of poses and actuators with values (k, ...) by the actuators. Shape (k, ..., 5).
+
+    `moves` (k, 6, 5) is the derivative of the pose by the actuators.
+    """
     columns = []
     for actuator in range(5):
-        shift = _DIFFERENCE_M * moves[:, :, actuator]
-        carts = np.where(np.arange(3) == actuator, _DIFFERENCE_M, 0.0)
-        ahead, behind = of(pose + shift, q_m[:, :3] + carts), of(pose - shift, q_m[:, :3] - carts)
+        pose = _DIFFERENCE_M * moves[:, :, actuator]
+        q = np.where(np.arange(5) == actuator, _DIFFERENCE_M, 0.0)
+        ahead = of(PoseSamples(samples.machine, samples.pose + pose, samples.q_m + q))
+        behind = of(PoseSamples(samples.machine, samples.pose - pose, samples.q_m - q))
         columns.append((ahead - behind) / (2.0 * _DIFFERENCE_M))
     return np.stack(columns, axis=-1)

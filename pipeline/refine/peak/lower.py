@@ -1,4 +1,4 @@
-"""Bringing the largest kappa down as far as the objective asks for, on the mesh of a solve."""
+"""Lowering the largest kappa as far as the objective asks for, on the mesh of a solution."""
 
 from dataclasses import replace
 
@@ -6,94 +6,96 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
-from pipeline.machine.clearance import link_distances, link_rail_distances
-from pipeline.refine.corridor import corridor
+from pipeline.limits import node_limits
+from pipeline.limits.kappa import path_cap
+from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.mesh import midpoints
-from pipeline.refine.path_limits import kappa_cap
-from pipeline.refine.peak.constraints import PathConstraints, least_distances
+from pipeline.refine.objective import TIE_BREAK
+from pipeline.refine.peak.constraints import PathConstraints, least_values
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
-from pipeline.refine.peak.sqp import Descent, PeakObjective, PeakProblem, descend
+from pipeline.refine.peak.problem import PeakObjective, PeakProblem
+from pipeline.refine.peak.sqp import Descent, descend
+from pipeline.refine.problem import SCHATTEN, MeshSolution, Problem
 from pipeline.refine.result import Path
-from pipeline.refine.solve import SCHATTEN, MeshSolution, Problem
 from pipeline.refine.splines import DEGREE
 from pipeline.status import Status
 
-_WEIGHTS = {"integral": (1.0, 1.0), "mixed": (1.0, 1.0), "maximum": (0.01, 1.0)}
-"""Of the mean of kappa and of its largest value above what is aimed at; a hundredth settles what the largest leaves."""
-_AIM = 0.97
-"""Share of the coarse path's largest kappa that the integral's objective aims at, too: peaks are to come down."""
+_BELOW_COARSE = 0.97
+"""Share of the coarse path's largest kappa that an objective which improves on it aims at: peaks shall fall."""
 _BELOW_CAP = 0.995
-"""Share of the cap that counts as it: between two looks kappa may be a little higher than at them."""
+"""Share of the cap that counts as it: between two points kappa may be a little higher than at them."""
 
 
-def lower_peak(problem: Problem, solve: MeshSolution) -> MeshSolution:
-    """Lower what the objective asks for from a solve's path on, largest kappa included.
+def lower_peak(problem: Problem, initial: MeshSolution) -> MeshSolution:
+    """Lower what the objective asks for, the largest kappa included, starting from the path of a solution.
 
-    kappa and limits are looked at in the nodes and half-way between them. Start and goal are given, and their kappa.
+    kappa and limits are evaluated at the nodes and half-way between them. Start and goal are given, and their kappa.
 
     Raises
     ------
     NoSolutionError
-        When `refine.max_iterations` steps were not enough; the last path is in its `diagnosis`.
+        If `refine.max_iterations` steps were not enough; the last path is in the `diagnosis`.
     """
-    found = peak_problem(problem, solve)
+    found = peak_problem(problem, initial)
     if found is None:
-        return solve
-    ground, iterate = found
-    aim, cap = _aim_and_cap(problem, iterate)
-    mean, largest = _WEIGHTS[problem.config.refine.objective]
-    wish = PeakObjective(mean, largest, aim, cap, problem.length)
-    problem.progress(f"refine ({len(solve.mesh.s)} nodes): largest kappa {iterate.kappa.max():.2f}, going down")
-    most = problem.config.refine.max_iterations
+        return initial
+    peak, iterate = found
+    target, cap = _target_and_cap(problem, iterate)
+    row, most = problem.objective, problem.config.refine.max_iterations
+    objective = PeakObjective(row.mean_weight, row.peak_weight, target, cap, problem.length)
+    problem.monitor.progress(
+        f"refine ({len(initial.mesh.s)} nodes): lowering the largest kappa, now {iterate.kappa.max():.2f}"
+    )
+    solution = initial
     if iterate.kappa.max() > cap:
         # What is above its cap comes below it first, and the rest counts afterwards.
-        first = descend(ground, replace(wish, mean=_WEIGHTS["maximum"][0], aim=cap, cap=np.inf), iterate, most)
-        solve = _solve_of(problem, ground, solve, first)
-        iterate = first.iterate
-        wish = replace(wish, cap=max(cap, float(iterate.kappa.max())))
-    return _solve_of(problem, ground, solve, descend(ground, wish, iterate, most))
+        below = replace(objective, mean_weight=TIE_BREAK, target=cap, cap=np.inf)
+        first = descend(peak, below, iterate, most)
+        solution, iterate = _solution_of(problem, peak, solution, first), first.iterate
+        objective = replace(objective, cap=max(cap, float(iterate.kappa.max())))
+    return _solution_of(problem, peak, solution, descend(peak, objective, iterate, most))
 
 
-def _solve_of(problem: Problem, ground: PeakProblem, begun: MeshSolution, descent: Descent) -> MeshSolution:
-    spline = BSpline(begun.mesh.knots, descent.iterate.coefficients, DEGREE)
-    path = Path(problem.machine, spline, ground.looks.s, descent.iterate.pose)
-    solve = MeshSolution(begun.mesh, path, descent.iterate.integral, begun.iterations + descent.steps)
+def peak_problem(problem: Problem, initial: MeshSolution) -> tuple[PeakProblem, Iterate] | None:
+    """Build the problem of a descent and its first iterate; None if the path of the solution cannot be evaluated."""
+    config, machine = problem.config, problem.machine
+    # A point at every node, and one between every two.
+    s = np.union1d(initial.mesh.s, midpoints(initial.mesh.s))
+    points = EvaluationPoints.at(machine, s, initial.mesh.knots, problem.steps, SCHATTEN)
+    iterate = iterate_at(points, initial.path.spline.c, initial.path.pose(s))
+    if iterate is None:
+        return None
+    margin = config.refine.clearance_margin_m
+    required = PathConstraints(
+        corridor=corridor(config, problem.route, problem.coarse, s),
+        limits=[
+            least_values(limit, limit.values(iterate.samples), limit.node_margin(margin))
+            for limit in node_limits(config, machine)
+        ],
+    )
+    return PeakProblem(points, required, problem.directions, machine.actuator_limits_m), iterate
+
+
+def _target_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:
+    """Choose the target of the largest kappa and its cap: neither is below that of the start or the goal."""
+    ends = float(max(iterate.kappa[0], iterate.kappa[-1]))
+    cap = _BELOW_CAP * path_cap(problem.config)
+    if not problem.objective.improves_on_coarse:
+        return ends, max(cap, ends)
+    coarse = problem.coarse_kappa_max
+    return max(min(_BELOW_COARSE * coarse, cap), ends), max(min(coarse, cap), ends)
+
+
+def _solution_of(problem: Problem, peak: PeakProblem, initial: MeshSolution, descent: Descent) -> MeshSolution:
+    spline = BSpline(initial.mesh.knots, descent.iterate.coefficients, DEGREE)
+    path = Path(problem.machine, spline, peak.points.s, descent.iterate.samples.pose)
+    iterations = initial.iterations + descent.steps
+    solution = MeshSolution(initial.mesh, path, descent.iterate.integral, iterations)
     if not descent.converged:
         raise NoSolutionError(
             "refine",
-            f"kappa was still going down after {descent.steps} steps",
+            f"kappa was still falling after {descent.steps} steps",
             "Raise refine.max_iterations.",
-            {"status": Status.NOT_CONVERGED.value, **solve.arrays},
+            {"status": Status.NOT_CONVERGED.value, **solution.arrays},
         )
-    return solve
-
-
-def peak_problem(problem: Problem, solve: MeshSolution) -> tuple[PeakProblem, Iterate] | None:
-    """Say where a descent from a solve's path looks, what it has to keep, and where it begins; None: it cannot."""
-    config, machine = problem.config, problem.machine
-    # A look in every node, and one between every two.
-    s = np.union1d(solve.mesh.s, midpoints(solve.mesh.s))
-    looks = EvaluationPoints.at(machine, s, solve.mesh.knots, problem.steps, SCHATTEN)
-    iterate = iterate_at(looks, solve.path.spline.c, solve.path.pose(s))
-    if iterate is None:
-        return None
-    pose, carts, margin = iterate.pose, iterate.q_m[:, :3], config.refine.clearance_margin_m
-    demands = PathConstraints(
-        corridor=corridor(config, problem.route, problem.coarse, s),
-        link_m=least_distances(link_distances(machine, pose, carts), machine.link_link_m, margin),
-        rail_m=least_distances(link_rail_distances(machine, pose, carts), machine.link_rail_m, margin),
-    )
-    return PeakProblem(looks, demands, problem.directions, machine.actuator_limits_m), iterate
-
-
-def _aim_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:
-    """What is aimed at for the largest kappa, and its cap: neither below that of the start or the goal.
-
-    For the integral, too, the largest kappa is to be less than on the coarse path, and never more where that can be.
-    """
-    config, ends = problem.config, float(max(iterate.kappa[0], iterate.kappa[-1]))
-    cap = _BELOW_CAP * kappa_cap(config)
-    if config.refine.objective != "integral":
-        return ends, max(cap, ends)
-    coarse = problem.coarse_kappa_max
-    return max(min(_AIM * coarse, cap), ends), max(min(coarse, cap), ends)
+    return solution

@@ -1,4 +1,4 @@
-"""How a path is run through while its largest kappa is brought down: even speed along s, and what its ends ask for."""
+"""How an iterate moves along s: evenly, and at its ends fast enough and in the configured directions."""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -8,54 +8,53 @@ from scipy.linalg import null_space
 from scipy.sparse import csr_array, diags_array, hstack
 
 from pipeline.arrays import FloatArray, IntArray
+from pipeline.machine.pose import CONTROLLED
 from pipeline.refine.integral.program import END_SPEED, SPEED_RANGE
-from pipeline.refine.peak.constraints import Limit, of_actuators
+from pipeline.refine.peak.constraints import Constraint, by_unknowns
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate
 from pipeline.refine.splines import DEGREE
-from pipeline.route.metric import CONTROLLED
 
 _SPEED_SLACK = 0.05
-"""Of the mean speed along s."""
+"""Share of the mean speed along s."""
 _LEAST_END_SPEED = 0.1
-"""Of the mean speed of the actuators along s: with less than 0.07 a path counts as one that nearly stops."""
+"""Share of the mean speed of the actuators along s: below 0.07 a path counts as one that nearly stops."""
 _EXACT = 1e-9
 
 
-def pace_limits(looks: EvaluationPoints, directions: FloatArray, iterate: Iterate) -> Iterator[Limit]:
-    """Say what the speed along s has to keep, and the ends; `directions` (2, 5) as in `nlp.ProgramData`."""
-    yield _least_and_largest_speed(looks, iterate)
+def speed_constraints(points: EvaluationPoints, directions: FloatArray, iterate: Iterate) -> Iterator[Constraint]:
+    """Write what the speed along s and the ends have to keep; `directions` (2, 5) as in `ProgramData`."""
+    yield _speed_range(points, iterate)
     one = np.zeros(1)
-    yield Limit(one, one, one, 1.0, lambda _: _by_length(looks, iterate))
-    yield from _ends(looks, directions, iterate)
+    yield Constraint(one, one, one, 1.0, lambda _: _length_balance(points, iterate))
+    yield from _ends(points, directions, iterate)
 
 
 @lru_cache(maxsize=2)
-def chord_slopes(looks: EvaluationPoints, iterate: Iterate) -> csr_array:
-    """Differentiate the distances from look to look by the unknowns of a step. Shape (k - 1, 5 n + 2).
+def chord_slopes(points: EvaluationPoints, iterate: Iterate) -> csr_array:
+    """Differentiate the distances from point to point by the unknowns of a step. Shape (k - 1, 5 n + 2).
 
-    The last answers are kept: limits, objective and its curvature ask for the same one.
+    The last results are kept: constraints, objective and its curvature ask for the same ones.
     """
-    towards = _towards(iterate)
-    return csr_array(sum(_scaled(towards[:, axis], _chord_slopes(looks, iterate, axis)) for axis in range(5)))
+    unit = _unit_chords(iterate)
+    return csr_array(sum(_scaled(unit[:, axis], _chord_slopes(points, iterate, axis)) for axis in range(5)))
 
 
-def chord_curvature(looks: EvaluationPoints, iterate: Iterate, weights: FloatArray) -> csr_array:
+def chord_curvature(points: EvaluationPoints, iterate: Iterate, weights: FloatArray) -> csr_array:
     """Differentiate weights (k - 1,) . distances twice, the moves taken as linear: sum of w/d |across|^2. Square."""
-    towards, along = _towards(iterate), chord_slopes(looks, iterate)
+    unit, along = _unit_chords(iterate), chord_slopes(points, iterate)
     scale = np.sqrt(weights / np.maximum(iterate.distances, 1e-12))
-    across = (_chord_slopes(looks, iterate, axis) - _scaled(towards[:, axis], along) for axis in range(5))
+    across = (_chord_slopes(points, iterate, axis) - _scaled(unit[:, axis], along) for axis in range(5))
     return csr_array(sum(rows.T @ rows for rows in (_scaled(scale, part) for part in across)))
 
 
-def _towards(iterate: Iterate) -> FloatArray:
-    unit: FloatArray = iterate.chords / np.maximum(iterate.distances, 1e-12)[:, None]
-    return unit
+def _unit_chords(iterate: Iterate) -> FloatArray:
+    return np.asarray(iterate.chords / np.maximum(iterate.distances, 1e-12)[:, None], dtype=float)
 
 
-def _chord_slopes(looks: EvaluationPoints, iterate: Iterate, axis: int) -> csr_array:
+def _chord_slopes(points: EvaluationPoints, iterate: Iterate, axis: int) -> csr_array:
     """Differentiate one coordinate of the chords, in steps of the route. Shape (k - 1, 5 n + 2)."""
-    by_q = iterate.moves[:, CONTROLLED[axis]] / looks.steps[axis]
-    every = of_actuators(looks, np.arange(len(by_q)), by_q)
+    by_q = iterate.moves[:, CONTROLLED[axis]] / points.steps[axis]
+    every = by_unknowns(points, np.arange(len(by_q)), by_q)
     return csr_array(every[1:] - every[:-1])
 
 
@@ -64,53 +63,51 @@ def _scaled(factor: FloatArray, rows: csr_array) -> csr_array:
 
 
 def _less_length(by_chord: csr_array, factor: FloatArray) -> csr_array:
-    """Take `factor` (m,) times the length, the last unknown, off rows (m, 5 n + 2)."""
+    """Subtract `factor` (m,) times the length, the last unknown, from rows (m, 5 n + 2)."""
     width = by_chord.shape[1]
     return csr_array(by_chord - hstack([csr_array((len(factor), width - 1)), csr_array(factor[:, None])]))
 
 
-def _by_length(looks: EvaluationPoints, iterate: Iterate) -> csr_array:
-    """Say that the length changes by as much as the distances do together."""
-    return _less_length(csr_array(chord_slopes(looks, iterate).sum(axis=0)[None]), np.ones(1))
+def _length_balance(points: EvaluationPoints, iterate: Iterate) -> csr_array:
+    """Write that the length changes by as much as all distances together."""
+    return _less_length(csr_array(chord_slopes(points, iterate).sum(axis=0)[None]), np.ones(1))
 
 
-def _least_and_largest_speed(looks: EvaluationPoints, iterate: Iterate) -> Limit:
-    """Distance less a share of length * ds, in units of length * ds: not below zero, then not above."""
-    distances, ds = iterate.distances, np.diff(looks.s)
+def _speed_range(points: EvaluationPoints, iterate: Iterate) -> Constraint:
+    """Keep distances less a share of length * ds, in units of length * ds: not below zero, then not above."""
+    distances, ds = iterate.distances, np.diff(points.s)
     factor, scale = np.repeat(SPEED_RANGE, len(ds)), np.tile(float(distances.sum()) * ds, 2)
     relative = np.tile(distances, 2) / scale
     low = np.where(factor == SPEED_RANGE[0], 0.0, -np.inf)
     high = np.where(factor == SPEED_RANGE[1], 0.0, np.inf)
 
     def slope(rows: IntArray) -> csr_array:
-        by_chord = chord_slopes(looks, iterate)
+        by_chord = chord_slopes(points, iterate)
         by_step = _less_length(by_chord[rows % len(ds)], (relative * np.tile(ds, 2))[rows])
         return _scaled(1.0 / scale[rows], by_step)
 
-    return Limit(relative - factor, low, high, _SPEED_SLACK, slope)
+    return Constraint(relative - factor, low, high, _SPEED_SLACK, slope)
 
 
-def _ends(looks: EvaluationPoints, directions: FloatArray, iterate: Iterate) -> Iterator[Limit]:
-    """Speed of the actuators at both ends, and the directions that they leave the start and come to the goal in."""
-    t, c, q, s = looks.knots, iterate.coefficients, iterate.q_m, looks.s
+def _ends(points: EvaluationPoints, directions: FloatArray, iterate: Iterate) -> Iterator[Constraint]:
+    """Keep the least speed of the actuators at both ends, and the directions in which they leave and arrive."""
+    t, c, q, s = points.knots, iterate.coefficients, iterate.samples.q_m, points.s
     means = ((q[1] - q[0]) / (s[1] - s[0]), (q[-1] - q[-2]) / (s[-1] - s[-2]))
-    paces = (DEGREE / (t[DEGREE + 1] - t[0]), DEGREE / (t[-1] - t[-DEGREE - 2]))
+    leg_speeds = (DEGREE / (t[DEGREE + 1] - t[0]), DEGREE / (t[-1] - t[-DEGREE - 2]))
     travelled = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
-    for first, direction, mean, pace in zip((0, len(c) - 2), directions, means, paces, strict=True):
+    for first, direction, mean, leg_speed in zip((0, len(c) - 2), directions, means, leg_speeds, strict=True):
         leg = c[first + 1] - c[first]
-        least = max(END_SPEED * float(np.linalg.norm(mean)), _LEAST_END_SPEED * travelled) / pace
+        least = max(END_SPEED * float(np.linalg.norm(mean)), _LEAST_END_SPEED * travelled) / leg_speed
         given = bool(np.isfinite(direction).all())
         along = direction if given else leg / max(float(np.linalg.norm(leg)), 1e-12)
-        yield _along_leg(along[None], first, leg, len(c), least, np.inf, max(0.1 * least, _EXACT))
+        yield _leg(along[None], first, c, (least, np.inf), max(0.1 * least, _EXACT))
         if given:
-            yield _along_leg(null_space(direction[None]).T, first, leg, len(c), 0.0, 0.0, _EXACT)
+            yield _leg(null_space(direction[None]).T, first, c, (0.0, 0.0), _EXACT)
 
 
-def _along_leg(
-    axes: FloatArray, first: int, leg: FloatArray, coefficients: int, low: float, high: float, slack: float
-) -> Limit:
-    """Keep what a leg of the control polygon, from coefficient `first` on, has along axes (m, 5) within bounds."""
-    slope = np.zeros((len(axes), 5 * coefficients + 2))
+def _leg(axes: FloatArray, first: int, c: FloatArray, bounds: tuple[float, float], slack: float) -> Constraint:
+    """Bound the components along axes (m, 5) of the leg of the control polygon from coefficient `first` on."""
+    slope = np.zeros((len(axes), 5 * len(c) + 2))
     slope[:, 5 * first : 5 * first + 10] = np.hstack([-axes, axes])
-    ones = np.ones(len(axes))
-    return Limit(axes @ leg, low * ones, high * ones, slack, lambda rows: csr_array(slope[rows]))
+    low, high = (np.full(len(axes), bound) for bound in bounds)
+    return Constraint(axes @ (c[first + 1] - c[first]), low, high, slack, lambda rows: csr_array(slope[rows]))

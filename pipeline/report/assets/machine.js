@@ -108,7 +108,7 @@ function createMachineView(div, report) {
     return { up: { ...up }, center: middle, eye: { x: away * eye.x, y: away * eye.y, z: away * eye.z } };
   }
 
-  /** Everything that moves, by part: coordinates and what hovering tells. */
+  /** Everything that moves, by part: coordinates and hover texts. */
   function partsAt(frame) {
     const feet = points(rowOf(motion.feet, frame));
     const carts = points(rowOf(motion.cartJoints, frame));

@@ -1,5 +1,5 @@
 "use strict";
-// Time: what plays it, scrubs it and steps it. Whoever shows something is told of every new instant.
+// Time: playing, scrubbing and stepping. Every view is notified of each new instant.
 
 function createPlayer(controls, onFrame) {
   const { play, slider, text, speed } = controls;

@@ -19,7 +19,7 @@ function repeated(texts, times) {
   return texts.flatMap((text) => Array(times).fill(text));
 }
 
-/** Least and largest x, y, z of all there is to see in any motion. */
+/** Least and largest x, y, z of everything shown in any motion. */
 function extent(report) {
   const seen = [report.scene.rails.flat(2)];
   for (const motion of Object.values(report.motions))

@@ -1,5 +1,5 @@
 "use strict";
-// The certificate beside what was sampled: the bound of kappa over every box, above kappa itself.
+// The certificate against the samples: the bound of kappa over every box, and kappa itself.
 
 function createProofView(div, report) {
   const { colours, proof } = report;

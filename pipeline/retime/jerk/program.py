@@ -1,8 +1,8 @@
 """The shortest motion with bounded jerk along a path, as a nonlinear program in the states at breakpoints.
 
-Breakpoints are fixed in s, the seconds between them are free; in between the law is quartic (`pieces`). At breakpoints
-the coefficients of all limits are known numbers, so that the program is polynomial; at points checked within pieces
-they follow s to first order from where the last law was. Everything is scaled to about one.
+Breakpoints are fixed in s, the seconds between them are free; in between the time law is quartic (`quartic_law`). At
+breakpoints the coefficients of all limits are known numbers, so that the program is polynomial; at points checked
+within pieces they are linearised in s about the last time law. Everything is scaled to about one.
 """
 
 from dataclasses import dataclass
@@ -12,25 +12,24 @@ import casadi as ca
 import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.retime.constraints import limit_rows
-from pipeline.retime.jerk.law import Pieces, quartic
-from pipeline.retime.path_dynamics import Terms, TermsTable
-from pipeline.retime.quantities import limits
+from pipeline.retime.constraints import limit_rows, path_speeds
+from pipeline.retime.jerk.quartic_law import QuarticLaw, quartic
+from pipeline.retime.path_dynamics import PathDynamics, PathDynamicsTable
 from pipeline.solvers import Iteration, run_ipopt
 
 _NEAR = 0.6
-"""Fraction of a limit in the law before from which on the limit is looked at."""
+"""Fraction of a limit in the last time law from which on the limit is in the program."""
 _SLOPE_STEP = 1e-6
 """Difference in s for the slopes of coefficients."""
 _SHORTEST, _LONGEST = 0.3, 3.0
-"""Bounds on a piece's seconds, relative to those of the law before."""
+"""Bounds on a piece's seconds, relative to those of the last time law."""
 _HELD = 1e-8
 """Absolute tolerance of constraints, in fractions of limits."""
 
 
 @dataclass(frozen=True, eq=False)
 class Checks:
-    """Points within pieces where limits have to hold, too: number of the piece, elapsed part of it. Shapes (p,)."""
+    """Points within pieces where limits have to hold, too: number of the piece and elapsed part of it. Shapes (p,)."""
 
     piece: IntArray
     part: FloatArray
@@ -38,7 +37,7 @@ class Checks:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """The program for CasADi's solvers: expressions, bounds, a first guess, and how to read a solution."""
+    """The program: expressions, bounds, a first guess, and what it takes to read a solution."""
 
     nlp: dict[str, ca.MX]
     guess: FloatArray
@@ -46,21 +45,21 @@ class Program:
     ubx: FloatArray
     lbg: FloatArray
     ubg: FloatArray
-    before: Pieces
+    before: QuarticLaw
     scale: FloatArray
 
-    def pieces(self, x: ca.DM) -> Pieces:
-        """Turn unknowns into a time law."""
+    def time_law(self, x: ca.DM) -> QuarticLaw:
+        """Convert unknowns to a time law."""
         n = len(self.before.s)
         v, w, j, h = np.split(np.asarray(x, dtype=float).ravel(), [n, 2 * n, 3 * n])
-        return Pieces(self.before.s, *(part * unit for part, unit in zip((v, w, j, h), self.scale, strict=True)))
+        return QuarticLaw(self.before.s, *(part * unit for part, unit in zip((v, w, j, h), self.scale, strict=True)))
 
 
-def build_program(table: TermsTable, before: Pieces, checks: Checks) -> Program:
-    """Write the program: minimise the sum of h under all limits at breakpoints and checks.
+def build_program(table: PathDynamicsTable, before: QuarticLaw, checks: Checks) -> Program:
+    """Build the program: minimise the sum of h under all limits at breakpoints and checks.
 
-    Speed, acceleration and jerk along the path are zero at both ends. Limits that the law `before` keeps by far at a
-    point are left out there.
+    Speed, acceleration and jerk along the path are zero at both ends. Limits that the time law `before` keeps by a wide
+    margin at a point are left out there.
     """
     n = len(before.s)
     scale = np.array([np.abs(before.v).max(), np.abs(before.w).max(), np.abs(before.j).max(), before.h.mean()])
@@ -70,12 +69,12 @@ def build_program(table: TermsTable, before: Pieces, checks: Checks) -> Program:
     s = ca.DM(before.s)
     s1, v1, w1, _ = quartic(s[:-1], v[:-1], w[:-1], j[:-1], j[1:], h, 1.0)
     joined = [(s1 - s[1:]) / np.diff(before.s), (v1 - v[1:]) / scale[0], (w1 - w[1:]) / scale[1]]
-    at_nodes = _limits(table.at(before.s))
+    at_nodes = _fractions(table.at(before.s))
     kept = _near(at_nodes, (before.v, before.w, before.j)).expressions((v, w, j))
     s_check, *known = before.state(checks.piece, checks.part)
     begins, ends = checks.piece.tolist(), (checks.piece + 1).tolist()
     s_new, *state = quartic(s[begins], v[begins], w[begins], j[begins], j[ends], h[begins], ca.DM(checks.part))
-    within, beside = (_limits(table.at(place.clip(0.0, 1.0))) for place in (s_check, s_check + _SLOPE_STEP))
+    within, beside = (_fractions(table.at(place.clip(0.0, 1.0))) for place in (s_check, s_check + _SLOPE_STEP))
     kept += _near(within, tuple(known), beside).expressions(tuple(state), s_new - ca.DM(s_check))
     held = ca.vertcat(*kept)
     lbx, ubx = _bounds(before, at_nodes, scale)
@@ -94,8 +93,8 @@ def build_program(table: TermsTable, before: Pieces, checks: Checks) -> Program:
 
 def solve_program(
     program: Program, max_iterations: int, verbose: bool = False, listener: Iteration = lambda number, objective: None
-) -> tuple[Pieces, str, int]:
-    """Solve the program with IPOPT; returns the law, how the solver ended, and its iterations.
+) -> tuple[QuarticLaw, str, int]:
+    """Solve the program with IPOPT; returns the time law, how the solver ended, and its iterations.
 
     Raises
     ------
@@ -112,15 +111,15 @@ def solve_program(
     }
     given = {"x0": program.guess, "lbx": program.lbx, "ubx": program.ubx, "lbg": program.lbg, "ubg": program.ubg}
     found, stats = run_ipopt("jerk", program.nlp, {"ipopt": ipopt}, given, listener)
-    return program.pieces(found["x"]), str(stats["return_status"]), int(stats["iter_count"])
+    return program.time_law(found["x"]), str(stats["return_status"]), int(stats["iter_count"])
 
 
-def _parts(law: Pieces) -> tuple[FloatArray, ...]:
+def _parts(law: QuarticLaw) -> tuple[FloatArray, ...]:
     return law.v, law.w, law.j, law.h
 
 
-def _bounds(before: Pieces, at_nodes: "_Fractions", scale: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Bounds on the scaled unknowns: rest at both ends, velocity limits at the nodes, seconds not far from before."""
+def _bounds(before: QuarticLaw, at_nodes: "_Fractions", scale: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Bound the scaled unknowns: rest at both ends, velocity limits at breakpoints, seconds near those of before."""
     n = len(before.s)
     with np.errstate(divide="ignore"):
         cap = 1.0 / at_nodes.first[0].max(axis=1)
@@ -138,9 +137,9 @@ _State = tuple[Any, Any, Any]
 
 @dataclass(frozen=True, eq=False)
 class _Fractions:
-    """Coefficients (n, m) of fractions of limits at n points, all to be at most one.
+    """Coefficients (n, m) of fractions of limits at n points, which must not exceed one.
 
-    They multiply sd; sdd, sd^2 and 1; sddd, 3 sd sdd and sd^3.
+    Those of first order multiply sd, of second order sdd, sd^2 and 1, of third order sddd, 3 sd sdd and sd^3.
     """
 
     first: tuple[FloatArray, ...]
@@ -153,18 +152,17 @@ class _Fractions:
 
 
 def _monomials(state: _State) -> tuple[tuple[Any, ...], ...]:
-    """What the coefficients of `_Fractions` belong to."""
+    """Compute what the coefficients of `_Fractions` multiply."""
     v, w, j = state
     return (v,), (w, v**2, 1.0 + 0.0 * v), (j, 3.0 * v * w, v**3)
 
 
-def _limits(terms: Terms) -> _Fractions:
-    """Fractions of all limits at the places of the terms; where there is no limit they are zero."""
-    allowed, rows = limits(terms.machine), limit_rows(terms)
-    speed = np.linalg.norm(terms.tcp1, axis=1, keepdims=True) / allowed["tcp_speed"]
-    jerks = (part / allowed["jerk"] for part in (terms.q1, terms.q2, terms.q3))
+def _fractions(dynamics: PathDynamics) -> _Fractions:
+    """Compute the coefficients of all limits at points of a path; zero where there is no limit."""
+    rows, (speeds, allowed) = limit_rows(dynamics), path_speeds(dynamics)
+    jerks = (part / dynamics.machine.jerk_mps3 for part in (dynamics.q1, dynamics.q2, dynamics.q3))
     return _Fractions(
-        (np.concatenate([np.abs(terms.q1) / allowed["velocity"], speed], axis=1),),
+        (speeds / allowed,),
         (rows.a, rows.b, rows.c),
         tuple(np.concatenate([part, -part], axis=1) for part in jerks),
     )
@@ -172,15 +170,15 @@ def _limits(terms: Terms) -> _Fractions:
 
 @dataclass(frozen=True, eq=False)
 class _Near:
-    """Of each order, the points of the fractions that matter, their coefficients, and how these change with s."""
+    """The fractions that matter, by order: their points, their coefficients, and the slopes of these in s."""
 
     points: list[IntArray]
     coefficients: list[list[FloatArray]]
     slopes: list[list[FloatArray]]
 
     def expressions(self, state: _State, moved: ca.MX | None = None) -> list[ca.MX]:
-        """Write the fractions for a state (n,) at points that have moved in s by so much (n,)."""
-        found = []
+        """Write the fractions for a state (n,), at points that have moved in s by `moved` (n,)."""
+        expressions = []
         for points, coefficients, slopes, monomials in zip(
             self.points, self.coefficients, self.slopes, _monomials(state), strict=True
         ):
@@ -189,17 +187,17 @@ class _Near:
                 factor = ca.DM(coefficient) if moved is None else ca.DM(coefficient) + ca.DM(slope) * moved[where]
                 fraction = fraction + factor * monomial[where]
             if where:
-                found.append(fraction)
-        return found
+                expressions.append(fraction)
+        return expressions
 
 
 def _near(here: _Fractions, before: _State, beside: _Fractions | None = None) -> _Near:
-    """Pick the fractions that were near one in the state before."""
+    """Select the fractions that were near one in the last state."""
     near = _Near([], [], [])
     others = here.orders if beside is None else beside.orders
     for order, other, monomials in zip(here.orders, others, _monomials(before), strict=True):
         fraction = sum(part * number[:, None] for part, number in zip(order, monomials, strict=True))
-        # Path jerks are free to jump from one breakpoint to the next, whatever they were before.
+        # Path jerks may change freely from one breakpoint to the next, whatever they were before.
         point, row = np.nonzero(fraction > (-np.inf if beside is None and order is here.third else _NEAR))
         near.points.append(point)
         near.coefficients.append([part[point, row] for part in order])

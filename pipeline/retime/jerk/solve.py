@@ -1,4 +1,4 @@
-"""The shortest motion with bounded jerk: guess, solve, check within the pieces, refine, until all limits hold."""
+"""The shortest motion with bounded jerk: guess, solve, check within pieces and solve again, until all limits hold."""
 
 from dataclasses import dataclass
 
@@ -6,36 +6,32 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.errors import NoSolutionError
-from pipeline.progress import Progress, silent
-from pipeline.retime.force_shares import moving_shares
+from pipeline.progress import QUIET, Monitor
 from pipeline.retime.jerk.first_guess import first_guess
-from pipeline.retime.jerk.law import Pieces, halved, slowed
+from pipeline.retime.jerk.options import DEFAULTS, JerkOptions
 from pipeline.retime.jerk.program import Checks, build_program, solve_program
-from pipeline.retime.path_dynamics import TermsTable
-from pipeline.retime.quantities import limited, limits
+from pipeline.retime.jerk.quartic_law import QuarticLaw, halved, slowed
+from pipeline.retime.path_dynamics import PathDynamicsTable
+from pipeline.retime.quantities import evaluate, limited, limits, moving_shares
 from pipeline.retime.result import Trajectory
 from pipeline.solvers import interrupts_noted
 
 _PARTS = np.arange(1, 20) / 20.0
-"""Where within a piece limits are looked at between two solves."""
+"""Where within a piece limits are evaluated between two solves."""
 _HELD = 1.0005
-"""Largest fraction that needs no further round; what it leaves is taken off by stretching time."""
+"""Largest fraction that needs no further round; stretching time removes the rest."""
 _CHECKED = 1.0002
-"""Fraction from which on a place is checked in the next round."""
+"""Fraction from which on a point is checked in the next round."""
 _HALVED = 1.01
-"""Fraction from which on, in the first round, a piece and its neighbours are halved."""
+"""Fraction from which on, after the first round, a piece and its neighbours are halved."""
 _SETTLED = 1e-3
-"""Relative gain in time by a round from which on another one is worth it: seconds change within bounds in each."""
-_ROUNDS = 12
-_ITERATIONS = 500
-_SLOWER = (1.0, 2.0, 5.0)
-"""Factors by which the law before is slowed down, one after the other, until a program is solved from it."""
+"""Least relative gain in time that is worth another round: in each, seconds change within bounds only."""
 _SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
 @dataclass(frozen=True, eq=False)
 class JerkLimited:
-    """A time law with bounded jerk, and what it took to find it."""
+    """A trajectory with bounded jerk, and how it was found: its pieces, rounds and iterations."""
 
     trajectory: Trajectory
     pieces: int
@@ -44,50 +40,56 @@ class JerkLimited:
 
 
 def limit_jerk(
-    table: TermsTable, fastest: Trajectory, pieces: int, progress: Progress = silent, verbose: bool = False
+    table: PathDynamicsTable,
+    fastest: Trajectory,
+    pieces: int,
+    monitor: Monitor = QUIET,
+    options: JerkOptions = DEFAULTS,
 ) -> JerkLimited:
     """Find the shortest motion along the path under all limits, from rest to rest without acceleration at either end.
 
-    Limits hold at breakpoints and in the middle of every piece; after each solve they are looked at in between, and
-    where they are exceeded there are points to check in the next. After the first solve pieces there are halved, too.
+    Limits hold at breakpoints and in the middle of every piece. After each solve they are evaluated in between; where
+    they are exceeded, the next program checks them, and after the first solve pieces are halved there.
 
     Raises
     ------
     NoSolutionError
         When a program is not solved.
     """
-    law = first_guess(table, fastest, pieces)
-    checks = _middles(law)
+    law = first_guess(table, fastest, pieces, options.pieces_per_width)
+    checks = _midpoints(law)
     iterations, before = 0, np.inf
-    for number in range(_ROUNDS):
-        law, took = _solved(table, law, checks, progress, verbose)
+    for number in range(options.rounds):
+        law, took = _solve(table, law, checks, monitor, options)
         iterations += took
         largest, settled = _fractions(table, law), law.h.sum() > before * (1.0 - _SETTLED)
         if largest.max() <= _HELD and settled:
             break
         before = law.h.sum()
         if number == 0 and largest.max() > _HALVED:
-            law = halved(law, _and_neighbours(largest.max(axis=1) > _HALVED))
-            checks = _middles(law)
+            law = halved(law, _with_neighbours(largest.max(axis=1) > _HALVED))
+            checks = _midpoints(law)
         else:
-            checks = _more(checks, largest)
+            checks = _add_checks(checks, largest)
     trajectory = Trajectory(table.path, law.time_law())
     return JerkLimited(trajectory, len(law.h), number + 1, iterations)
 
 
-def _solved(table: TermsTable, law: Pieces, checks: Checks, progress: Progress, verbose: bool) -> tuple[Pieces, int]:
-    """Solve the program from a law, or from the same law slowed down, which leaves more room; counts iterations."""
+def _solve(
+    table: PathDynamicsTable, law: QuarticLaw, checks: Checks, monitor: Monitor, options: JerkOptions
+) -> tuple[QuarticLaw, int]:
+    """Solve the program from a time law, or from a slower one, which leaves more room; counts iterations."""
     what, iterations = f"limiting jerk: {len(law.h)} pieces, {len(checks.piece)} checks within", 0
-    progress(what)
+    monitor.progress(what)
 
-    def tell(iteration: int, _: float) -> None:
-        progress(f"{what}, IPOPT iteration {iteration}")
+    def report(iteration: int, _: float) -> None:
+        monitor.progress(f"{what}, IPOPT iteration {iteration}")
 
-    for slower in _SLOWER:
-        # CasADi's wrappers forget errors that come while they convert arguments, and Ctrl-C is one.
+    for slowdown in options.slowdowns:
+        # CasADi's wrappers swallow exceptions raised while they convert arguments, and Ctrl-C is one.
         with interrupts_noted():
-            program = build_program(table, slowed(law, slower), checks)
-        found, status, took = solve_program(program, _ITERATIONS, verbose, tell)
+            program = build_program(table, slowed(law, slowdown), checks)
+        found, status, took = solve_program(program, options.iterations, monitor.verbose, report)
         iterations += took
         if status in _SOLVED:
             return found, iterations
@@ -100,33 +102,32 @@ def _solved(table: TermsTable, law: Pieces, checks: Checks, progress: Progress, 
     )
 
 
-def _middles(law: Pieces) -> Checks:
+def _midpoints(law: QuarticLaw) -> Checks:
     count = len(law.h)
     return Checks(np.arange(count), np.full(count, 0.5))
 
 
-def _more(checks: Checks, largest: FloatArray) -> Checks:
-    """Add the place of the largest fraction in every piece where it is too large."""
+def _add_checks(checks: Checks, largest: FloatArray) -> Checks:
+    """Add the point of the largest fraction in every piece where it is too large."""
     pieces = np.flatnonzero(largest.max(axis=1) > _CHECKED)
     parts = _PARTS[largest[pieces].argmax(axis=1)]
     return Checks(np.concatenate([checks.piece, pieces]), np.concatenate([checks.part, parts]))
 
 
-def _fractions(table: TermsTable, law: Pieces) -> FloatArray:
-    """Largest fraction of any limit at places within each piece, of forces beside those at rest. Shape (n, places)."""
+def _fractions(table: PathDynamicsTable, law: QuarticLaw) -> FloatArray:
+    """Evaluate the largest fraction of any limit at points within each piece. Shape (n, points)."""
     machine, count = table.path.machine, len(law.h)
     s, *state = law.state(np.repeat(np.arange(count), len(_PARTS)), np.tile(_PARTS, count))
-    terms = table.at(s.clip(0.0, 1.0))
-    values, allowed = terms.values(*state), limits(machine)
+    dynamics = table.at(s.clip(0.0, 1.0))
+    values, allowed = evaluate(dynamics, *state), limits(machine)
     parts = [np.abs(values[name]) / allowed[name] for name in limited(machine)]
-    # Where rest takes nearly all of a force, a small part of the limit is much of what is left for motion.
-    parts += moving_shares(terms, values).values()
-    found: FloatArray = np.max([part.max(axis=1) for part in parts], axis=0).reshape(count, -1)
-    return found
+    # Where rest takes nearly all of a force, a small part of the limit is most of what is left for motion.
+    parts += moving_shares(dynamics, values).values()
+    return np.asarray(np.max([part.max(axis=1) for part in parts], axis=0).reshape(count, -1))
 
 
-def _and_neighbours(those: BoolArray) -> BoolArray:
-    grown = those.copy()
-    grown[1:] |= those[:-1]
-    grown[:-1] |= those[1:]
+def _with_neighbours(pieces: BoolArray) -> BoolArray:
+    grown = pieces.copy()
+    grown[1:] |= pieces[:-1]
+    grown[:-1] |= pieces[1:]
     return grown

@@ -1,4 +1,4 @@
-"""The least largest kappa: how small a cap on kappa still leaves a way from start to goal."""
+"""The least largest kappa: the smallest cap on kappa that still leaves a route from start to goal."""
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
@@ -6,6 +6,7 @@ from scipy.sparse.csgraph import dijkstra
 from pipeline.arrays import FloatArray
 from pipeline.route.bounds.budgets import Budget
 from pipeline.route.bounds.shortest_paths import least_use
+from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.table import RegionTable
 
@@ -17,10 +18,10 @@ def least_cap(
     most_moves: float = np.inf,
     budgets: tuple[Budget, ...] = (),
 ) -> float:
-    """Find the least cap on `values` (n,), kappa by default, with which start, goal and a way between them remain.
+    """Find the least cap on `values` (n,), kappa by default, that leaves start, goal and a route between them.
 
-    There must be a way of at most `most_moves` moves, and for each budget, taken alone, one that keeps it. Bisection
-    over the values; infinite when no cap leaves a way.
+    There must be a route of at most `most_moves` moves, and for each budget, taken alone, one that keeps it. Bisection
+    over the values; infinite when no cap leaves a route.
     """
     values = regions.kappa if values is None else values
     floor = float(max(values[regions.start], values[regions.goal]))
@@ -46,5 +47,5 @@ def _connected(regions: RegionTable, moves: Moves, most_moves: float, budgets: t
     graph = moves.graph(np.ones(len(regions)))
     hops = dijkstra(graph, indices=regions.start, unweighted=True, limit=most_moves)
     return bool(np.isfinite(hops[regions.goal])) and all(
-        least_use(regions, moves, budget) <= budget.left(regions) + 1e-9 for budget in budgets
+        least_use(regions, moves, budget) <= budget.left(regions) + ROUNDING for budget in budgets
     )

@@ -1,7 +1,7 @@
-"""Budgets: what a route may use up in all, added up over its moves.
+"""Budgets: what a route may use in total, added up over its moves.
 
-Each is a sum of absolute changes from step to step: of working mode (per arm), of rx and rz, of x, y and z.
-What a move between two regions uses is known but for its x, which is a variable of the programs.
+Each limits a sum of absolute changes from step to step: of working mode (per arm), of rx and rz, of x, y and z.
+What a move between two regions uses is known except for x, which is an unknown of the programs.
 """
 
 from dataclasses import dataclass
@@ -11,8 +11,6 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.route.regions.table import RegionTable
-
-_ARM_BITS = (4, 2, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +27,8 @@ class Budget:
         Which of y, z, rx, rz (1 to 4) count.
     modes, travels : bool
         Whether changes of working mode, and of x, count.
+    in_degrees : bool
+        Whether a person reads and writes it in degrees.
     """
 
     key: str
@@ -36,14 +36,15 @@ class Budget:
     axes: tuple[int, ...]
     modes: bool = False
     travels: bool = False
+    in_degrees: bool = False
 
     @property
     def coordinates(self) -> tuple[int, ...]:
-        """What counts: x, y, z, rx, rz are 0 to 4, the working modes of arms 1 to 3 are 5 to 7."""
+        """The coordinates that count: x, y, z, rx, rz are 0 to 4, the working modes of arms 1 to 3 are 5 to 7."""
         return (0,) * self.travels + self.axes + (5, 6, 7) * self.modes
 
     def used(self, regions: RegionTable, source: IntArray, target: IntArray) -> FloatArray:
-        """How much moves between rows (m,) use, x left out. Shape (m,)."""
+        """Compute how much moves between rows (m,) use, without x. Shape (m,)."""
         used = np.zeros(len(source))
         for axis in self.axes:
             column = regions.controlled[:, axis]
@@ -53,24 +54,24 @@ class Budget:
         return used
 
     def shown(self, regions: RegionTable, used: float) -> str:
-        """Say what is used besides the least travel along X, in the unit of the key."""
+        """Format a use in the unit of the key, with the least travel along X added."""
         total = used + self.limit - self.left(regions)
-        return f"{np.rad2deg(total) if self.key.endswith('deg') else total:.4g}"
+        return f"{np.rad2deg(total) if self.in_degrees else total:.4g}"
 
     def left(self, regions: RegionTable) -> float:
-        """What is left when the travel from the start's x to the goal's, needed in any case, is taken off."""
+        """Compute what is left after the travel from the start's x to the goal's, which every route needs."""
         x = regions.x_window_m[:, 0]
         return self.limit - (abs(float(x[regions.goal] - x[regions.start])) if self.travels else 0.0)
 
 
-def budgets(config: Config) -> tuple[Budget, ...]:
+def task_budgets(config: Config) -> tuple[Budget, ...]:
     """Read `task.budget`."""
     limits = config.task.budget
     found = []
     if limits.mode_changes is not None:
         found.append(Budget("mode_changes", float(limits.mode_changes), (), modes=True))
     if limits.tilt_deg is not None:
-        found.append(Budget("tilt_deg", float(np.deg2rad(limits.tilt_deg)), (3, 4)))
+        found.append(Budget("tilt_deg", float(np.deg2rad(limits.tilt_deg)), (3, 4), in_degrees=True))
     if limits.travel_m is not None:
         found.append(Budget("travel_m", limits.travel_m, (1, 2), travels=True))
     return tuple(found)
@@ -78,7 +79,7 @@ def budgets(config: Config) -> tuple[Budget, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Prices:
-    """Budgets with a price each: Lagrange multipliers, which turn them into a part of the cost.
+    """Budgets with a price each: Lagrange multipliers, which make their use a part of the cost.
 
     A route of cost c that keeps all budgets has a priced cost of at most c + `credit`, so that lower bounds on
     priced costs are lower bounds on costs. Any price is valid; good ones make the bounds sharp.
@@ -88,7 +89,7 @@ class Prices:
     prices: tuple[float, ...] = ()
 
     def penalty(self, regions: RegionTable, source: IntArray, target: IntArray) -> FloatArray:
-        """What moves between rows (m,) cost on top of kappa. Shape (m,)."""
+        """Compute what moves between rows (m,) cost on top of kappa. Shape (m,)."""
         total = np.zeros(len(source))
         for budget, price in zip(self.budgets, self.prices, strict=True):
             if price > 0.0:
@@ -96,7 +97,7 @@ class Prices:
         return total
 
     def credit(self, regions: RegionTable) -> float:
-        """The price of all budgets used up."""
+        """Compute the price of all budgets used up."""
         return sum(price * budget.left(regions) for budget, price in zip(self.budgets, self.prices, strict=True))
 
     @property

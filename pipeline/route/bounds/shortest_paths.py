@@ -1,4 +1,4 @@
-"""The relaxation without x and step budget: a shortest path, and with it bounds for every region.
+"""The relaxation without x and step budget: shortest paths, which bound the cost of routes through every region.
 
 F(j) is the least cost from the start up to region j, B(j) the least cost from j to the goal. Every route
 through j costs at least F(j) + B(j), so that all routes cheaper than T lie in the core F + B <= T.
@@ -14,11 +14,12 @@ from scipy.sparse.csgraph import breadth_first_order, dijkstra
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.parallel import blocks
 from pipeline.route.bounds.budgets import FREE, Budget, Prices
+from pipeline.route.cost import region_costs
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.table import RegionTable
 
 _BLOCK = 1_000_000
-"""Moves whose use of the budgets is computed at once."""
+"""Number of moves whose use of the budgets is computed at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +29,11 @@ class Bounds:
     Attributes
     ----------
     forward, backward : (n,)
-        F and B of every region: kappa of all regions left, so F leaves out j itself and B counts it.
+        F and B of every region: the costs of all regions that are left, so that B counts j itself and F does not.
     start : int
         Row of the start.
-    prices, refund : Prices, float
-        What the budgets cost in F and B, and what of it a route within them gets back.
+    prices, credit : Prices, float
+        What the budgets cost in F and B, and the most that a route within them can pay.
     """
 
     forward: FloatArray
@@ -47,20 +48,20 @@ class Bounds:
         return float(self.backward[self.start]) - self.credit
 
 
-def shortest_paths(regions: RegionTable, moves: Moves, prices: Prices = FREE) -> Bounds:
-    """Compute F and B over all moves; the cost of a move is kappa of the region it leaves, (5) and (25)-(26).
+def shortest_paths(regions: RegionTable, moves: Moves, prices: Prices = FREE, block_size: int = _BLOCK) -> Bounds:
+    """Compute F and B over all moves; the cost of a move is that of the region it leaves, (5) and (25)-(26).
 
-    With `prices`, what the move uses of the budgets costs, too.
+    With `prices`, what the move uses of the budgets is added.
     """
-    graph = moves.graph(regions.kappa)
+    graph = moves.graph(region_costs(regions))
     if prices.charged:
-        for block in blocks(len(moves), _BLOCK):
+        for block in blocks(len(moves), block_size):
             graph.data[block] += prices.penalty(regions, moves.source[block], moves.target[block])
-    # Turning the graph round takes as long as a search in it.
-    with ThreadPoolExecutor(1) as beside:
-        turned = beside.submit(csr_array, graph.T)
+    # Reversing the graph takes as long as a search in it.
+    with ThreadPoolExecutor(1) as reversal:
+        reversed_graph = reversal.submit(csr_array, graph.T)
         forward = dijkstra(graph, indices=regions.start)
-        backward = dijkstra(turned.result(), indices=regions.goal)
+        backward = dijkstra(reversed_graph.result(), indices=regions.goal)
     return Bounds(forward, backward, regions.start, prices, prices.credit(regions))
 
 
@@ -71,30 +72,30 @@ def cheap_moves(moves: Moves, bounds: Bounds, cost: float) -> Moves:
     return moves.take(keep)
 
 
-def fewest_moves(regions: RegionTable, moves: Moves) -> int | None:
-    """Count the moves of the route with fewest, whatever it costs; None when there is no route."""
-    reached, previous = breadth_first_order(moves.graph(regions.kappa), regions.start)
+def fewest_positions(regions: RegionTable, moves: Moves) -> int | None:
+    """Count the positions of the route with fewest, start and goal included, at any cost; None without a route."""
+    reached, previous = breadth_first_order(moves.graph(np.ones(len(regions))), regions.start)
     if regions.goal not in reached:
         return None
-    row, count = regions.goal, 0
+    row, count = regions.goal, 1
     while row != regions.start:
         row, count = int(previous[row]), count + 1
     return count
 
 
-def least_use(regions: RegionTable, moves: Moves, budget: Budget) -> float:
-    """How much of a budget every route uses, whatever it costs; infinite when there is no route."""
-    graph = moves.graph(regions.kappa)
-    for block in blocks(len(moves), _BLOCK):
+def least_use(regions: RegionTable, moves: Moves, budget: Budget, block_size: int = _BLOCK) -> float:
+    """Compute how much of a budget every route uses at least, at any cost; infinite when there is no route."""
+    graph = moves.graph(np.ones(len(regions)))
+    for block in blocks(len(moves), block_size):
         graph.data[block] = budget.used(regions, moves.source[block], moves.target[block])
     return float(dijkstra(graph, indices=regions.start)[regions.goal])
 
 
 def shortest_route(regions: RegionTable, moves: Moves, bounds: Bounds) -> IntArray:
-    """Give the rows of a shortest path from start to goal, which must exist: B falls along it."""
+    """Give the rows of a shortest path from start to goal, which must exist, by following B."""
     rows = [regions.start]
     while rows[-1] != regions.goal:
-        # A key of another type would have all moves converted first.
+        # Keys of another type would make NumPy convert all moves first.
         keys = np.array([rows[-1], rows[-1] + 1], dtype=moves.source.dtype)
         begin, end = np.searchsorted(moves.source, keys)
         ahead = moves.target[begin:end]

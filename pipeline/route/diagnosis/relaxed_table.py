@@ -12,7 +12,7 @@ from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import RegionFilter, Relaxation
 from pipeline.machine.geometry import Machine, build_machine
 from pipeline.progress import Monitor, Progress
-from pipeline.route.bounds.shortest_paths import fewest_moves
+from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.moves.candidates import Moves, find_moves
 from pipeline.route.planner import plan_route
 from pipeline.route.regions.build import build_regions
@@ -87,8 +87,8 @@ class RelaxedTable:
         low, high = regions.x_window_m.T
         keep = inside[i] & inside[j]
         keep &= np.maximum(low[i] - high[j], low[j] - high[i]) <= self.options.x_step_m + _ROUNDING
-        fewest = fewest_moves(regions, Moves(i[keep], j[keep]))
-        return fewest is not None and fewest + 1 <= self.options.step_budget
+        fewest = fewest_positions(regions, Moves(i[keep], j[keep]))
+        return fewest is not None and fewest <= self.options.step_budget
 
     def filtered(self, index: int) -> tuple[RegionTable, BoolArray]:
         """Return the regions with the x windows that a value leaves, and which of them it admits (n,)."""

@@ -19,7 +19,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.limits import Relaxation, relaxations
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor, Progress
-from pipeline.route.bounds.shortest_paths import fewest_moves
+from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.diagnosis.endpoints import end_remarks
 from pipeline.route.diagnosis.relaxed_table import RelaxedTable, SearchOutcome, WholeSearch, prefixed, search_whole
 from pipeline.route.diagnosis.result import Finding, InfeasibilityReport, Verdict
@@ -192,7 +192,7 @@ def relax_step_budget(
 
 def least_budget(config: Config, regions: RegionTable, moves: Moves) -> int | None:
     """Count the positions that no route can do with fewer of, be it for the moves or for the distance along X."""
-    fewest = fewest_moves(regions, moves)
+    fewest = fewest_positions(regions, moves)
     distance_m = abs(config.task.goal.x_m - config.task.start.x_m)
     along = int(np.ceil(distance_m / config.route.x_step_m - _ROUNDING))
-    return None if fewest is None else max(fewest, along) + 1
+    return None if fewest is None else max(fewest, along + 1)

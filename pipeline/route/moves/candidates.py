@@ -21,7 +21,7 @@ from pipeline.progress import QUIET, Monitor, Progress, silent
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.neighbours import Cells
 from pipeline.route.regions.boxes import crossings, grown_boxes
-from pipeline.route.regions.grid import gate_bit
+from pipeline.route.regions.gates import gate_bit
 from pipeline.route.regions.table import RegionTable
 
 _SLACK = 0.05

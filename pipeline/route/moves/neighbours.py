@@ -1,4 +1,4 @@
-"""Regions sorted into grid cells, so that all that may be one step away from a region is looked up at once."""
+"""Regions sorted into grid cells, where those at most one step away from a region are found by a table look-up."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.geometry import MODES
-
-_ROUNDING = 1e-9
+from pipeline.route.metric import ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,36 +23,36 @@ class Cells:
         Number of every region's cell, without its working mode.
     count : int
         Number of cells.
-    beside : (27,)
-        What to add to a cell's number for the cells around it in y, z and rx; along rz, cells are numbered in order.
+    offsets : (27,)
+        From a cell's number to those of the cells around it in y, z and rx; along rz, numbers are consecutive.
     """
 
     order: IntArray
     first: IntArray
     cell: IntArray
     count: int
-    beside: IntArray
+    offsets: IntArray
 
     @classmethod
     def of(cls, coordinates: FloatArray, modes: IntArray) -> "Cells":
         """Sort regions in working modes (n,) at y, z, rx, rz (n, 4), counted in steps."""
-        cells = np.floor(coordinates - coordinates.min(axis=0) + _ROUNDING).astype(np.int64)
-        # An empty rim on every side spares the neighbours' bounds checks.
+        cells = np.floor(coordinates - coordinates.min(axis=0) + ROUNDING).astype(np.int64)
+        # With an empty rim on every side, neighbours need no bounds checks.
         shape = tuple(cells.max(axis=0) + 3)
         count = int(np.prod(shape))
         cell = np.ravel_multi_index(tuple(cells.T + 1), shape)
         key = modes * count + cell
         first = np.concatenate([[0], np.cumsum(np.bincount(key, minlength=len(MODES) * count))])
         strides = np.array([np.prod(shape[axis + 1 :]) for axis in range(3)])
-        beside = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3) @ strides
-        return cls(np.argsort(key, kind="stable").astype(np.int32), first.astype(np.int32), cell, count, beside)
+        offsets = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3) @ strides
+        return cls(np.argsort(key, kind="stable").astype(np.int32), first.astype(np.int32), cell, count, offsets)
 
     def around(self, rows: IntArray, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """Find all regions in the cells of regions (k,) and around them, in working modes (k,) of their own.
+        """Find all regions in and around the cells of `rows` (k,), for each in its working mode of `modes` (k,).
 
-        Returns how many there are for each (k,), and their rows, one after the other.
+        Returns how many there are for each (k,), and their rows, concatenated.
         """
-        line = (modes * self.count + self.cell[rows])[:, None] + self.beside
+        line = (modes * self.count + self.cell[rows])[:, None] + self.offsets
         first = self.first[line - 1]
         number = self.first[line + 2] - first
         flat = number.ravel()

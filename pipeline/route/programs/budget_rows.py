@@ -1,4 +1,4 @@
-"""Budgets as rows of the programs over all regions: a column bounds each change from below, their sum is limited."""
+"""Budgets as rows of the programs over all regions: each change gets a column as upper bound, their sum a limit."""
 
 from collections.abc import Callable
 
@@ -11,6 +11,12 @@ from pipeline.route.programs.rows import Rows, Term
 def change_columns(budgets: tuple[Budget, ...], step_budget: int) -> int:
     """How many columns `add_budgets` needs: one per budget, coordinate and change between steps."""
     return sum(len(budget.coordinates) for budget in budgets) * (step_budget - 1)
+
+
+def change_entries(budgets: tuple[Budget, ...], step_budget: int, terms: tuple[int, ...]) -> int:
+    """Count the matrix entries of `add_budgets`, where coordinate k at a step is a term of `terms[k]` columns."""
+    per_change = sum(2 * (1 + 2 * terms[k]) + 1 for budget in budgets for k in budget.coordinates)
+    return per_change * (step_budget - 1)
 
 
 def add_budgets(

@@ -1,33 +1,50 @@
 """The compact program: the paper's, with its big-M rows added up; the plain baseline.
 
-As exactly one delta_ij of a step is 1, P_i = sum of X(j) delta_ij says all that (18)-(24) say in one row, and so do
-sums for (25) and (36)-(37). Only (13) needs P_x itself. There is one boolean per step and region and a handful of
-rows a step, but the relaxation stays weak: a bit of many regions adds up to any position.
+As exactly one delta_ij of a step is 1, P_i = sum of X(j) delta_ij replaces all rows of (18)-(24), and sums likewise
+replace (25) and (36)-(37). Only (13) needs P_x itself. There is one boolean per step and region and a handful of
+rows per step, but the relaxation stays weak: fractions of many regions add up to any position.
 """
 
 from collections.abc import Callable
 
-import highspy
 import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.route.bounds.budgets import Budget
+from pipeline.route.cost import region_costs
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.programs.budget_rows import add_budgets, change_columns
+from pipeline.route.programs.budget_rows import add_budgets, change_columns, change_entries
 from pipeline.route.programs.exclusions import add_exclusions
 from pipeline.route.programs.rows import Rows, Term
-from pipeline.route.regions.build import RegionTable
-from pipeline.solvers.highs import make_model
+from pipeline.route.programs.size import ProgramSize
+from pipeline.route.regions.table import RegionTable
+from pipeline.solvers.highs import LinearProgram
 
 
-def build_compact_model(
+def compact_size(
+    regions: int, step_budget: int, exclusions: int = 0, excluding: int = 0, budgets: tuple[Budget, ...] = ()
+) -> ProgramSize:
+    """Count columns, rows, booleans and matrix entries; the parameters are those of `paper_size`."""
+    N, Nd = step_budget, regions
+    changes = change_columns(budgets, N)
+    entries_step = Nd + 2 * (1 + Nd)
+    entries_between = 2 + 2 * 4 * Nd + 2 * 6 * Nd + excluding + exclusions
+    return ProgramSize(
+        columns=(1 + Nd) * N + changes,
+        rows=3 * N + (5 + 6 + excluding) * (N - 1) + 2 * changes + len(budgets),
+        booleans=Nd * N,
+        entries=entries_step * N + entries_between * (N - 1) + change_entries(budgets, N, (1, *[Nd] * 7)),
+    )
+
+
+def build_compact(
     regions: RegionTable,
     exclusions: Moves,
     steps: FloatArray,
     step_budget: int,
     budgets: tuple[Budget, ...] = (),
-) -> highspy.HighsModel:
+) -> LinearProgram:
     """Write the compact program: per step P_x, then a boolean per region; columns for budgets last."""
     Nd, width = len(regions), 1 + len(regions)
     extra = change_columns(budgets, step_budget)
@@ -42,18 +59,16 @@ def build_compact_model(
         if i > 0:
             _between(rows, regions, exclusions, steps, step - width, step)
     add_budgets(rows, budgets, _coordinate(regions, width), step_budget, width * step_budget)
-    kappa = regions.kappa.copy()
-    kappa[regions.goal] = 0.0
     lower = np.tile(np.concatenate([[regions.x_window_m[:, 0].min()], np.zeros(Nd)]), (step_budget, 1))
     upper = np.tile(np.concatenate([[regions.x_window_m[:, 1].max()], np.ones(Nd)]), (step_budget, 1))
     for row, region in ((0, regions.start), (-1, regions.goal)):  # (8)-(11)
         upper[row, 1:] = 0.0
         lower[row, 1 + region] = upper[row, 1 + region] = 1.0
-    cost = np.append(np.tile(np.concatenate([[0.0], kappa]), step_budget), np.zeros(extra))
+    cost = np.append(np.tile(np.concatenate([[0.0], region_costs(regions)]), step_budget), np.zeros(extra))
     integer = np.append(np.tile(np.concatenate([[False], np.ones(Nd, bool)]), step_budget), np.zeros(extra, bool))
     bounds = np.append(lower, np.zeros(extra)), np.append(upper, np.full(extra, np.inf))
-    matrix, low, high = rows.matrix()
-    return make_model(matrix, cost, bounds, (low, high), integer)
+    matrix, row_bounds = rows.matrix()
+    return LinearProgram(matrix, cost, bounds, row_bounds, integer)
 
 
 def _coordinate(regions: RegionTable, width: int) -> Callable[[int, int], Term]:
@@ -85,7 +100,7 @@ def _between(rows: Rows, regions: RegionTable, exclusions: Moves, steps: FloatAr
 
 
 def read_compact(values: FloatArray, regions: RegionTable, step_budget: int) -> tuple[IntArray, FloatArray]:
-    """Read the region and the x of every step from a solution."""
+    """Read the region and the x of every step (N,) from a solution."""
     width = 1 + len(regions)
     table = values[: step_budget * width].reshape(step_budget, width)
     return np.argmax(table[:, 1:], axis=1), table[:, 0]

@@ -1,23 +1,22 @@
-"""The core: all routes cheaper than a threshold T, laid out step by step.
+"""The core: all routes of cost at most a threshold T, expanded step by step.
 
-A node is a region at a step i, an arc an admitted move (or a wait) from step i to i + 1. Costs from the start
-and to the goal within the step budget, and the x that can be reached from either end, are carried along both
-ways, and so is what must have been used of every budget; what cannot belong to a route of at most T within the
-budgets is left out. Hence a mixed-integer program over the core is
-exact whenever its optimum is at most T.
+A node is a region at a step i, an arc an admitted move (or a wait) from step i to i + 1. Two sweeps, from the start
+and from the goal, propagate the least cost within the step budget, the x that can be reached, and the least use of
+every budget; what cannot belong to a route of cost at most T within the budgets is left out. Hence a mixed-integer
+program over the core is exact whenever its optimum is at most T.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.route.bounds.budgets import Budget
 from pipeline.route.bounds.shortest_paths import Bounds
+from pipeline.route.cost import region_costs
+from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.regions.build import RegionTable
-
-_ROUNDING = 1e-9
+from pipeline.route.regions.table import RegionTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +38,9 @@ class Core:
     threshold : float
         T.
     bound : float
-        No route of cost at most T costs less, whatever x does in it; infinite when there is none.
+        No route of cost at most T costs less, whatever its x; infinite when there is none.
     step_budget, x_step_m, budgets : int, float, tuple
-        N, the largest move along X, and the budgets it was laid out for.
+        N, the largest move along X, and the budgets it was built for.
     """
 
     step: IntArray
@@ -69,7 +68,7 @@ class Core:
 
     @property
     def moves(self) -> Moves:
-        """The moves among its arcs, between rows of the region table and each once."""
+        """The moves among its arcs, each once, between rows of the region table."""
         source, target = self.region[self.tail], self.region[self.head]
         pairs = np.unique(np.column_stack([source, target])[source != target], axis=0)
         return Moves(pairs[:, 0], pairs[:, 1])
@@ -78,21 +77,21 @@ class Core:
 def build_core(
     regions: RegionTable, moves: Moves, bounds: Bounds, threshold: float, step_budget: int, x_step_m: float
 ) -> Core:
-    """Lay out all routes of cost at most `threshold` with at most `step_budget` positions, within the budgets."""
-    limit = threshold * (1.0 + _ROUNDING) + bounds.credit
+    """Expand all routes of cost at most `threshold` with at most `step_budget` positions, within the budgets."""
+    limit = threshold * (1.0 + ROUNDING) + bounds.credit
     arcs = _Arcs.within(regions, moves, bounds, limit)
-    left = np.array([budget.left(regions) + _ROUNDING for budget in bounds.prices.budgets]).reshape(-1, 1)
+    left = np.array([budget.left(regions) + ROUNDING for budget in bounds.prices.budgets]).reshape(-1, 1)
     everywhere = _Windows.of_regions(arcs.window_m, step_budget)
     to_go = np.broadcast_to(bounds.backward[arcs.region], everywhere.low.shape)
     forward = _sweep(arcs, arcs.tail, arcs.head, arcs.start, everywhere, to_go, limit, x_step_m)
-    # The way back only uses the x that the way out can reach: its costs become sharper bounds.
+    # The sweep from the goal only uses the x that the one from the start can reach: its bounds are sharper.
     back = forward.window.reversed()
     backward = _sweep(arcs, arcs.head, arcs.tail, arcs.goal, back, forward.cost[::-1], limit, x_step_m).reversed()
     low, high = backward.window.low, backward.window.high
-    # Costs of a sweep leave out the node itself on the way out and count it on the way back.
-    alive = (forward.cost + backward.cost <= limit) & (low <= high + _ROUNDING)
+    # The cost of the node itself is left out of the sweep from the start and counted in the one from the goal.
+    alive = (forward.cost + backward.cost <= limit) & (low <= high + ROUNDING)
     alive &= (forward.used + backward.used <= left[:, None]).all(axis=0)
-    # Hulls are relaxations: a node may look alive when no way through it leads from the start to the goal.
+    # Hulls are relaxations: a node may look alive though no route leads through it.
     alive &= alive[0, arcs.start] and alive[-1, arcs.goal]
     number = np.cumsum(alive.ravel()).reshape(alive.shape) - 1
     tails, heads, chosen = [], [], []
@@ -100,8 +99,8 @@ def build_core(
         use = np.flatnonzero(alive[i, arcs.tail])
         use = use[alive[i + 1, arcs.head[use]]]
         j, k = arcs.tail[use], arcs.head[use]
-        reach = (low[i, j] - x_step_m <= high[i + 1, k] + _ROUNDING) & (
-            low[i + 1, k] <= high[i, j] + x_step_m + _ROUNDING
+        reach = (low[i, j] - x_step_m <= high[i + 1, k] + ROUNDING) & (
+            low[i + 1, k] <= high[i, j] + x_step_m + ROUNDING
         )
         cheap = forward.cost[i, j] + arcs.priced[use] + backward.cost[i + 1, k] <= limit
         spare = (forward.used[:, i, j] + arcs.used[:, use] + backward.used[:, i + 1, k] <= left).all(axis=0)
@@ -152,8 +151,7 @@ class _Arcs:
         waits = np.arange(len(region))
         tail = np.concatenate([local[moves.source[use]], waits])
         head = np.concatenate([local[moves.target[use]], waits])
-        cost = regions.kappa[region]
-        cost[local[regions.goal]] = 0.0
+        cost = region_costs(regions)[region]
         ends = (regions, region[tail], region[head])
         used = [budget.used(*ends) for budget in bounds.prices.budgets]
         return cls(
@@ -187,7 +185,7 @@ class _Windows:
 
 @dataclass(frozen=True, eq=False)
 class _Reach:
-    """Least cost (N, regions), infinite out of reach, the hull of the x that can be reached, least use of budgets."""
+    """Least cost (N, regions), infinite out of reach; hull of the x that can be reached; least use of each budget."""
 
     cost: FloatArray
     window: _Windows
@@ -207,9 +205,9 @@ def _sweep(
     limit: float,
     x_step_m: float,
 ) -> _Reach:
-    """Carry costs, x and use of budgets from one end through all steps, along the arcs from `source` to `target`.
+    """Propagate costs, x and use of budgets from one end through all steps, along the arcs from `source` to `target`.
 
-    Nodes whose cost and least cost `to_go` (N, regions) exceed the limit are not carried on.
+    Nodes whose cost and least cost `to_go` (N, regions) exceed the limit are dropped.
     """
     shape = allowed.low.shape
     cost, low, high = np.full(shape, np.inf), np.full(shape, np.inf), np.full(shape, -np.inf)
@@ -222,7 +220,7 @@ def _sweep(
         along = np.flatnonzero((cost[i - 1] + to_go[i - 1] <= limit)[source])
         from_low = np.maximum(low[i - 1, source[along]] - x_step_m, allowed.low[i, target[along]])
         from_high = np.minimum(high[i - 1, source[along]] + x_step_m, allowed.high[i, target[along]])
-        open_: BoolArray = from_low <= from_high + _ROUNDING
+        open_ = from_low <= from_high + ROUNDING
         along, from_low, from_high = along[open_], from_low[open_], from_high[open_]
         if len(along) == 0:
             break

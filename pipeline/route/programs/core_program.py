@@ -1,41 +1,27 @@
 """The mixed-integer program of the paper, (3)-(38), over the core.
 
 The paper has a boolean delta_ij per step i and region j, and ties positions and modes to it by big-M rows.
-Over the core every admitted pair (delta_ij, delta_i+1,k) is an arc, and a boolean per arc says all of it:
+Over the core every admitted pair (delta_ij, delta_i+1,k) is an arc, and one boolean per arc replaces them all:
 
 - (8)-(11): one unit leaves the start at the first step and reaches the goal at the last,
 - (12): it is in one region per step, since what enters a node leaves it; delta_ij is what leaves (i, j),
 - (14)-(17), (19)-(22), (36)-(38): every arc is a move admitted by `moves`,
 - (25)-(35): an arc costs kappa of the region it leaves, and nothing once the goal is reached,
-- (18) with a window instead of one value, since x is no grid axis: lo_j <= P_x,i <= hi_j where delta_ij = 1,
+- (18) with a window instead of one value, since x is not a grid axis: lo_j <= P_x,i <= hi_j where delta_ij = 1,
 - (13): |P_x,i - P_x,i-1| <= Delta X,
 - (5): the sum of kappa is minimised,
-- budgets: what the arcs use adds up to no more than each; where x counts, columns for |P_x,i - P_x,i-1| do, too.
+- budgets: the arcs use no more than each in total; where x counts, columns for |P_x,i - P_x,i-1| are added.
 """
 
-from dataclasses import dataclass
-
-import highspy
 import numpy as np
 from scipy.sparse import block_array, csc_array
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.progress import Progress
 from pipeline.route.programs.core import Core
-from pipeline.solvers.highs import Outcome, make_model, solve_model
+from pipeline.solvers.highs import LinearProgram
 
 
-@dataclass(frozen=True, eq=False)
-class StepSequence:
-    """A solution: the region and the x of every step, up to the first at the goal."""
-
-    region: IntArray
-    x_m: FloatArray
-    outcome: Outcome
-    columns: int
-
-
-def build_model(core: Core) -> highspy.HighsModel:
+def build_core_program(core: Core) -> LinearProgram:
     """Write the program over a core that is not empty: a boolean per arc, P_x per step, its changes if they count."""
     step_budget, x_step_m = core.step_budget, core.x_step_m
     nodes, arcs = len(core.step), len(core.tail)
@@ -57,9 +43,8 @@ def build_model(core: Core) -> highspy.HighsModel:
         ([None, difference], np.full(step_budget - 1, -x_step_m), np.full(step_budget - 1, x_step_m)),
     ]
     rows, changes = _with_budgets(core, rows, difference)
-    matrix = csc_array(block_array([blocks for blocks, _, _ in rows], format="csc"))
-    return make_model(
-        matrix,
+    return LinearProgram(
+        matrix=csc_array(block_array([blocks for blocks, _, _ in rows], format="csc")),
         cost=np.concatenate([core.cost, np.zeros(step_budget + changes)]),
         column_bounds=(
             np.concatenate([np.zeros(arcs), np.full(step_budget, core.window_m[:, 0].min()), np.zeros(changes)]),
@@ -94,15 +79,10 @@ def _with_budgets(core: Core, rows: list[_Rows], difference: csc_array) -> tuple
     return rows, changes
 
 
-def solve_core(core: Core, time_limit_s: float, progress: Progress, verbose: bool) -> StepSequence:
-    """Solve the program over a core; the sequence is empty when there is no feasible point."""
-    model = build_model(core)
-    outcome = solve_model(model, time_limit_s, progress, verbose)
-    arcs, columns = len(core.tail), model.lp_.num_col_
-    if outcome.values.size == 0:
-        return StepSequence(np.empty(0, dtype=np.int64), np.empty(0), outcome, columns)
-    used = np.flatnonzero(outcome.values[:arcs] > 0.5)
+def read_core(values: FloatArray, core: Core) -> tuple[IntArray, FloatArray]:
+    """Read the region and the x of every step (N,) from a solution."""
+    arcs = len(core.tail)
+    used = np.flatnonzero(values[:arcs] > 0.5)
     used = used[np.argsort(core.step[core.tail[used]])]
     region = core.region[np.concatenate([core.tail[used], core.head[used[-1:]]])]
-    length = int(np.argmax(region == region[-1])) + 1
-    return StepSequence(region[:length], outcome.values[arcs:][:length], outcome, columns)
+    return region, values[arcs : arcs + core.step_budget]

@@ -1,11 +1,11 @@
-"""Moves the paper's rules would admit and ours do not, as rows for the programs that know only its rules."""
+"""Moves that the paper's rules would admit and ours do not, as rows for the programs that know only its rules."""
 
 import numpy as np
 
 from pipeline.config import Config
 from pipeline.route.moves.candidates import Moves, rule_moves
 from pipeline.route.programs.rows import Rows
-from pipeline.route.regions.build import RegionTable
+from pipeline.route.regions.table import RegionTable
 
 
 def add_exclusions(rows: Rows, excluded: Moves, before: int, after: int) -> None:
@@ -23,7 +23,7 @@ def add_exclusions(rows: Rows, excluded: Moves, before: int, after: int) -> None
 
 
 def excluded_pairs(config: Config, regions: RegionTable, moves: Moves) -> Moves:
-    """List the pairs that (14)-(17) and (38) admit but that are no admitted moves."""
+    """List the pairs that (14)-(17) and (38) admit but that are not admitted moves."""
     by_rule = rule_moves(config, regions)
     count = len(regions)
     keys = by_rule.source.astype(np.int64) * count + by_rule.target

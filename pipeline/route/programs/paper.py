@@ -1,52 +1,42 @@
 """The paper's program, literally: (3)-(38) with the state vector of Fig. 4 and a big-M row for every implication.
 
-It is here to be read beside the paper, to be solved on small grids, and to be handed to other solvers as an MPS
-file; the program that is solved at full size is in `milp`. Three places differ from the printed equations:
+It serves for reading alongside the paper, for solving on small grids, and for handing to other solvers as an MPS
+file; the program that is solved at full size is in `core_program`. Three places differ from the printed equations:
 
-- (23) as printed, -m delta + P <= X(j) - m, leaves P <= X(j) - m where delta = 0 and so cuts off feasible points.
+- (23) as printed, -m delta + P <= X(j) - m, leaves P <= X(j) - m where delta = 0, which cuts off feasible points.
   The valid row is P - X(j) <= (M - X(j)) (1 - delta), and likewise X(j) - P <= (X(j) - m) (1 - delta) for (24).
-- x is no grid axis: instead of (18), P_x lies in the region's window where delta = 1.
-- (25) multiplies two unknowns. With kappa of the goal taken as zero, kappa_i = kappa(j) says the same.
+- x is not a grid axis: instead of (18), P_x lies in the region's window where delta = 1.
+- (25) multiplies two unknowns. With kappa of the goal taken as zero, kappa_i = kappa(j) is equivalent.
 
 Budgets of the task, which the paper does not have, are further columns and rows at the end: see `budget_rows`.
-Moves the paper does not speak of (opposite signs of det H, links passing through each other, moves forbidden
+Moves that the paper does not mention (opposite signs of det H, links passing through each other, moves forbidden
 after following them) are excluded by one more row per step and region: see `exclusions`.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
-import highspy
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.route.bounds.budgets import Budget
+from pipeline.route.cost import region_costs
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.programs.budget_rows import add_budgets, change_columns
+from pipeline.route.programs.budget_rows import add_budgets, change_columns, change_entries
 from pipeline.route.programs.exclusions import add_exclusions
 from pipeline.route.programs.rows import Rows, Term
-from pipeline.route.regions.build import RegionTable
-from pipeline.solvers.highs import make_model
+from pipeline.route.programs.size import ProgramSize
+from pipeline.route.regions.table import RegionTable
+from pipeline.solvers.highs import LinearProgram
 
 HEAD = 13
 """Variables of a step before its region booleans: kappa, gamma, P_x, P_y, P_z, R_x, R_z, a_1..3, c_1..3."""
 KAPPA, GAMMA, POSITION, MODE, CHANGE = 0, 1, 2, 7, 10
 
 
-@dataclass(frozen=True)
-class PaperSize:
-    """Exact size of the program, known without building it."""
-
-    columns: int
-    rows: int
-    booleans: int
-    entries: int
-
-
 def paper_size(
     regions: int, step_budget: int, exclusions: int = 0, excluding: int = 0, budgets: tuple[Budget, ...] = ()
-) -> PaperSize:
+) -> ProgramSize:
     """Count columns, rows, booleans and matrix entries for N_d regions and N steps.
 
     `exclusions` are excluded ordered pairs, `excluding` the regions that have any.
@@ -58,26 +48,25 @@ def paper_size(
     entries_step = Nd + 2 * per_region * Nd + 8
     entries_between = 2 * 2 * 5 + 2 * 3 * 3 + excluding + exclusions
     changes = change_columns(budgets, N)
-    return PaperSize(
+    return ProgramSize(
         columns=(HEAD + Nd) * N + changes,
         rows=per_step * N + between * (N - 1) + 2 * changes + len(budgets),
         booleans=(1 + 6 + Nd) * N,
-        entries=entries_step * N + entries_between * (N - 1) + 7 * changes,
+        entries=entries_step * N + entries_between * (N - 1) + change_entries(budgets, N, (1,) * 8),
     )
 
 
-def build_paper_model(
+def build_paper(
     regions: RegionTable,
     exclusions: Moves,
     steps: FloatArray,
     step_budget: int,
     budgets: tuple[Budget, ...] = (),
-) -> highspy.HighsModel:
+) -> LinearProgram:
     """Write (3)-(38) for a region table; `steps` (5,) are Delta X, Delta Y, Delta Z, Delta R_x, Delta R_z."""
     Nd, width = len(regions), HEAD + len(regions)
     extra = change_columns(budgets, step_budget)
-    kappa = regions.kappa.copy()
-    kappa[regions.goal] = 0.0
+    kappa = region_costs(regions)
     rows = Rows(columns=width * step_budget + extra)
     for i in range(step_budget):
         step = width * i
@@ -94,8 +83,8 @@ def build_paper_model(
     cost[width * np.arange(step_budget) + KAPPA] = 1.0  # (5)-(7)
     lower, upper, integer = _columns(regions, kappa, step_budget)
     lower, upper = np.append(lower, np.zeros(extra)), np.append(upper, np.full(extra, np.inf))
-    matrix, low, high = rows.matrix()
-    return make_model(matrix, cost, (lower, upper), (low, high), np.append(integer, np.zeros(extra, bool)))
+    matrix, row_bounds = rows.matrix()
+    return LinearProgram(matrix, cost, (lower, upper), row_bounds, np.append(integer, np.zeros(extra, bool)))
 
 
 def _coordinate(width: int) -> Callable[[int, int], Term]:
@@ -108,7 +97,7 @@ def _coordinate(width: int) -> Callable[[int, int], Term]:
 
 
 def _positions(rows: Rows, regions: RegionTable, step: int, delta: IntArray) -> None:
-    """(18)-(24): P = X(j) where delta_ij = 1, by two big-M rows a region and coordinate; a window for x."""
+    """(18)-(24): P = X(j) where delta_ij = 1, by two big-M rows per region and coordinate; a window for x."""
     low = np.column_stack([regions.x_window_m[:, 0], regions.controlled[:, 1:]])
     high = np.column_stack([regions.x_window_m[:, 1], regions.controlled[:, 1:]])
     for axis in range(5):
@@ -179,7 +168,7 @@ def _columns(regions: RegionTable, kappa: FloatArray, step_budget: int) -> tuple
 
 
 def read_paper(values: FloatArray, regions: RegionTable, step_budget: int) -> tuple[IntArray, FloatArray]:
-    """Read the region and the x of every step from a solution."""
+    """Read the region and the x of every step (N,) from a solution."""
     width = HEAD + len(regions)
     table = values[: step_budget * width].reshape(step_budget, width)
     return np.argmax(table[:, HEAD:], axis=1), table[:, POSITION]

@@ -1,10 +1,10 @@
-"""Collecting the rows of a linear program one equation at a time, and counting them by name."""
+"""Collect the rows of a linear program one equation at a time, and count them by name."""
 
 from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array, csc_array
 
 from pipeline.arrays import FloatArray, IntArray
 
@@ -41,8 +41,8 @@ class Rows:
         self._size += len(low)
         self.counts[name] += len(low)
 
-    def matrix(self) -> tuple[csr_array, FloatArray, FloatArray]:
-        """The matrix and the bounds of its rows."""
+    def matrix(self) -> tuple[csc_array, tuple[FloatArray, FloatArray]]:
+        """The matrix, and the least and largest values of its rows."""
         row, column, value = (np.concatenate(parts) for parts in zip(*self._entries, strict=True))
         low, high = (np.concatenate(parts) for parts in zip(*self._bounds, strict=True))
-        return csr_array(coo_array((value, (row, column)), shape=(self._size, self.columns))), low, high
+        return csc_array(coo_array((value, (row, column)), shape=(self._size, self.columns))), (low, high)

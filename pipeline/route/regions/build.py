@@ -21,7 +21,8 @@ from pipeline.machine.triangle import dependent_angle
 from pipeline.parallel import WORKERS, blocks, in_parallel
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.regions.endpoints import task_endpoints
-from pipeline.route.regions.grid import find_gates, grid_points
+from pipeline.route.regions.gates import find_gates
+from pipeline.route.regions.grid import grid_points
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.regions.task_rows import add_task_rows
 

@@ -1,117 +1,109 @@
-"""What is best: the least sum of kappa (5), or the least largest kappa and then the least sum."""
+"""The objectives of `route.objective`: the least sum of kappa (5), or the least largest kappa and then the least sum.
+
+An objective is a row of `OBJECTIVES`: how its optimum is found and proven over the moves admitted so far.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from pipeline.config import Config
-from pipeline.progress import Progress
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
 from pipeline.route.bounds.budget_prices import priced_bounds
-from pipeline.route.bounds.budgets import budgets
 from pipeline.route.bounds.shortest_paths import Bounds
-from pipeline.route.moves.candidates import Moves
 from pipeline.route.moves.screen import Screen
-from pipeline.route.programs.core_program import StepSequence
-from pipeline.route.search.optimum import Optimum, find_optimum
+from pipeline.route.problem import RouteProblem
+from pipeline.route.search.optimum import ProvenOptimum, find_optimum
 from pipeline.route.search.states import StateGraph
 
+Find = Callable[[RouteProblem, StateGraph, Bounds, Screen, ProvenOptimum | None], ProvenOptimum | None]
+"""Finds an optimum; the parameters are those of `find_best`."""
 
-@dataclass(frozen=True, eq=False)
-class Best:
-    """A proven optimum over the moves admitted so far.
+
+@dataclass(frozen=True)
+class Objective:
+    """What makes a route the best one.
 
     Attributes
     ----------
-    optimum : Optimum
-        Of the sum of kappa.
-    cap : float
-        What kappa was limited to: the least that leaves a route, infinite when the sum alone counts.
-    relaxation : float
-        Bound on the sum when x and the step budget are left out.
+    find : callable
+        Finds its optimum.
+    single_program : bool
+        That the optimum of one program over all moves is its optimum.
     """
 
-    optimum: Optimum
-    cap: float
-    relaxation: float
-
-    def sequence(self, layout: StateGraph) -> StepSequence:
-        """The solution with rows of the region table."""
-        sequence = self.optimum.sequence
-        return replace(sequence, region=layout.base[sequence.region])
+    find: Find
+    single_program: bool
 
 
 def find_best(
-    config: Config,
-    layout: StateGraph,
-    bounds: Bounds,
-    screen: Screen,
-    before: Best | None,
-    progress: Progress,
-    verbose: bool,
-) -> Best | None:
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: ProvenOptimum | None = None
+) -> ProvenOptimum | None:
     """Find the best sequence over the moves not known to be bad; None: there is none (proven).
 
-    `bounds` are those of the layout, `before` is the best of the round before, with more moves.
+    `bounds` are those of the graph, `before` is the best of the previous round, which had more moves.
 
     Raises
     ------
     NoSolutionError
         When the solver's time limit ends a solve.
     """
+    return OBJECTIVES[problem.options.objective].find(problem, graph, bounds, screen, before)
 
-    def solve(moves: Moves, cap: float, known: Bounds) -> Best | None:
-        at_least = before.optimum.sequence.outcome.objective if before and before.cap >= cap else 0.0
-        optimum = find_optimum(config, layout.regions, moves, known, progress, verbose, at_least, sift)
-        return None if optimum is None else Best(optimum, cap, known.optimum)
 
-    def sift(core: Moves, moves: Moves) -> Moves:
-        return screen.screen(core, moves, layout.base)
-
-    def solve_capped(cap: float) -> Best | None:
-        moves = moves_within(screen.without_bad(layout.moves, layout.base), layout.regions.kappa, cap)
-        known = priced_bounds(layout.regions, moves, budgets(config), progress)
-        return solve(moves, cap, known) if np.isfinite(known.optimum) else None
-
-    if config.route.objective == "sum":
-        return solve(screen.without_bad(layout.moves, layout.base), np.inf, bounds)
-    return _least_largest(config, layout, screen, before, solve_capped, progress)
+def _least_sum(
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: ProvenOptimum | None
+) -> ProvenOptimum | None:
+    """Find the least sum of kappa."""
+    left = replace(graph, moves=screen.without_bad(graph.moves, graph.base))
+    return find_optimum(problem, left, bounds, before.objective if before else 0.0, screen.screen)
 
 
 def _least_largest(
-    config: Config,
-    layout: StateGraph,
-    screen: Screen,
-    before: Best | None,
-    solve: Callable[[float], Best | None],
-    progress: Progress,
-) -> Best | None:
-    """Find the least cap on kappa with which there is a sequence: the graph's own, or above it by bisection.
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: ProvenOptimum | None
+) -> ProvenOptimum | None:
+    """Find the least cap on kappa under which there is a sequence: the graph's own, or above it by bisection.
 
-    The graph knows nothing of x and budgets, and core after core forbids moves; each solve then tells.
+    The graph ignores x and combined budgets, and core after core forbids moves; only a solve decides about a cap.
     """
-    kappa = layout.regions.kappa
+    kappa, progress = problem.regions.kappa, problem.monitor.progress
     progress("route: least largest kappa")
-    moves = screen.without_bad(layout.moves, layout.base)
-    least = least_cap(layout.regions, moves, most_moves=config.route.step_budget - 1, budgets=budgets(config))
+    moves = screen.without_bad(graph.moves, graph.base)
+    least = least_cap(graph.regions, moves, most_moves=problem.options.step_budget - 1, budgets=problem.budgets)
     least = max(least, before.cap if before else 0.0)
+    solve = partial(_least_sum_under, problem, graph, screen, before)
     if not np.isfinite(least) or (best := solve(least)) is not None:
         return best if np.isfinite(least) else None
     if (best := solve(float(kappa.max()))) is None:
         return None
     caps = np.unique(kappa[kappa > least])
-    low, high = -1, int(np.searchsorted(caps, _largest(best, kappa)))
+    low, high = -1, int(np.searchsorted(caps, kappa[best.sequence.region].max()))
     while high - low > 1:
         middle = (low + high) // 2
         progress(f"route: least largest kappa, between {caps[max(low, 0)]:.3f} and {caps[high]:.3f}")
         if (found := solve(float(caps[middle]))) is None:
             low = middle
         else:
-            high, best = int(np.searchsorted(caps, _largest(found, kappa))), found
-    # A best under a larger cap that does not exceed this one is the best under this one, too.
+            high, best = int(np.searchsorted(caps, kappa[found.sequence.region].max())), found
+    # The best sequence under a larger cap that keeps this one is also the best under this one.
     return replace(best, cap=float(caps[high]))
 
 
-def _largest(best: Best, kappa: np.ndarray) -> float:
-    return float(kappa[best.optimum.sequence.region].max())
+def _least_sum_under(
+    problem: RouteProblem, graph: StateGraph, screen: Screen, before: ProvenOptimum | None, cap: float
+) -> ProvenOptimum | None:
+    """Find the least sum of kappa among sequences whose kappa is nowhere above a cap."""
+    moves = moves_within(screen.without_bad(graph.moves, graph.base), graph.regions.kappa, cap)
+    bounds = priced_bounds(graph.regions, moves, problem.budgets, problem.monitor.progress)
+    if not np.isfinite(bounds.optimum):
+        return None
+    at_least = before.objective if before and before.cap >= cap else 0.0
+    found = find_optimum(problem, replace(graph, moves=moves), bounds, at_least, screen.screen)
+    return None if found is None else replace(found, cap=cap)
+
+
+OBJECTIVES = {
+    "sum": Objective(_least_sum, single_program=True),
+    "bottleneck": Objective(_least_largest, single_program=False),
+}

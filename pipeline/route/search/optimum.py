@@ -1,161 +1,168 @@
-"""Proving an optimum over the admitted moves, by the core or by a program over all regions at once.
+"""Proof of a least sum of kappa over the admitted moves, by cores or by a program over all regions at a time.
 
 The core holds every route of cost at most a threshold, so that its optimum is the optimum when it is at most
 the threshold. The threshold starts just above the best bound and is raised until that is so: exact always.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from pipeline.config import Config
+from pipeline.arrays import IntArray
 from pipeline.errors import NoSolutionError
-from pipeline.progress import Progress
-from pipeline.route.bounds.budgets import budgets
 from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves
-from pipeline.route.metric import step_sizes
+from pipeline.route.cost import region_costs
+from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
-from pipeline.route.programs.compact import build_compact_model, read_compact
+from pipeline.route.problem import RouteProblem
 from pipeline.route.programs.core import build_core
-from pipeline.route.programs.core_program import StepSequence, solve_core
+from pipeline.route.programs.core_program import build_core_program, read_core
 from pipeline.route.programs.exclusions import excluded_pairs
-from pipeline.route.programs.paper import build_paper_model, read_paper
-from pipeline.route.regions.build import RegionTable
-from pipeline.solvers.highs import solve_model
+from pipeline.route.programs.solution import StepSequence, solve_steps
+from pipeline.route.programs.whole import WHOLE_PROGRAMS
+from pipeline.route.search.states import StateGraph
+from pipeline.solvers.highs import Outcome
 from pipeline.status import Status
 
 _GROWTH = 3.0
-_ROUNDING = 1e-9
 _AHEAD = 1.1
-"""Moves are picked for thresholds up to this many times the present one: most of them are too dear for any."""
-_SIFTED_AT_ONCE = 20_000
-"""Cores of no more arcs are sifted before their threshold is lowered, larger ones only when they are solved."""
+"""Moves are picked for thresholds up to this many times the present one: most of them are too costly for any."""
+_SCREENED_EARLY = 20_000
+"""Cores of at most this many arcs are screened before their threshold is lowered, larger ones just before the solve."""
 
-
-Sift = Callable[[Moves, Moves], Moves]
-"""Follows the moves of a core, its first argument, and leaves all known to be bad out of its second."""
-
+Screening = Callable[[Moves, Moves, IntArray], Moves]
+"""Follows the moves of a core (first), and leaves all known to be bad out of others (second); rows are mapped to
+those of the region table by the third, (n,)."""
 
 _NO_MOVES = Moves(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
 
 
-def _as_they_are(core: Moves, moves: Moves) -> Moves:
+def keep_all(core: Moves, moves: Moves, base: IntArray) -> Moves:
+    """Screen nothing: all moves are admissible."""
     return moves
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class ProvenOptimum:
     """A proven optimum over the moves admitted so far.
 
     Attributes
     ----------
     sequence : StepSequence
-        Regions and x of the steps.
+        Rows of the region table, and x, of the steps.
     threshold : float
         T of the core it was proven on; infinite for a program over all regions.
     regions : int
-        How many regions the program was about.
+        Number of regions of the program.
+    relaxation : float
+        Bound on the sum of kappa when x and the step budget are left out.
+    cap : float
+        Cap on kappa: the least that leaves a route where the largest kappa counts, infinite where only the sum does.
     """
 
     sequence: StepSequence
     threshold: float
     regions: int
+    relaxation: float
+    cap: float = np.inf
+
+    @property
+    def objective(self) -> float:
+        """The least sum of kappa, as the solver gives it."""
+        return self.sequence.outcome.objective
+
+    @property
+    def bound(self) -> float:
+        """Proven lower bound on the sum of kappa."""
+        return self.sequence.outcome.bound
 
 
 def find_optimum(
-    config: Config,
-    regions: RegionTable,
-    moves: Moves,
+    problem: RouteProblem,
+    graph: StateGraph,
     bounds: Bounds,
-    progress: Progress,
-    verbose: bool,
     at_least: float = 0.0,
-    sift: Sift = _as_they_are,
-) -> Optimum | None:
+    screen: Screening = keep_all,
+) -> ProvenOptimum | None:
     """Find the route of least sum of kappa with the configured formulation; None: there is no route (proven).
 
     Parameters
     ----------
+    bounds : Bounds
+        Those of the graph.
     at_least : float
-        Known to be no more than the optimum: that of an earlier round with more moves.
-    sift : callable
-        Leaves bad moves out, asked for every core before it is solved; other formulations do not ask.
+        Known not to exceed the optimum: that of an earlier round with more moves.
+    screen : callable
+        Is asked to screen every core before it is solved; programs over all regions do not ask.
 
     Raises
     ------
     NoSolutionError
         When the solver's time limit ends a solve.
     """
-    if config.route.formulation == "core":
-        return prove_on_core(config, regions, moves, bounds, progress, verbose, at_least, sift)
-    return solve_whole(config, regions, moves, progress, verbose)
+    if problem.options.formulation in WHOLE_PROGRAMS:
+        return solve_whole(problem, graph, bounds)
+    return prove_on_core(problem, graph, bounds, at_least, screen)
 
 
-def solve_whole(
-    config: Config, regions: RegionTable, moves: Moves, progress: Progress, verbose: bool
-) -> Optimum | None:
-    """Solve the paper's or the compact program over all regions: for small grids, and to compare with.
+def solve_whole(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> ProvenOptimum | None:
+    """Solve the paper's or the compact program over all regions: for small grids, and for comparison.
 
     Raises
     ------
     NoSolutionError
         When the solver's time limit ends the solve.
     """
-    options = config.route
-    build, read = {"paper": (build_paper_model, read_paper), "compact": (build_compact_model, read_compact)}[
-        options.formulation
-    ]
-    steps = step_sizes(options)
-    progress(f"route: writing the {options.formulation} program")
-    model = build(regions, excluded_pairs(config, regions, moves), steps, options.step_budget, budgets(config))
-    outcome = solve_model(model, options.time_limit_s, progress, verbose)
-    if outcome.status is Status.INFEASIBLE:
+    options, regions, N = problem.options, graph.regions, problem.options.step_budget
+    whole = WHOLE_PROGRAMS[options.formulation]
+    problem.monitor.progress(f"route: writing the {options.formulation} program")
+    excluded = excluded_pairs(problem.config, regions, graph.moves)
+    program = whole.build(regions, excluded, problem.steps, N, problem.budgets)
+    found = solve_steps(program, lambda values: whole.read(values, regions, N), options.time_limit_s, problem.monitor)
+    if found.outcome.status is Status.INFEASIBLE:
         return None
-    if outcome.status is not Status.OPTIMAL:
-        raise _unproven(StepSequence(np.empty(0, dtype=np.int64), np.empty(0), outcome, 0), np.inf)
-    rows, x = read(outcome.values, regions, options.step_budget)
-    length = int(np.argmax(rows == regions.goal)) + 1
-    sequence = StepSequence(rows[:length], x[:length], outcome, len(outcome.values))
-    return Optimum(sequence, np.inf, len(regions))
+    if found.outcome.status is not Status.OPTIMAL:
+        raise _unproven(found.outcome, np.inf)
+    return ProvenOptimum(_in_table(found, graph), np.inf, len(regions), bounds.optimum)
 
 
 def prove_on_core(
-    config: Config,
-    regions: RegionTable,
-    moves: Moves,
+    problem: RouteProblem,
+    graph: StateGraph,
     bounds: Bounds,
-    progress: Progress,
-    verbose: bool,
     at_least: float = 0.0,
-    sift: Sift = _as_they_are,
-) -> Optimum | None:
+    screen: Screening = keep_all,
+) -> ProvenOptimum | None:
     """Raise the threshold until the optimum over the core is at most it, hence optimal; None: there is no route.
 
-    Before a core is solved its moves are sifted; bad ones leave the problem, and the core is laid out again.
+    Before a core is solved its moves are screened; bad ones leave the graph, and the core is built again.
 
     Raises
     ------
     NoSolutionError
         When the solver's time limit ends a solve.
     """
-    options = config.route
+    options, regions, moves = problem.options, graph.regions, graph.moves
     # No route within the step budget can cost more than this.
     ceiling = options.step_budget * float(regions.kappa.max())
     margin, known = options.threshold_margin, np.inf
-    excluded = max(bounds.optimum, at_least, float(regions.kappa[regions.start]))
+    excluded = max(bounds.optimum, at_least, float(region_costs(regions)[regions.start]))
     threshold, reach, part = min(excluded * (1.0 + margin), ceiling), -np.inf, moves
     while True:
         if threshold > reach:
             reach = _AHEAD * threshold
-            part = sift(_NO_MOVES, cheap_moves(moves, bounds, reach))
+            part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
         core = build_core(regions, part, bounds, threshold, options.step_budget, options.x_step_m)
-        progress(f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}")
-        # The core's own bound minds x and the step budget: a lower threshold may do, and a smaller core.
+        problem.monitor.progress(
+            f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}"
+        )
+        # The core's own bound takes x and the step budget into account: a lower threshold, and a smaller core, may do.
         lower = core.bound * (1.0 + options.threshold_margin)
         lowered = not core.empty and core.bound > excluded and lower < min(threshold, known)
-        if not lowered or len(core.tail) <= _SIFTED_AT_ONCE:
-            left = sift(core.moves, part)
+        if not lowered or len(core.tail) <= _SCREENED_EARLY:
+            left = screen(core.moves, part, graph.base)
             if len(left) < len(part):
                 part = left
                 continue
@@ -163,13 +170,13 @@ def prove_on_core(
             threshold, margin = lower, options.threshold_margin
             continue
         if not core.empty:
-            sequence = solve_core(core, options.time_limit_s, progress, verbose)
-            outcome = sequence.outcome
-            if outcome.status not in (Status.OPTIMAL, Status.INFEASIBLE):
-                raise _unproven(sequence, threshold)
-            if outcome.objective <= threshold * (1.0 + _ROUNDING):
-                return Optimum(sequence, threshold, core.regions)
-            known = min(known, outcome.objective)
+            read = partial(read_core, core=core)
+            found = solve_steps(build_core_program(core), read, options.time_limit_s, problem.monitor)
+            if found.outcome.status not in (Status.OPTIMAL, Status.INFEASIBLE):
+                raise _unproven(found.outcome, threshold)
+            if found.outcome.objective <= threshold * (1.0 + ROUNDING):
+                return ProvenOptimum(_in_table(found, graph), threshold, core.regions, bounds.optimum)
+            known = min(known, found.outcome.objective)
         if threshold >= ceiling:
             return None
         excluded = threshold
@@ -177,8 +184,12 @@ def prove_on_core(
         threshold = min(excluded * (1.0 + margin), known, ceiling)
 
 
-def _unproven(sequence: StepSequence, threshold: float) -> NoSolutionError:
-    outcome = sequence.outcome
+def _in_table(sequence: StepSequence, graph: StateGraph) -> StepSequence:
+    """Give a sequence of the graph in rows of the region table."""
+    return replace(sequence, region=graph.base[sequence.region])
+
+
+def _unproven(outcome: Outcome, threshold: float) -> NoSolutionError:
     return NoSolutionError(
         "route",
         f"HiGHS stopped without a proof ({outcome.status}); best sum of kappa {outcome.objective:.3f}, "

@@ -1,7 +1,7 @@
-"""The rules of a route, and nothing else: an independent look at what a solver returned.
+"""The rules of a route and nothing else: an independent check of what a solver returned.
 
-It knows (8)-(17), (38), the windows of x, the cost (5), tilt limits, visits, budgets and boxes to avoid; not the
-graph, the core or the program.
+It knows (8)-(17), (38), the windows of x, tilt limits, visits, budgets and boxes to avoid; not the graph, the core or
+the program.
 """
 
 import itertools
@@ -18,13 +18,13 @@ _ARMS = ((4, 1), (2, 2), (1, 3))
 
 
 _PARTS = np.linspace(0.0, 1.0, 41)[:, None, None]
-"""Where along a move it is looked at whether it enters a box."""
+"""Where along a move it is checked against the boxes to avoid."""
 
 
 def rule_violations(
     regions: RegionTable, rows: IntArray, x_m: FloatArray, steps: FloatArray, step_budget: int, tolerance: float = 1e-7
 ) -> list[str]:
-    """Name every rule of the paper that regions (n,) with positions x (n,) break; an empty list is a valid route.
+    """Name every rule of the paper that regions (n,) with positions x (n,) break; none for a valid route.
 
     `steps` (5,) are the largest moves of x, y, z, rx, rz.
     """
@@ -51,7 +51,7 @@ def rule_violations(
 
 
 def task_violations(config: Config, regions: RegionTable, rows: IntArray, x_m: FloatArray) -> list[str]:
-    """Name everything else the task asks for that regions (n,) with positions x (n,) do not keep."""
+    """Name everything else the task asks for that regions (n,) with positions x (n,) do not fulfil."""
     task = config.task
     found = _tilt_violations(config, np.abs(regions.controlled[rows, 3:]))
     stops = regions.visits[rows]
@@ -85,11 +85,6 @@ def _tilt_violations(config: Config, tilt_rad: FloatArray) -> list[str]:
         key, limit = ("task.locked_axes", 0.0) if locked else ("task.tilt_max_deg", np.deg2rad(task.tilt_max_deg))
         found += [f"{key}: {axis} of step {i} is beyond it" for i in _where(tilts > limit + 1e-7)]
     return found
-
-
-def route_cost(regions: RegionTable, rows: IntArray) -> float:
-    """Add up kappa of every region but the goal, (5) with (25)-(26)."""
-    return float(regions.kappa[rows[rows != regions.goal]].sum())
 
 
 def _where(condition: BoolArray) -> list[int]:

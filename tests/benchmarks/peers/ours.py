@@ -9,11 +9,12 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.machine import build_machine
-from pipeline.progress import silent
 from pipeline.route.bounds.shortest_paths import shortest_paths, shortest_route
 from pipeline.route.moves.candidates import find_moves
+from pipeline.route.problem import RouteProblem
 from pipeline.route.search.optimum import prove_on_core
-from pipeline.solvers.highs import solver_name
+from pipeline.route.search.states import unexpanded_graph
+from pipeline.solvers import solver_name
 from tests.benchmarks.exchange import load_problem, load_regions
 from tests.benchmarks.isolated import peak_mb
 
@@ -26,13 +27,14 @@ def core(folder: Path, limit_s: float) -> Iterator[dict[str, Any]]:
     begin = time.perf_counter()
     moves = find_moves(config, machine, regions)
     bounds = shortest_paths(regions, moves)
-    optimum = prove_on_core(config, regions, moves, bounds, silent, False)
+    problem = RouteProblem.of(config, machine, regions, moves)
+    optimum = prove_on_core(problem, unexpanded_graph(regions, moves), bounds)
     told: dict[str, Any] = {"seconds": time.perf_counter() - begin, "solver": solver_name(), "peak_mb": peak_mb()}
     if optimum is None:
         yield told | {"status": "infeasible"}
         return
     sequence = optimum.sequence
-    told |= {"status": sequence.outcome.status.value, "bound": sequence.outcome.bound}
+    told |= {"status": sequence.outcome.status.value, "bound": optimum.bound}
     yield told | {"rows": sequence.region, "x_m": sequence.x_m, "program_columns": sequence.columns}
 
 

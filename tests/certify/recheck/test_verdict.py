@@ -1,4 +1,4 @@
-"""A certificate verified again: a good one passes, and whatever is changed about it is found."""
+"""A certificate verified again: a true one passes, and any change to it is found."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.certify import Certificate
-from pipeline.certify.limits import Limits, build_limits
+from pipeline.certify import Bounds, Certificate, Ranges, premises_sha256
 from pipeline.certify.recheck import MANDATORY, Claim, verify
-from pipeline.certify.result import Bounds, ProvenChain
+from pipeline.certify.recheck.claims.checks import CHECKS
+from pipeline.certify.result import ProvenChain
 from pipeline.config import Config
+from pipeline.limits import certificate_keys
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from tests.certify.paths import branching_chains, ends_of, state, torn, two_branches, verified
@@ -26,22 +27,20 @@ def certificate(machine: Machine, line: Path, prove: Callable[..., Certificate])
 
 
 @pytest.fixture(scope="module")
-def limits(wide: Config, machine: Machine) -> Limits:
-    """Take the limits of the tests."""
-    return build_limits(wide, replace(machine, link_link_m=0.0), 0.0)
+def free(machine: Machine) -> Machine:
+    """Take the machine without a least distance of links."""
+    return replace(machine, link_link_m=0.0)
 
 
 @pytest.fixture(scope="module")
-def check(machine: Machine, line: Path, limits: Limits, certificate: Certificate) -> Verify:
+def check(wide: Config, free: Machine, line: Path, certificate: Certificate) -> Verify:
     """Give a function that verifies the certificate with changes, and lists what does not hold."""
 
     def run(**changes: object) -> list[Claim]:
-        given: dict[str, Any] = {"path": line, "machine": machine, "limits": limits, "stated": state(certificate)}
+        given: dict[str, Any] = {"config": wide, "path": line, "machine": free, "stated": state(certificate)}
         given.update({key: value for key, value in changes.items() if key in given})
         stated = replace(given["stated"], **{key: value for key, value in changes.items() if key not in given})
-        ends = ends_of(machine, line, (0, 0))
-        premises = certificate.premises_sha256
-        claims = verify(given["machine"], given["path"], given["limits"], ends, premises, stated)
+        claims = verify(given["config"], given["machine"], given["path"], ends_of(free, line, (0, 0)), stated)
         assert {claim.what for claim in claims} >= set(MANDATORY)
         return [claim for claim in claims if not claim.verified]
 
@@ -78,19 +77,34 @@ def test_a_chain_that_was_changed_is_found(check: Verify, certificate: Certifica
     assert check(chains=(CHAINS[name](certificate.chain),))
 
 
+def _with(key: str, change: Callable[[np.ndarray], np.ndarray]) -> Callable[[Bounds], Bounds]:
+    """Change the values of one key."""
+
+    def changed(bounds: Bounds) -> Bounds:
+        ranges = replace(bounds.ranges[key], values=change(bounds.ranges[key].values))
+        return replace(bounds, ranges={**bounds.ranges, key: ranges})
+
+    return changed
+
+
+def _pairs_reversed(bounds: Bounds) -> Bounds:
+    ranges = replace(bounds.ranges["distance_m"], subjects=bounds.pairs[::-1])
+    return replace(bounds, ranges={**bounds.ranges, "distance_m": ranges})
+
+
 BOUNDS: dict[str, Callable[[Bounds], Bounds]] = {
-    "kappa beyond the cap": lambda bounds: replace(bounds, kappa=2e9),
-    "distances that are none": lambda bounds: replace(bounds, distances_m=bounds.distances_m - 1.0),
-    "travel beyond the limits": lambda bounds: replace(bounds, actuators_m=bounds.actuators_m + [-9.0, 9.0]),
-    "tilts beyond the limits": lambda bounds: replace(bounds, tilt_rad=bounds.tilt_rad + 1.5),
+    "kappa beyond the cap": _with("kappa", lambda values: np.array([[-np.inf, 2e9]])),
+    "distances that are none": _with("distance_m", lambda values: values - 1.0),
+    "travel beyond the limits": _with("actuators_m", lambda values: values + [-9.0, 9.0]),
+    "tilts beyond the limits": _with("tilt_deg", lambda values: values + np.rad2deg(1.5)),
     "ends that are missed": lambda bounds: replace(bounds, start_miss=1e-3),
-    "kappa": lambda bounds: replace(bounds, kappa=0.98 * bounds.kappa),
-    "det_sign": lambda bounds: replace(bounds, det_sign=-bounds.det_sign),
-    "no det_sign": lambda bounds: replace(bounds, det_sign=0),
-    "distances_m": lambda bounds: replace(bounds, distances_m=bounds.distances_m + 2e-3),
-    "pairs": lambda bounds: replace(bounds, pairs=bounds.pairs[::-1]),
-    "actuators_m": lambda bounds: replace(bounds, actuators_m=bounds.actuators_m + [1e-4, 0.0]),
-    "tilt_rad": lambda bounds: replace(bounds, tilt_rad=0.99 * bounds.tilt_rad),
+    "kappa": _with("kappa", lambda values: 0.98 * values),
+    "det_sign": _with("det_sign", lambda values: -values),
+    "no det_sign": _with("det_sign", lambda values: np.array([[-1.0, 1.0]])),
+    "distances_m": _with("distance_m", lambda values: values + 2e-3),
+    "pairs": _pairs_reversed,
+    "actuators_m": _with("actuators_m", lambda values: values + [1e-4, 0.0]),
+    "tilt_deg": _with("tilt_deg", lambda values: 0.99 * values),
     "goal_miss": lambda bounds: replace(bounds, goal_miss=-1.0),
 }
 
@@ -103,38 +117,66 @@ def test_a_bound_that_was_changed_is_found(check: Verify, certificate: Certifica
 
 
 def test_whatever_is_not_there_is_asked_for(check: Verify) -> None:
-    """Without a chain every claim that needs one fails, not only that there is none."""
+    """Without a chain every claim that needs one fails, not only the one that counts chains."""
     missing = {claim.what for claim in check(chains=())}
     assert missing >= {what for what in MANDATORY if "machine: " in what or "kappa" in what or "the start is" in what}
 
 
-def test_boxes_on_two_branches_are_found(machine: Machine, line: Path) -> None:
+def test_a_bound_that_nothing_checks_is_not_verified(check: Verify, certificate: Certificate) -> None:
+    """A key that no module of `claims` knows is refused, whatever it states."""
+    assert certificate.bounds is not None
+    ranges = {**certificate.bounds.ranges, "force_n": Ranges(("l1",), np.array([[-np.inf, 1e9]]))}
+    wrong = check(bounds=replace(certificate.bounds, ranges=ranges))
+    assert [claim.what for claim in wrong] == ["bounds.force_n can be verified"]
+
+
+def test_every_key_of_a_certificate_has_a_check() -> None:
+    """Each proven kind of limit is verified by exactly one module."""
+    checked = [key for module in CHECKS for key in module.KEYS]
+    assert sorted(checked) == sorted(key.name for key in certificate_keys())
+
+
+def test_boxes_on_two_branches_are_found(wide: Config, machine: Machine, line: Path) -> None:
     """Each is proven, their joint too, and they reach from 0 to 1: only that neighbours share a branch is wrong."""
     for chain in branching_chains(machine, line):
-        claims = verified(machine, two_branches(machine, line)[0], chain)
-        assert claims["boxes reach from s = 0 to 1"]
-        assert claims["each holds one pose, regular"]
-        assert not claims["neighbours share a branch"]
+        claims = verified(wide, two_branches(machine, line)[0], chain)
+        assert claims["boxes cover s = 0 to 1"]
+        assert claims["each box holds one regular pose"]
+        assert not claims["neighbouring boxes share a branch"]
 
 
 def test_splines_that_jump_are_not_computed_with(check: Verify, line: Path) -> None:
     """Nothing is said about boxes along what is no function."""
     missing = {claim.what for claim in check(path=replace(line, spline=torn(line.spline, 1.0)))}
     assert "the splines are continuous from s = 0 to 1" in missing
-    assert "configured machine: each holds one pose, regular" in missing
+    assert "configured machine: each box holds one regular pose" in missing
 
 
-def test_another_path_or_machine_is_found(check: Verify, machine: Machine, line: Path) -> None:
+def test_another_path_or_machine_is_found(check: Verify, free: Machine, line: Path) -> None:
     """By its hash, and by the boxes it does not go through."""
     spline = line.spline
     other = replace(line, spline=type(spline)(spline.t, spline.c + 1e-4, spline.k))
-    assert {claim.what for claim in check(path=other)} >= {"it is about this path"}
-    longer = replace(machine, lengths_m=machine.lengths_m + 1e-4)
+    assert {claim.what for claim in check(path=other)} >= {"the certificate is of this path"}
+    longer = replace(free, lengths_m=free.lengths_m + 1e-4)
     assert check(machine=longer)
 
 
-def test_limits_that_are_stricter_are_found(check: Verify, limits: Limits) -> None:
-    """The configuration beside the certificate is what counts."""
-    assert check(limits=replace(limits, kappa_max=10.0))
-    assert check(limits=replace(limits, link_link_m=0.5))
-    assert check(limits=replace(limits, tilt_rad=np.array([0.01, 0.01])))
+STRICTER: dict[str, tuple[dict[str, dict[str, Any]], str]] = {
+    "cap": ({"route": {"kappa_max": 10.0}}, "kappa stays below its bound, within the cap"),
+    "tilt": ({"task": {"tilt_max_deg": 0.5}}, "tilts stay within bounds and limits"),
+}
+
+
+@pytest.mark.parametrize("name", STRICTER)
+def test_limits_that_are_stricter_are_found(check: Verify, wide: Config, certificate: Certificate, name: str) -> None:
+    """The configuration beside the certificate is what counts, even with the hash of its premises forged."""
+    changes, claim = STRICTER[name]
+    sections = {section: getattr(wide, section).model_copy(update=change) for section, change in changes.items()}
+    config = wide.model_copy(update=sections)
+    assert [one.what for one in check(config=config, premises_sha256=premises_sha256(config))] == [claim]
+
+
+def test_distances_that_are_stricter_are_found(check: Verify, free: Machine) -> None:
+    """Links have to be as far apart as the machine asks for, and rails are not left out."""
+    for strict in (replace(free, link_link_m=0.5), replace(free, link_rail_m=0.0)):
+        assert [claim.what for claim in check(machine=strict)] == ["axes keep their required distances"]

@@ -42,7 +42,7 @@ def synthetic(det: list[list[float]]) -> KappaMap:
 
 
 def test_only_sign_changes_inside_the_reach_count() -> None:
-    """A sign that changes across a gap, or over a cell not wholly in reach, is no singularity found."""
+    """A sign that changes across a gap, or over a cell not wholly in reach, is not a singularity."""
     nan = np.nan
     assert synthetic([[1.0, -1.0], [1.0, -1.0]]).has_singularities
     assert synthetic([[1.0, 1.0], [1.0, -1.0]]).has_singularities

@@ -77,7 +77,7 @@ def test_cells_are_those_of_the_regions(flat: Config, regions: RegionTable) -> N
 
 
 def test_different_tilts(flat: Config, regions: RegionTable) -> None:
-    """A cell reached at one tilt that leads to the goal at another is told apart from one that does both."""
+    """A cell reached at one tilt that leads to the goal at another is distinguished from one that does both."""
     row = int(np.flatnonzero((regions.modes == 0) & (regions.gates == 0))[0])
     twice = regions.take(np.array([row, row, *range(len(regions))]))
     from_start, to_goal = none_of(twice), none_of(twice)

@@ -10,12 +10,13 @@ from scipy.interpolate import make_interp_spline
 
 from pipeline.figures import has_loads, loads_figure, phase_figure, usage_figure
 from pipeline.machine import Machine
+from pipeline.machine.geometry import ACTUATORS
 from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Path
-from pipeline.retime import Trajectory
+from pipeline.retime import QUANTITIES, Quantity, Trajectory
+from pipeline.retime.fastest import plan
 from pipeline.retime.jerk.solve import limit_jerk
-from pipeline.retime.path_dynamics import grid, terms_table
-from pipeline.retime.toppra import plan
+from pipeline.retime.path_dynamics import grid, tabulate_dynamics
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def path(machine: Machine, refined: PathSamples) -> Path:
 @pytest.fixture(scope="module")
 def timed(path: Path) -> Trajectory:
     """The path with limited jerk."""
-    return limit_jerk(terms_table(path, grid(501)), plan(path, 500), 80).trajectory
+    return limit_jerk(tabulate_dynamics(path, grid(501)), plan(path, 500), 80).trajectory
 
 
 def test_loads_have_a_panel_for_each_kind(timed: Trajectory, assert_laid_out: Callable[[Figure], None]) -> None:
@@ -90,6 +91,16 @@ def test_usage_never_leaves_one(timed: Trajectory, assert_laid_out: Callable[[Fi
     assert used.max() <= 1.001
     assert np.mean(used.max(axis=0) > 0.9) > 0.8
     assert_laid_out(figure)
+
+
+def test_another_quantity_has_a_panel(timed: Trajectory) -> None:
+    """One more row of the table is one more panel, with the curve of whichever actuator uses most of the limit."""
+    slope = Quantity("slope", "m/s", ACTUATORS, limit=lambda _: np.full(5, 9.0), value=lambda path, t: path.q1 * t.sd)
+    panel = usage_figure(timed, (*QUANTITIES, slope)).axes[-1]
+    curve = panel.get_lines()[0]
+    speeds = np.abs(timed.q(curve.get_xdata(), 1)).max(axis=1)
+    assert curve.get_label() == "slope"
+    assert curve.get_ydata() == pytest.approx(speeds / 9.0, abs=1e-9)
 
 
 def test_the_trajectory_stays_below_the_maximum_velocity_curve(

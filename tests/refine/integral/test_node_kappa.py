@@ -1,4 +1,4 @@
-"""Kappa of the nodes as CasADi sees it, against finite differences of NumPy's."""
+"""Kappa of the nodes as a function of CasADi, against finite differences of NumPy's."""
 
 import casadi as ca
 import numpy as np
@@ -52,8 +52,8 @@ def test_kappa_does_not_change_along_the_rails(machine: Machine, nodes: np.ndarr
     np.testing.assert_allclose(along @ bend, 0.0, atol=1e-9 * np.abs(bend).max())
 
 
-def test_a_point_that_is_no_number_has_no_kappa(machine: Machine, nodes: np.ndarray) -> None:
-    """A solver that leaves the numbers is told so, and may step back."""
+def test_kappa_of_a_point_that_is_not_finite_is_nan(machine: Machine, nodes: np.ndarray) -> None:
+    """A solver that steps too far notices, and may step back."""
     lost = nodes.copy()
     lost[0, 0] = np.nan
     assert all(np.isnan(np.array(part)).all() for part in NodeKappa(machine, nodes.shape[1], 64.0)(ca.DM(lost)))

@@ -6,48 +6,52 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.machine import link_distances
+from pipeline.config import Config
+from pipeline.limits import node_limits
+from pipeline.machine import Machine, link_distances
 from pipeline.machine.working_modes import reach_along_rails
-from pipeline.refine.peak.constraints import Limit, least_distances
+from pipeline.refine.peak.constraints import Constraint, LeastValues, least_values
 from pipeline.refine.peak.iterate import Iterate, iterate_at
-from pipeline.refine.peak.sqp import PeakProblem
+from pipeline.refine.peak.problem import PeakProblem
 
 H = 1e-6
-EVERYWHERE = slice(None)
 
 
-def _guarded(ground: PeakProblem) -> PeakProblem:
-    """Ask for rails to be kept clear of, for sides at some nodes, and for a direction at the start."""
-    looks = replace(ground.looks, machine=replace(ground.looks.machine, link_rail_m=0.3))
-    sides = np.zeros_like(ground.demands.corridor.sides)
+@pytest.fixture(scope="module")
+def guarded(peak: PeakProblem, quick_config: Config, machine: Machine) -> PeakProblem:
+    """Require a distance to rails, too, sides at some points, and a direction at the start."""
+    _, rail = node_limits(quick_config, replace(machine, link_rail_m=0.3))
+    sides = np.zeros_like(peak.required.corridor.sides)
     sides[3, 0], sides[-4, 2] = -1.0, 1.0
-    corridor = replace(ground.demands.corridor, sides=sides)
-    directions = ground.directions.copy()
+    directions = peak.directions.copy()
     directions[0] = np.array([0.6, 0.0, 0.8, 0.0, 0.0])
-    demands = replace(ground.demands, corridor=corridor, rail_m=np.full((len(looks.s), 12), 0.3))
-    return replace(ground, looks=looks, demands=demands, directions=directions)
+    required = replace(
+        peak.required,
+        corridor=replace(peak.required.corridor, sides=sides),
+        limits=[*peak.required.limits, LeastValues(rail, np.full((len(peak.points.s), 12), 0.3))],
+    )
+    return replace(peak, required=required, directions=directions)
 
 
-def test_slopes_of_all_limits_agree_with_differences(
-    ground: PeakProblem, iterate: Iterate, direction: np.ndarray
+def test_slopes_of_all_constraints_agree_with_differences(
+    guarded: PeakProblem, iterate: Iterate, direction: np.ndarray
 ) -> None:
-    """Every row of every limit, along a random change of the coefficients and the change of length that follows."""
-    ground = _guarded(ground)
+    """Every row of every constraint, along a random change of the coefficients and the length that follows."""
     ahead, behind = (
-        iterate_at(ground.looks, iterate.coefficients + step * direction, iterate.pose) for step in (H, -H)
+        iterate_at(guarded.points, iterate.coefficients + step * direction, iterate.samples.pose) for step in (H, -H)
     )
     assert ahead is not None
     assert behind is not None
     longer = (ahead.distances.sum() - behind.distances.sum()) / (2.0 * H)
     step = np.concatenate([direction.ravel(), [0.0, longer]])
-    together: Iterator[tuple[Limit, Limit, Limit]] = zip(
-        ground.limits(iterate), ground.limits(ahead), ground.limits(behind), strict=True
+    together: Iterator[tuple[Constraint, Constraint, Constraint]] = zip(
+        guarded.constraints(iterate), guarded.constraints(ahead), guarded.constraints(behind), strict=True
     )
     count = 0
-    for limit, there, back in together:
+    for constraint, there, back in together:
         count += 1
-        found = limit.slope(np.arange(len(limit.value))) @ step
-        if limit.high[0] == limit.low[0] == limit.value[0] == 0.0:
+        found = constraint.slope(np.arange(len(constraint.value))) @ step
+        if constraint.high[0] == constraint.low[0] == constraint.value[0] == 0.0:
             # The length is what it is: its row says how it changes.
             np.testing.assert_allclose(found, 0.0, atol=1e-6 * abs(longer))
             continue
@@ -58,25 +62,26 @@ def test_slopes_of_all_limits_agree_with_differences(
     assert count >= 9
 
 
-def test_links_and_sides_are_those_of_the_machine(ground: PeakProblem, iterate: Iterate) -> None:
+def test_links_and_sides_are_those_of_the_machine(guarded: PeakProblem, iterate: Iterate) -> None:
     """Values are distances and reaches of the poses between the ends."""
-    guarded = _guarded(ground)
-    limits = list(guarded.limits(iterate))
-    distances = link_distances(ground.looks.machine, iterate.pose, iterate.q_m[:, :3])[1:-1]
-    np.testing.assert_allclose(limits[1].value, distances.ravel())
-    reach = reach_along_rails(ground.looks.machine, iterate.pose, iterate.q_m[:, :3])
-    np.testing.assert_allclose(limits[3].value, [-reach[3, 0], reach[-4, 2]])
+    constraints, machine, samples = list(guarded.constraints(iterate)), guarded.points.machine, iterate.samples
+    distances = link_distances(machine, samples.pose, samples.q_m[:, :3])[1:-1]
+    np.testing.assert_allclose(constraints[1].value, distances.ravel())
+    reach = reach_along_rails(machine, samples.pose, samples.q_m[:, :3])
+    np.testing.assert_allclose(constraints[3].value, [-reach[3, 0], reach[-4, 2]])
 
 
 @pytest.mark.parametrize(("value", "excess"), [(0.5, 0.0), (1.5, 5.0), (-0.2, 2.0)])
 def test_excess_counts_in_units_of_the_slack(value: float, excess: float) -> None:
-    """Nothing within the bounds, and how far beyond them else."""
-    limit = Limit(np.array([value]), np.zeros(1), np.ones(1), 0.1, lambda rows: rows)
-    assert limit.excess == pytest.approx(excess)
+    """Zero within the bounds, and outside the distance to them."""
+    constraint = Constraint(np.array([value]), np.zeros(1), np.ones(1), 0.1, lambda rows: rows)
+    assert constraint.excess == pytest.approx(excess)
 
 
-def test_a_pair_without_margin_at_the_ends_has_it_where_it_had_it() -> None:
+def test_a_pair_without_margin_at_the_ends_keeps_it_where_it_has_it(peak: PeakProblem) -> None:
     """The first pair is within the margin at the start; the second is not, and gets the whole margin everywhere."""
     distance = np.array([[0.0305, 0.05], [0.0308, 0.0304], [0.04, 0.05]])
-    wanted = least_distances(distance, 0.03, 0.001)
+    limit = peak.required.limits[0].limit
+    assert limit.least == 0.03
+    wanted = least_values(limit, distance, 0.001).least
     np.testing.assert_allclose(wanted, [[0.0305, 0.031], [0.0308, 0.031], [0.031, 0.031]])

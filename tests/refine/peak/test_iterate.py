@@ -1,9 +1,8 @@
-"""Iterates of the descent: forward kinematics at the looks, and derivatives by the actuators there."""
+"""Iterates of the descent: forward kinematics at the evaluation points, and derivatives by the actuators there."""
 
 import numpy as np
 import pytest
 
-from pipeline.machine import condition_number, statics_matrix
 from pipeline.machine.kinematics import closure_residual
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
 from pipeline.route.metric import arc_length
@@ -11,42 +10,44 @@ from pipeline.route.metric import arc_length
 H = 1e-6
 
 
-def _beside(looks: EvaluationPoints, iterate: Iterate, direction: np.ndarray, step: float) -> Iterate:
-    tried = iterate_at(looks, iterate.coefficients + step * direction, iterate.pose)
+def _beside(points: EvaluationPoints, iterate: Iterate, direction: np.ndarray, step: float) -> Iterate:
+    tried = iterate_at(points, iterate.coefficients + step * direction, iterate.samples.pose)
     assert tried is not None
     return tried
 
 
-def test_every_look_closes_all_links(looks: EvaluationPoints, iterate: Iterate) -> None:
+def test_every_point_closes_all_links(points: EvaluationPoints, iterate: Iterate) -> None:
     """The pose is the one that the actuators force."""
-    assert np.abs(closure_residual(looks.machine, iterate.pose, iterate.q_m)).max() < 1e-9
+    assert np.abs(closure_residual(points.machine, iterate.samples.pose, iterate.samples.q_m)).max() < 1e-9
 
 
-def test_kappa_is_just_above_the_true_one(looks: EvaluationPoints, iterate: Iterate) -> None:
+def test_kappa_is_just_above_the_true_one(points: EvaluationPoints, iterate: Iterate) -> None:
     """A Schatten norm of exponent 64 is at most six per cent above."""
-    kappa = condition_number(statics_matrix(looks.machine, iterate.pose, iterate.q_m[:, :3]))
+    kappa = iterate.samples.kappa
     assert (iterate.kappa >= kappa * (1.0 - 1e-12)).all()
     assert (iterate.kappa <= 1.06 * kappa).all()
 
 
-def test_the_integral_is_the_trapezoidal_one(looks: EvaluationPoints, iterate: Iterate) -> None:
+def test_the_integral_is_the_trapezoidal_one(points: EvaluationPoints, iterate: Iterate) -> None:
     """Over the length in the metric of the route."""
-    expected = np.trapezoid(iterate.kappa, arc_length(iterate.pose, looks.steps))
+    expected = np.trapezoid(iterate.kappa, arc_length(iterate.samples.pose, points.steps))
     assert iterate.integral == pytest.approx(expected, rel=1e-12)
 
 
 def test_derivatives_by_the_actuators_agree_with_differences(
-    looks: EvaluationPoints, iterate: Iterate, direction: np.ndarray
+    points: EvaluationPoints, iterate: Iterate, direction: np.ndarray
 ) -> None:
     """Poses and kappa of coefficients moved either way along a random direction."""
-    ahead, behind = (_beside(looks, iterate, direction, step) for step in (H, -H))
-    dq = (ahead.q_m - behind.q_m) / (2.0 * H)
+    ahead, behind = (_beside(points, iterate, direction, step) for step in (H, -H))
+    dq = (ahead.samples.q_m - behind.samples.q_m) / (2.0 * H)
     found = np.einsum("kij,kj->ki", iterate.moves, dq)
-    np.testing.assert_allclose(found, (ahead.pose - behind.pose) / (2.0 * H), atol=1e-6 * np.abs(found).max())
+    np.testing.assert_allclose(
+        found, (ahead.samples.pose - behind.samples.pose) / (2.0 * H), atol=1e-6 * np.abs(found).max()
+    )
     found = np.sum(iterate.kappa_slope * dq, axis=1)
     np.testing.assert_allclose(found, (ahead.kappa - behind.kappa) / (2.0 * H), atol=1e-5 * np.abs(found).max())
 
 
-def test_coefficients_that_cannot_close_are_no_iterate(looks: EvaluationPoints, iterate: Iterate) -> None:
+def test_coefficients_that_cannot_close_give_no_iterate(points: EvaluationPoints, iterate: Iterate) -> None:
     """A cart five metres away tears the machine apart."""
-    assert iterate_at(looks, iterate.coefficients + [0.0, 0.0, 5.0, 0.0, 0.0], iterate.pose) is None
+    assert iterate_at(points, iterate.coefficients + [0.0, 0.0, 5.0, 0.0, 0.0], iterate.samples.pose) is None

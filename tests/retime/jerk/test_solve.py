@@ -8,18 +8,20 @@ import pytest
 
 from pipeline.errors import NoSolutionError
 from pipeline.machine import Machine
+from pipeline.progress import Monitor
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage
-from pipeline.retime.jerk import solve as jerk_module
+from pipeline.retime.fastest import plan
 from pipeline.retime.jerk.first_guess import first_guess
+from pipeline.retime.jerk.options import DEFAULTS, JerkOptions
 from pipeline.retime.jerk.program import Checks, build_program, solve_program
 from pipeline.retime.jerk.solve import JerkLimited, limit_jerk
-from pipeline.retime.path_dynamics import grid, terms_table
-from pipeline.retime.toppra import plan
+from pipeline.retime.path_dynamics import grid, tabulate_dynamics
+from pipeline.retime.quantities import evaluate
 
 
-def _limited(path: Path, pieces: int = 150) -> JerkLimited:
-    return limit_jerk(terms_table(path, grid(1_001)), plan(path, 1_000), pieces)
+def _limited(path: Path, pieces: int = 150, options: JerkOptions = DEFAULTS) -> JerkLimited:
+    return limit_jerk(tabulate_dynamics(path, grid(1_001)), plan(path, 1_000), pieces, options=options)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +53,7 @@ def test_all_limits_hold_everywhere(found: JerkLimited) -> None:
     usage = measure_usage(found.trajectory, 0.01)
     assert usage.jerk_held
     assert usage.largest <= 1.001
-    assert min(usage.velocity.max(), usage.jerk.max()) > 0.99
+    assert min(usage.fractions["velocity"].max(), usage.fractions["jerk"].max()) > 0.99
 
 
 def test_it_starts_and_ends_without_acceleration(found: JerkLimited) -> None:
@@ -104,8 +106,8 @@ def test_tcp_and_forces_are_limited_too(path: Path) -> None:
     limited = _limited(replace(path, machine=tight), 200)
     usage = measure_usage(limited.trajectory, 0.01)
     assert usage.largest <= 1.001
-    assert usage.tcp_speed.max() > 0.99
-    assert usage.tcp_acceleration.max() > 0.95
+    assert usage.fractions["tcp_speed"].max() > 0.99
+    assert usage.fractions["tcp_acceleration"].max() > 0.95
     assert limited.trajectory.motion_s > _limited(path).trajectory.motion_s
 
 
@@ -115,7 +117,7 @@ def test_actuators_without_a_jerk_limit_are_left_alone(path: Path) -> None:
     jerk[3:] = np.inf
     usage = measure_usage(_limited(replace(path, machine=replace(path.machine, jerk_mps3=jerk))).trajectory)
     assert usage.largest <= 1.001
-    assert np.all(usage.jerk[3:] == 0.0)
+    assert np.all(usage.fractions["jerk"][3:] == 0.0)
     assert usage.peaks["jerk"][3:].max() > 10.0
 
 
@@ -127,11 +129,10 @@ def test_more_pieces_come_nearer_to_the_shortest_time(line) -> None:
     assert excess[1] < 1e-3
 
 
-def test_a_program_that_is_not_solved_is_an_error(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_that_is_not_solved_is_an_error(path: Path) -> None:
     """When the solver gives up, it says so, with what to change."""
-    monkeypatch.setattr(jerk_module, "_ITERATIONS", 2)
     with pytest.raises(NoSolutionError, match=r"did not converge \(maximum iterations exceeded") as caught:
-        _limited(path)
+        _limited(path, options=JerkOptions(iterations=2))
     assert "retime.jerk" in caught.value.advice
 
 
@@ -149,16 +150,15 @@ def test_slow_motions_are_found_though_their_ramps_are_short(path: Path, limit: 
     assert law.motion_s == pytest.approx(plan(slow_path, 4_000).duration_s, rel=0.01)
 
 
-def test_a_guess_that_fails_is_slowed_down(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With too few pieces at the switches the first guess is no start; twice as slow, it is."""
-    monkeypatch.setattr("pipeline.retime.jerk.first_guess._PER_WIDTH", 0.0)
+def test_a_guess_that_fails_is_slowed_down(path: Path) -> None:
+    """With too few pieces at the switches the program is not solved from the first guess; twice as slow, it is."""
+    options = JerkOptions(pieces_per_width=0.0, rounds=1)
     slow = replace(path, machine=replace(path.machine, tcp_speed_mps=0.01, masses=None))
-    table, fastest = terms_table(slow, grid(1_001)), plan(slow, 1_000)
-    monkeypatch.setattr(jerk_module, "_ROUNDS", 1)
-    assert limit_jerk(table, fastest, 300).trajectory.motion_s < 1.2 * fastest.duration_s
-    monkeypatch.setattr(jerk_module, "_SLOWER", (1.0,))
+    table, fastest = tabulate_dynamics(slow, grid(1_001)), plan(slow, 1_000)
+    found = limit_jerk(table, fastest, 300, options=options)
+    assert found.trajectory.motion_s < 1.2 * fastest.duration_s
     with pytest.raises(NoSolutionError, match="did not converge"):
-        limit_jerk(table, fastest, 300)
+        limit_jerk(table, fastest, 300, options=replace(options, slowdowns=(1.0,)))
 
 
 def test_an_interrupt_is_no_failed_solve(path: Path) -> None:
@@ -169,12 +169,12 @@ def test_an_interrupt_is_no_failed_solve(path: Path) -> None:
             signal.raise_signal(signal.SIGINT)
 
     with pytest.raises(KeyboardInterrupt):
-        limit_jerk(terms_table(path, grid(1_001)), plan(path, 500), 80, interrupt)
+        limit_jerk(tabulate_dynamics(path, grid(1_001)), plan(path, 500), 80, Monitor(interrupt))
 
 
 def test_the_program_keeps_limits_where_it_checks_them(path: Path) -> None:
     """At breakpoints and at checks within pieces; and its law goes through all breakpoints."""
-    table = terms_table(path, grid(1_001))
+    table = tabulate_dynamics(path, grid(1_001))
     guess = first_guess(table, plan(path, 500), 80)
     checks = Checks(np.arange(len(guess.h)), np.full(len(guess.h), 0.5))
     law = guess
@@ -185,6 +185,6 @@ def test_the_program_keeps_limits_where_it_checks_them(path: Path) -> None:
     assert time_law(time_law.x[1:] - 1e-13) == pytest.approx(law.s[1:], abs=1e-8)
     machine = path.machine
     for s, *state in (law.state(checks.piece, 0.0), law.state(checks.piece, 0.5)):
-        values = table.at(s).values(*state)
+        values = evaluate(table.at(s), *state)
         assert (np.abs(values["jerk"]) / machine.jerk_mps3).max() <= 1.0 + 1e-3
         assert (np.abs(values["acceleration"]) / machine.acceleration_mps2).max() <= 1.0 + 1e-3

@@ -1,23 +1,11 @@
-"""The least largest kappa: no route has less, and among those that have it none costs less."""
+"""The least cap on kappa that leaves a route in the graph."""
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.errors import NoSolutionError
-from pipeline.machine import build_machine
-from pipeline.progress import silent
-from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
 from pipeline.route.bounds.shortest_paths import shortest_paths
-from pipeline.route.moves.candidates import Moves
-from pipeline.route.moves.rejections import Rejection
-from pipeline.route.moves.screen import Screen
-from pipeline.route.search.objective import find_best
-from pipeline.route.search.states import unexpanded_graph
-
-REJECTED = Rejection("kappa exceeds its cap")
 
 
 @settings(max_examples=100)
@@ -34,52 +22,3 @@ def test_the_cap_of_the_graph_is_the_least_with_a_way(random_problem, seed):
             break
     assert least_cap(regions, moves) == expected
     assert least_cap(regions, moves, most_moves=positions - 1) >= expected
-
-
-@settings(max_examples=80)
-@given(st.integers(0, 1_000_000), st.sampled_from([0.0, 0.2, 0.4]))
-def test_the_bottleneck_route_is_that_of_brute_force(random_problem, cheapest, quick_config, vary, seed, share):
-    """With x binding and a share of the moves bad: the least cap by a dynamic program, and the least sum under it."""
-    regions, moves, positions = random_problem(seed)
-    random = np.random.default_rng(seed)
-    bad = np.triu(random.random((len(regions), len(regions))) < share)
-    bad |= bad.T
-    good = ~bad[moves.source, moves.target]
-    allowed = Moves(moves.source[good], moves.target[good])
-    config = vary(
-        quick_config, {"route.x_step_m": 1.0, "route.step_budget": positions, "route.objective": "bottleneck"}
-    )
-    expected = next(
-        (
-            (cap, cost)
-            for cap in np.unique(regions.kappa)
-            if cap >= max(regions.kappa[-2:])
-            and np.isfinite(cost := cheapest(regions, moves_within(allowed, regions.kappa, cap), positions, 1.0))
-        ),
-        None,
-    )
-    screen = Screen(
-        lambda source, target: [REJECTED if is_bad else None for is_bad in bad[source, target]],
-        len(regions),
-    )
-    bounds = shortest_paths(regions, moves)
-    best = find_best(config, unexpanded_graph(regions, moves), bounds, screen, None, silent, False)
-    if expected is None:
-        assert best is None
-        return
-    rows = best.optimum.sequence.region
-    assert regions.kappa[rows].max() == best.cap == expected[0]
-    assert best.optimum.sequence.outcome.objective == pytest.approx(expected[1], abs=1e-6)
-
-
-def test_the_bottleneck_route_has_the_least_largest_kappa(quick_config, vary, quick, assert_rules):
-    """It costs more in all and less at worst; with any lower cap on kappa there is no route."""
-    config = vary(quick_config, {"route.objective": "bottleneck"})
-    route = plan_route(config, quick.machine, quick.regions)
-    plain = plan_route(quick.config, quick.machine, quick.regions)
-    assert_rules(config, quick.machine, route)
-    assert route.kappa_max < plain.kappa_max
-    assert route.objective > plain.objective
-    below = vary(quick_config, {"route.kappa_max": route.kappa_max - 1e-6})
-    with pytest.raises(NoSolutionError, match="proven"):
-        plan_route(below, quick.machine, build_regions(below, build_machine(below.machine)))

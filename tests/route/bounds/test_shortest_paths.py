@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.route.bounds import shortest_paths as relaxation
 from pipeline.route.bounds.budgets import Budget, Prices
-from pipeline.route.bounds.shortest_paths import fewest_moves, least_use, shortest_paths, shortest_route
+from pipeline.route.bounds.shortest_paths import fewest_positions, least_use, shortest_paths, shortest_route
 from pipeline.route.moves.candidates import find_moves
 
 
@@ -22,11 +21,11 @@ def _bellman(regions, moves, source, target, root, weight):
             return cost
 
 
-def test_optimum_and_fewest_moves_agree_with_an_independent_implementation(cross):
-    """LLL to RRR, 0.1 m, 10 degrees: 274.198823 (to six decimals 274.198822 here), eleven moves at least."""
+def test_optimum_and_fewest_positions_agree_with_an_independent_implementation(cross):
+    """LLL to RRR, 0.1 m, 10 degrees: 274.198823 (to six decimals 274.198822 here), twelve positions at least."""
     bounds = shortest_paths(cross.regions, cross.moves)
     assert bounds.optimum == pytest.approx(274.198822, abs=1e-6)
-    assert fewest_moves(cross.regions, cross.moves) == 11
+    assert fewest_positions(cross.regions, cross.moves) == 12
     route = shortest_route(cross.regions, cross.moves, bounds)
     assert cross.regions.kappa[route].max() == pytest.approx(33.999, abs=1e-3)
 
@@ -83,7 +82,7 @@ def test_no_region_is_on_a_route_cheaper_than_the_optimum(random_problem, seed):
     assert bounds.forward[regions.start] == bounds.backward[regions.goal] == 0.0
     assert bounds.forward[regions.goal] == bounds.optimum
     if not np.isfinite(bounds.optimum):
-        assert fewest_moves(regions, moves) is None
+        assert fewest_positions(regions, moves) is None
         return
     assert through.min() >= bounds.optimum - 1e-9
     route = shortest_route(regions, moves, bounds)
@@ -92,31 +91,41 @@ def test_no_region_is_on_a_route_cheaper_than_the_optimum(random_problem, seed):
     assert all(pair in pairs for pair in zip(route.tolist(), route[1:].tolist(), strict=False))
     assert regions.kappa[route[:-1]].sum() == pytest.approx(bounds.optimum)
     np.testing.assert_allclose(through[route], bounds.optimum)
-    assert fewest_moves(regions, moves) <= len(route) - 1
+    assert fewest_positions(regions, moves) <= len(route)
 
 
-def test_fewest_moves_does_not_look_at_costs(hand_table, hand_moves):
-    """Two dear moves are fewer than three cheap ones."""
+def test_fewest_positions_do_not_depend_on_costs(hand_table, hand_moves):
+    """Two costly moves are fewer than three cheap ones."""
     regions = hand_table([(0.0, 0.0)] * 5, [1.0, 1.0, 100.0, 1.0, 1.0])
     moves = hand_moves([(3, 0), (0, 1), (1, 4), (3, 2), (2, 4)])
-    assert fewest_moves(regions, moves) == 2
+    assert fewest_positions(regions, moves) == 3
     bounds = shortest_paths(regions, moves)
     assert bounds.optimum == 3.0
     assert shortest_route(regions, moves, bounds).tolist() == [3, 0, 1, 4]
 
 
-def test_prices_and_use_of_budgets_are_added_move_by_move(small, monkeypatch):
-    """Beside Bellman's recursion, with blocks so small that there are many."""
-    monkeypatch.setattr(relaxation, "_BLOCK", 1_000)
+@given(st.integers(0, 100_000))
+def test_fewest_positions_are_those_of_a_search_step_by_step(random_problem, seed):
+    """Regions reached after one move, two moves and so on; none after all regions means never."""
+    regions, moves, _ = random_problem(seed)
+    pairs = set(zip(moves.source.tolist(), moves.target.tolist(), strict=True))
+    reached, positions = {regions.start}, 1
+    while regions.goal not in reached and positions <= len(regions):
+        reached, positions = reached | {j for i, j in pairs if i in reached}, positions + 1
+    assert fewest_positions(regions, moves) == (positions if regions.goal in reached else None)
+
+
+def test_prices_and_use_of_budgets_are_added_move_by_move(small):
+    """Against Bellman's recursion, with blocks so small that there are many."""
     regions, moves = small.regions, small.moves
     budget = Budget("travel_m", 3.0, (1, 2), travels=True)
     used = budget.used(regions, moves.source, moves.target)
     assert used.max() > 0.1
-    bounds = shortest_paths(regions, moves, Prices((budget,), (7.0,)))
+    bounds = shortest_paths(regions, moves, Prices((budget,), (7.0,)), block_size=1_000)
     weight = regions.kappa[moves.source] + 7.0 * used
     forward = _bellman(regions, moves, moves.source, moves.target, regions.start, weight)
     backward = _bellman(regions, moves, moves.target, moves.source, regions.goal, weight)
     np.testing.assert_allclose(bounds.forward, forward)
     np.testing.assert_allclose(bounds.backward, backward)
     least = _bellman(regions, moves, moves.source, moves.target, regions.start, used)[regions.goal]
-    assert least_use(regions, moves, budget) == pytest.approx(least)
+    assert least_use(regions, moves, budget, block_size=1_000) == pytest.approx(least)

@@ -11,7 +11,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.limits import Relaxation, relaxations
 from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route
-from pipeline.route.bounds.shortest_paths import fewest_moves
+from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.diagnosis.relaxed_table import SearchOutcome, search_whole
 from pipeline.route.diagnosis.result import InfeasibilityReport, Verdict
 from pipeline.route.diagnosis.search import (
@@ -156,8 +156,8 @@ class TestFindings:
             config = vary(coarse, {key: value})
             machine = build_machine(config.machine)
             regions = build_regions(config, machine)
-            hops = fewest_moves(regions, find_moves(config, machine, regions))
-            return hops is not None and hops + 1 <= config.route.step_budget
+            fewest = fewest_positions(regions, find_moves(config, machine, regions))
+            return fewest is not None and fewest <= config.route.step_budget
 
         class Found:
             objective, region = 1.0, np.array([0])

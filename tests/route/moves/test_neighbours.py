@@ -9,7 +9,7 @@ from pipeline.route.moves.neighbours import Cells
 
 @given(st.integers(0, 2**32 - 1), st.booleans())
 def test_all_that_is_within_one_step_is_found_once(seed, whole):
-    """Beside brute force: every region of the mode within a step in all coordinates, none two steps off or more."""
+    """Against brute force: every region of the mode within a step in all coordinates, none two steps off or more."""
     random = np.random.default_rng(seed)
     n = int(random.integers(1, 60))
     coordinates = random.uniform(-2.0, 3.0, (n, 4))

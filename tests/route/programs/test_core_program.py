@@ -5,16 +5,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.progress import silent
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.programs.core import build_core
-from pipeline.route.programs.core_program import build_model, solve_core
+from pipeline.route.programs.core_program import build_core_program, read_core
+from pipeline.route.programs.solution import solve_steps
 from pipeline.status import Status
+
+
+def _solve_core(core):
+    return solve_steps(build_core_program(core), lambda values: read_core(values, core), 60.0)
 
 
 def _solve(regions, moves, threshold, positions, x_step_m=1.0):
     core = build_core(regions, moves, shortest_paths(regions, moves), threshold, positions, x_step_m)
-    return core, (None if core.empty else solve_core(core, 60.0, silent, False))
+    return core, (None if core.empty else _solve_core(core))
 
 
 def _assert_follows_rules(sequence, regions, moves, positions, x_step_m):
@@ -51,7 +55,7 @@ def test_optimum_is_that_of_a_dynamic_program(random_problem, cheapest, seed, x_
 
 
 def test_x_decides_between_two_ways(hand_table, hand_moves):
-    """The cheap way is out of reach along X by a hair, so the dear one is taken."""
+    """The cheap way is out of reach along X by a hair, so the costly one is taken."""
     windows = [(1.0 + 1e-6, 2.0), (0.5, 2.0), (0.0, 0.0), (1.5, 1.5)]
     regions = hand_table(windows, [3.0, 8.0, 5.0, 1.0])
     moves = hand_moves([(2, 0), (2, 1), (0, 3), (1, 3)])
@@ -97,11 +101,11 @@ def test_the_program_has_a_boolean_per_arc_and_a_position_per_step(cross):
     """Rows: a balance per node, two windows per step, and a difference between steps (13)."""
     bounds = shortest_paths(cross.regions, cross.moves)
     core = build_core(cross.regions, cross.moves, bounds, bounds.optimum * 1.01, 25, 0.1)
-    lp = build_model(core).lp_
-    assert lp.num_col_ == len(core.tail) + 25
-    assert lp.num_row_ == len(core.step) + 25 + 25 + 24
-    assert sum("kInteger" in str(kind) for kind in lp.integrality_) == len(core.tail)
-    assert solve_core(core, 60.0, silent, False).columns == lp.num_col_
+    program = build_core_program(core)
+    assert program.columns == len(core.tail) + 25
+    assert program.rows == len(core.step) + 25 + 25 + 24
+    assert np.count_nonzero(program.integer) == len(core.tail)
+    assert _solve_core(core).columns == program.columns
 
 
 def test_the_reference_task_is_solved_to_the_known_optimum(cross):

@@ -11,7 +11,8 @@ from pipeline.errors import ConfigError
 from pipeline.machine import build_machine, condition_number, inverse_kinematics, min_distances, statics_matrix
 from pipeline.progress import Monitor
 from pipeline.route import build_regions, grid_regions
-from pipeline.route.regions.grid import gate_bit, grid_points
+from pipeline.route.regions.gates import gate_bit
+from pipeline.route.regions.grid import grid_points
 
 
 def test_counts_agree_with_an_independent_implementation(cross):

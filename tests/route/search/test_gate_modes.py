@@ -1,4 +1,4 @@
-"""Which working mode at a gate."""
+"""Choice of the working mode at gates."""
 
 import itertools
 from dataclasses import replace
@@ -55,12 +55,12 @@ def test_the_fewest_changes_are_taken(gates, seed):
     regions, rows = gates(seed)
     if not _valid(regions, rows):
         return
-    calm = fewest_mode_changes(regions, rows)
-    assert _valid(regions, calm)
-    np.testing.assert_array_equal(regions.controlled[calm], regions.controlled[rows])
+    fewer = fewest_mode_changes(regions, rows)
+    assert _valid(regions, fewer)
+    np.testing.assert_array_equal(regions.controlled[fewer], regions.controlled[rows])
     places = [np.flatnonzero(regions.controlled[:, 1] == regions.controlled[row, 1]) for row in rows]
     fewest = min(_changes(regions, way) for way in itertools.product(*places) if _valid(regions, way))
-    assert _changes(regions, calm) == fewest
+    assert _changes(regions, fewer) == fewest
 
 
 def test_a_flip_that_leads_nowhere_goes(gates, hand_table):

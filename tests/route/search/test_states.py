@@ -1,4 +1,4 @@
-"""Itineraries: routes of the layout are those routes of the regions that have done it all."""
+"""Itineraries: routes of the expanded graph are those routes of the regions that have done everything asked."""
 
 import tracemalloc
 from dataclasses import replace
@@ -28,7 +28,7 @@ def _walks(regions, moves, length):
 
 @settings(max_examples=100)
 @given(st.integers(0, 1_000_000), st.integers(0, 2), st.integers(0, 2))
-def test_walks_of_the_layout_are_those_that_have_done_it_all(random_problem, seed, visits, routes):
+def test_walks_of_the_graph_are_those_that_have_done_everything_asked(random_problem, seed, visits, routes):
     """By brute force: each such walk of the regions is there once, and no other."""
     regions, moves, _ = random_problem(seed)
     random = np.random.default_rng(seed)
@@ -38,22 +38,22 @@ def test_walks_of_the_layout_are_those_that_have_done_it_all(random_problem, see
     regions = replace(regions, visits=visit)
     near = random.random((routes, len(regions))) < 0.6
     near[:, -2:] = True
-    layout = expand_states(regions, moves, near)
-    assert (layout.base[-2], layout.base[-1]) == (regions.start, regions.goal)
-    assert (np.diff(layout.moves.source) >= 0).all()
+    graph = expand_states(regions, moves, near)
+    assert (graph.base[-2], graph.base[-1]) == (regions.start, regions.goal)
+    assert (np.diff(graph.moves.source) >= 0).all()
     for length in (2, 3, 4, 5):
         wanted = set()
         for walk in _walks(regions, moves, length):
             stops = iter(visit[list(walk)].tolist())
             if all(k in stops for k in range(1, visits + 1)) and (~near[:, list(walk)]).any(axis=1).all():
                 wanted.add(walk)
-        found = [tuple(layout.base[list(walk)].tolist()) for walk in _walks(layout.regions, layout.moves, length)]
+        found = [tuple(graph.base[list(walk)].tolist()) for walk in _walks(graph.regions, graph.moves, length)]
         assert len(found) == len(set(found))
         assert set(found) == wanted
 
 
 def test_many_better_routes_take_no_memory_to_speak_of(hand_table):
-    """Regions near none of them, by far the most, are laid out once: states by regions are never held."""
+    """Regions near none of them, which most are, have one row: there is never a table of states by regions."""
     n = 5_000
     random = np.random.default_rng(0)
     regions = hand_table([(0.0, 1.0)] * n, [2.0] * n)
@@ -61,18 +61,18 @@ def test_many_better_routes_take_no_memory_to_speak_of(hand_table):
     near[:, -2:] = True
     moves = Moves(np.sort(random.integers(0, n, 50_000)), random.integers(0, n, 50_000))
     tracemalloc.start()
-    layout = expand_states(regions, moves, near)
+    graph = expand_states(regions, moves, near)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert n < len(layout.base) < 1.5 * n
+    assert n < len(graph.base) < 1.5 * n
     assert peak < 10_000_000
 
 
 def test_nothing_asked_leaves_everything_as_it_is(quick):
     """No copies, no work."""
-    layout = expand_states(quick.regions, quick.moves, np.zeros((0, len(quick.regions)), dtype=bool))
-    assert layout.regions is quick.regions
-    assert layout.moves is quick.moves
+    graph = expand_states(quick.regions, quick.moves, np.zeros((0, len(quick.regions)), dtype=bool))
+    assert graph.regions is quick.regions
+    assert graph.moves is quick.moves
     assert len(unexpanded_graph(quick.regions, quick.moves).base) == len(quick.regions)
 
 

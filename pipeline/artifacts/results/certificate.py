@@ -1,0 +1,172 @@
+"""The certificate as a file: verdict and bounds first, then the boxes with which it can be verified again."""
+
+import json
+import pathlib
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any, NoReturn
+
+import numpy as np
+from pydantic import ValidationError
+
+from pipeline.artifacts.files import jsonable
+from pipeline.artifacts.layout import CERTIFICATE_JSON
+from pipeline.artifacts.results.certificate_bounds import read_bounds, state_bounds
+from pipeline.artifacts.results.certificate_shape import FORMAT, ChainShape, ToleranceShape, certificate_shape, explain
+from pipeline.artifacts.results.saved import SavedRun
+from pipeline.certify.guess import point_box
+from pipeline.certify.recheck import StatedTolerance, Statement
+from pipeline.certify.result import NOT_CERTIFIED, Certificate, ProvenChain, Tolerance
+from pipeline.errors import UsageError
+from pipeline.inclusion.krawczyk import Box
+from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.limits import certificate_keys
+
+_ADVICE = "\n  What to change: certify the path again: gantry-tau certify CONFIG --force"
+_SHOWN = 5
+"""Number of faults reported: a damaged file may have thousands."""
+
+
+def certificate_files(certificate: Certificate, facts: Mapping[str, Any]) -> dict[str, bytes]:
+    """Write the certificate: its verdict and bounds, and the boxes with which it can be verified again."""
+    return {CERTIFICATE_JSON: certificate_bytes(certificate, facts)}
+
+
+def load_certificate(run: SavedRun) -> Statement:
+    """Load what can be verified of the certificate of a run."""
+    return read_certificate(run.folder / CERTIFICATE_JSON)
+
+
+def certificate_bytes(certificate: Certificate, facts: Mapping[str, Any]) -> bytes:
+    """Write a certificate: the facts a line each, every chain on one line."""
+    value = jsonable(certificate_dict(certificate, facts))
+    proofs = ",\n    ".join(json.dumps(chain, allow_nan=False) for chain in value.pop("chains"))
+    head = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False).removesuffix("\n}")
+    return f'{head},\n  "chains": [\n    {proofs}\n  ]\n}}\n'.encode()
+
+
+def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Arrange a certificate for its file; `facts` are the settings, versions and seconds, which it does not hold."""
+    failure, link_length, coordinates = certificate.failure, certificate.link_length, certificate.coordinates
+    return {
+        "format": FORMAT,
+        "verdict": certificate.verdict,
+        "refused_at_s": None if failure is None else failure.s,
+        "refused_because": None if failure is None else failure.reason.text,
+        "boxes": len(certificate.chain.boxes),
+        "path_sha256": certificate.path_sha256,
+        "premises_sha256": certificate.premises_sha256,
+        "bounds": None if certificate.bounds is None else state_bounds(certificate.bounds, certificate_keys()),
+        "tolerance_m": None if link_length is None else link_length.eps_m,
+        "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
+        "tolerances": {
+            "link_length": _tolerance_dict(link_length),
+            "coordinates": _tolerance_dict(coordinates),
+        },
+        "precision_bits": certificate.precision_bits,
+        **facts,
+        "chains": [_chain_dict(chain) for chain in chains(certificate)],
+    }
+
+
+def chains(certificate: Certificate) -> list[ProvenChain]:
+    """List the chains of a certificate: of the machine as configured, and of the uncertain machines."""
+    tolerances = (certificate.link_length, certificate.coordinates)
+    uncertain = [tolerance.chain for tolerance in tolerances if tolerance is not None]
+    return [certificate.chain, *(chain for chain in uncertain if chain is not None)]
+
+
+def read_certificate(file: pathlib.Path) -> Statement:
+    """Read what can be verified of a certificate.
+
+    Raises
+    ------
+    UsageError
+        When the file does not exist, is damaged or of another format, or says that the path is not certified.
+    """
+    data = _read_json(file)
+    if (version := data.get("format")) != FORMAT:
+        written = "names no format" if version is None else f"is of format {json.dumps(version, default=str)[:40]}"
+        raise UsageError(f"{file} {written}; this version reads format {FORMAT}.{_ADVICE}")
+    if (verdict := data.get("verdict")) == NOT_CERTIFIED:
+        raise UsageError(f"{file} says that the path is {verdict}: there is nothing to verify.{_ADVICE}")
+    try:
+        shape = certificate_shape(certificate_keys()).model_validate(data)
+    except ValidationError as error:
+        wrong = [explain(one) for one in error.errors(include_url=False)]
+        more = [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
+        lines = "\n  ".join(["", *wrong[:_SHOWN], *more])
+        raise UsageError(f"{file} is not a certificate that can be verified:{lines}{_ADVICE}") from None
+    return Statement(
+        path_sha256=shape.path_sha256,
+        premises_sha256=shape.premises_sha256,
+        boxes=shape.boxes,
+        bounds=read_bounds(shape.bounds.model_dump(exclude_unset=True), certificate_keys()),
+        link_length=_stated(shape.tolerances.link_length),
+        coordinates=_stated(shape.tolerances.coordinates),
+        chains=tuple(_chain(chain) for chain in shape.chains),
+    )
+
+
+def _read_json(file: pathlib.Path) -> dict[str, Any]:
+    """Read a JSON object, with finite numbers and without duplicate keys."""
+
+    def no_number(text: str) -> NoReturn:
+        raise UsageError(f"{file} holds {text} where a number is expected.{_ADVICE}")
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        section = dict(pairs)
+        if len(section) < len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in section if names.count(name) > 1)
+            raise UsageError(f"{file} has the key {twice} twice in one section.{_ADVICE}")
+        return section
+
+    try:
+        data = json.loads(file.read_bytes(), parse_constant=no_number, object_pairs_hook=unique)
+    except FileNotFoundError:
+        raise UsageError(f"{file} does not exist.\n  What to change: give the certificate.json of a run.") from None
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno}, column {error.colno}"
+        raise UsageError(f"{file} is damaged: it is not JSON from {place} on.{_ADVICE}") from None
+    except (ValueError, RecursionError):
+        raise UsageError(f"{file} is damaged: it is not JSON.{_ADVICE}") from None
+    if not isinstance(data, dict):
+        raise UsageError(f"{file} is not a certificate: it has no keys.{_ADVICE}")
+    return data
+
+
+def _stated(shape: ToleranceShape | None) -> StatedTolerance | None:
+    return None if shape is None else StatedTolerance(shape.proven_m, shape.boxes)
+
+
+def _chain(shape: ChainShape) -> ProvenChain:
+    columns = zip(shape.s[:-1], shape.s[1:], shape.pose, shape.radius, strict=True)
+    points = zip(shape.s, shape.joint_pose, shape.joint_radius, strict=True)
+    return ProvenChain(
+        uncertainty=Uncertainty(shape.uncertainty.length_m, shape.uncertainty.coordinate_m),
+        boxes=tuple(Box(first, last, np.array(x), np.array(r)) for first, last, x, r in columns),
+        joints=tuple(point_box(s, np.array(x), np.array(r)) for s, x, r in points),
+    )
+
+
+def _tolerance_dict(tolerance: Tolerance | None) -> dict[str, Any] | None:
+    if tolerance is None:
+        return None
+    return {
+        "proven_m": tolerance.eps_m,
+        "not_proven_m": tolerance.refuted_m,
+        "monte_carlo_fails_m": tolerance.fails_m,
+        "boxes": 0 if tolerance.chain is None else len(tolerance.chain.boxes),
+    }
+
+
+def _chain_dict(chain: ProvenChain) -> dict[str, Any]:
+    return {
+        "uncertainty": asdict(chain.uncertainty),
+        "s": [box.first for box in chain.boxes] + [box.last for box in chain.boxes[-1:]],
+        "pose": [box.pose.tolist() for box in chain.boxes],
+        "radius": [box.radius.tolist() for box in chain.boxes],
+        "joint_pose": [joint.pose[0].tolist() for joint in chain.joints],
+        "joint_radius": [joint.radius.tolist() for joint in chain.joints],
+    }

@@ -1,0 +1,24 @@
+"""Columns of results by name."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeline.artifacts.npz import Arrays
+from pipeline.export.columns import POSITIONS
+
+CONTROLLED = ("x_m", "y_m", "z_m", "rx_rad", "rz_rad")
+"""Columns of a controlled pose."""
+Q_COLUMNS = POSITIONS
+"""Columns of the actuator positions."""
+
+
+def split_columns(names: tuple[str, ...], table: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:
+    """Name the columns of a table of shape (n, len(names))."""
+    return dict(zip(names, table.T, strict=True))
+
+
+def stack_columns(arrays: Arrays, names: tuple[str, ...]) -> npt.NDArray[Any]:
+    """Put named columns of shape (n,) side by side, as an array of shape (n, len(names))."""
+    return np.stack([arrays[name] for name in names], axis=1)

@@ -1,0 +1,54 @@
+"""The region table as a file: `regions.npz`, one array per column."""
+
+from typing import Any
+
+import numpy.typing as npt
+
+from pipeline.artifacts.layout import REGIONS_NPZ
+from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
+from pipeline.artifacts.results.columns import CONTROLLED, Q_COLUMNS, split_columns, stack_columns
+from pipeline.artifacts.results.saved import SavedRun
+from pipeline.route.regions.table import RegionTable
+
+
+def regions_files(table: RegionTable) -> dict[str, bytes]:
+    """Write the region table."""
+    return {REGIONS_NPZ: npz_bytes(pack_regions(table))}
+
+
+def load_regions(run: SavedRun) -> RegionTable:
+    """Load the region table of a run."""
+    file = run.folder / REGIONS_NPZ
+    with readable(file):
+        return unpack_regions(read_npz(file))
+
+
+def pack_regions(table: RegionTable) -> dict[str, npt.NDArray[Any]]:
+    """Give one array of shape (n,) per column of the region table."""
+    return {
+        **split_columns(CONTROLLED, table.controlled),
+        "ry_rad": table.ry_rad,
+        "mode": table.modes,
+        "gate": table.gates,
+        **split_columns(Q_COLUMNS, table.q_m),
+        "kappa": table.kappa,
+        "det_sign": table.det_sign,
+        "link_distance_m": table.link_distance_m,
+        "x_min_m": table.x_window_m[:, 0],
+        "x_max_m": table.x_window_m[:, 1],
+        "visit": table.visits,
+    }
+
+
+def unpack_regions(arrays: Arrays) -> RegionTable:
+    """Rebuild the region table from its columns."""
+    same_name = ("ry_rad", "kappa", "det_sign", "link_distance_m")
+    return RegionTable(
+        controlled=stack_columns(arrays, CONTROLLED),
+        q_m=stack_columns(arrays, Q_COLUMNS),
+        x_window_m=stack_columns(arrays, ("x_min_m", "x_max_m")),
+        modes=arrays["mode"],
+        gates=arrays["gate"],
+        visits=arrays["visit"],
+        **{name: arrays[name] for name in same_name},
+    )

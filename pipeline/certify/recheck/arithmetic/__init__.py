@@ -1,0 +1,1 @@
+"""Intervals in plain floats for many boxes at a time: series, the closures along them, and their inclusions."""

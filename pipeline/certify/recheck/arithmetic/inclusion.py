@@ -1,0 +1,205 @@
+"""The inclusions of all boxes at a time, evaluated again; the statement is that of `pipeline.inclusion.krawczyk`."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.arrays import BoolArray, FloatArray
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, total, within
+from pipeline.certify.recheck.arithmetic.jets import TERMS, expand
+from pipeline.certify.recheck.arithmetic.motion import Motion, follow, second_derivatives
+from pipeline.certify.recheck.arithmetic.norms import arm_lengths, norm
+from pipeline.certify.recheck.arithmetic.splines import on_one_piece, spline_taylor
+from pipeline.inclusion.krawczyk import Box
+from pipeline.inclusion.pieces import middle
+from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.machine.geometry import Machine
+from pipeline.refine.result import Path
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """Boxes as arrays, boxes last, and the closures along their cubics.
+
+    Attributes
+    ----------
+    first, last, centre, half : (n,)
+        Intervals of s.
+    on_one_piece : (n,)
+        Whether no knot of the splines lies within; otherwise q is not what the actuators do.
+    pose : (4, 6, n)
+        Taylor coefficients about the centres.
+    radius : (6, n)
+        Radii.
+    q : (degree + 1, 5, n)
+        Taylor coefficients of the actuators about the centres.
+    at, over : Motion
+        Series about the centres, and series that hold about every t of the interval.
+    """
+
+    first: FloatArray
+    last: FloatArray
+    centre: FloatArray
+    half: FloatArray
+    on_one_piece: BoolArray
+    pose: FloatArray
+    radius: FloatArray
+    q: Enclosure
+    at: Motion
+    over: Motion
+
+
+@dataclass(frozen=True, eq=False)
+class Inclusions:
+    """Results: whether each box is proven (n,), its inverse (2, 6, 6, n), and k, E, D as in the statement."""
+
+    proven: BoolArray
+    inverse: FloatArray
+    image: FloatArray
+    residual_change: FloatArray
+    jacobian_change: FloatArray
+
+
+def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
+    """Stack boxes and evaluate the closures along them."""
+    first, last = (np.array([getattr(box, name) for box in boxes]) for name in ("first", "last"))
+    centre, half = np.array([middle(box.first, box.last) for box in boxes]).T
+    pose, radius = np.stack([box.pose for box in boxes], -1), np.stack([box.radius for box in boxes], -1)
+    q = spline_taylor(path.spline.t, path.spline.c, path.spline.k, first, centre)
+    at, over = (
+        follow(machine, expand(exactly(pose), where), expand(q, where))
+        for where in (exactly(np.zeros_like(half)), within(half))
+    )
+    return Boxes(first, last, centre, half, on_one_piece(path.spline, first, last), pose, radius, q, at, over)
+
+
+def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusions:
+    """Verify the inclusion of every box with its own radii."""
+    h, r = boxes.half, boxes.radius
+    at, over = boxes.at.jacobian(), boxes.over.jacobian()
+    J = [at[0], at[1], over[2]]
+    inverse = linear_inverse(J)
+    C = [exactly(part) for part in inverse]
+    C_over = C[0] + C[1] * within(h)
+    C_abs = C_over.magnitude
+    miss = residual_of_inverse(C, J, h)
+    E = _residual_change(boxes.over, uncertainty)
+    moved_by = bound("ijn,jn->in", C_abs, E, terms=6)
+    hull = _hull(machine, boxes, total(moved_by, r))
+    D = _jacobian_change(machine, hull, uncertainty)
+    G = contract("iln,lkjn->ikjn", C_over, second_derivatives(hull), 6)
+    GC = contract("ikjn,jmn->ikmn", G, C_over, 6)
+    spread = total(
+        bound("ikjn,jn->ikn", G.magnitude, r, terms=6), bound("ikmn,mn->ikn", GC.magnitude, E, terms=6), miss
+    )
+    bent = contract("kan,ikmn->iamn", C_over, GC, 6).magnitude
+    change = bound("lkn,kn->ln", D, total(moved_by, r), terms=6)
+    image = total(
+        _residual(C, boxes),
+        bound("ijn,jn->in", miss, moved_by, terms=6),
+        0.5 * bound("iabn,an,bn->in", bent, E, E, terms=36),
+        bound("iln,ln->in", C_abs, change, terms=6),
+        bound("ikn,kn->in", spread, r, terms=6),
+    )
+    return Inclusions(np.all(image < r, axis=0) & boxes.on_one_piece, inverse, image, E, D)
+
+
+def linear_inverse(J: list[Enclosure]) -> FloatArray:
+    """Compute C0 and C1 in floats, shape (2, 6, 6, n)."""
+    J0, J1 = (np.moveaxis(part.mid, -1, 0) for part in J[:2])
+    C0 = np.linalg.inv(J0)
+    return np.moveaxis(np.stack([C0, -C0 @ J1 @ C0]), 1, -1)
+
+
+def residual_of_inverse(C: list[Enclosure], J: list[Enclosure], h: FloatArray) -> FloatArray:
+    """Bound |I - C(t) J(t)| over each interval, shape (6, 6, n)."""
+
+    def times(a: Enclosure, b: Enclosure) -> Enclosure:
+        return contract("ijn,jkn->ikn", a, b, 6)
+
+    identity = exactly(np.eye(6)[..., None])
+    terms = [
+        identity - times(C[0], J[0]),
+        times(C[0], J[1]) + times(C[1], J[0]),
+        times(C[0], J[2]) + times(C[1], J[1]),
+        times(C[1], J[2]),
+    ]
+    return total(*(bound("ijn,n->ijn", term.magnitude, power(h, n), terms=1) for n, term in enumerate(terms)))
+
+
+def power(h: FloatArray, n: int) -> FloatArray:
+    """Compute h^n, rounded up."""
+    result = np.ones_like(h)
+    for _ in range(n):
+        result = total(result * h)
+    return result
+
+
+def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_end: bool) -> BoolArray:
+    """Return whether each of n boxes holds the joint at its end, or at its beginning, of n + 1 joints. Shape (n,)."""
+    of = slice(1, None) if at_end else slice(None, -1)
+    s = exactly(joints.first[of]) - exactly(boxes.centre)
+    x = expand(exactly(boxes.pose), s)[0]
+    apart = (x - exactly(joints.pose[0][:, of])).magnitude
+    C = exactly(found.inverse[0]) + exactly(found.inverse[1]) * s
+    turned = (C - exactly(met.inverse[0][..., of])).magnitude
+    reach = total(
+        apart,
+        met.image[:, of],
+        bound("ijn,jn->in", turned, met.residual_change[:, of], terms=6),
+        bound("iln,lkn,kn->in", C.magnitude, found.jacobian_change, apart, terms=36),
+    )
+    return np.asarray(np.all(reach < boxes.radius, axis=0), dtype=bool)
+
+
+def _residual(C: list[Enclosure], boxes: Boxes) -> FloatArray:
+    """Bound |C(t) f(x(t), t)|, shape (6, n)."""
+    at, over = boxes.at.residuals(), boxes.over.residuals()
+    parts = []
+    for n in range(TERMS):
+        f = over[n] if n + 1 == TERMS else at[n]
+        for k, part in enumerate(C):
+            product = contract("ijn,jn->in", part, f, 6)
+            parts.append(bound("in,n->in", product.magnitude, power(boxes.half, n + k), terms=1))
+    return total(*parts)
+
+
+def _hull(machine: Machine, boxes: Boxes, reach: FloatArray) -> Motion:
+    """Evaluate the closures over all poses of each box: constant terms only."""
+    pose = Enclosure(np.zeros_like(boxes.over.pose.mid), np.zeros_like(boxes.over.pose.rad))
+    pose.mid[0], pose.rad[0] = boxes.over.pose.mid[0], total(boxes.over.pose.rad[0], reach)
+    q = Enclosure(boxes.over.q.mid.copy(), boxes.over.q.rad.copy())
+    q.mid[1:], q.rad[1:] = 0.0, 0.0
+    return follow(machine, pose, q)
+
+
+def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
+    """Bound E, shape (6, n)."""
+    eps, eta = uncertainty.length_m, uncertainty.coordinate_m
+    lengths = over.lengths[0].magnitude
+    if not uncertainty.any:
+        return np.zeros_like(lengths)
+    v = over.vectors[0]
+    local = contract("ijn,lin->ljn", over.rotation[0], v, 3).magnitude
+    sizes = v.magnitude
+    seen = total(local[:, 0], local[:, 1], local[:, 2], sizes[:, 0], 2.0 * sizes[:, 1], 2.0 * sizes[:, 2])
+    offset = np.full_like(lengths, _offset(eta))
+    return total(eps * lengths, np.full_like(lengths, eps * eps), eta * seen, offset * offset)
+
+
+def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty) -> FloatArray:
+    """Bound D, shape (6, 6, n)."""
+    v = hull.vectors[0].magnitude
+    D = np.zeros((6, 6, v.shape[-1]))
+    eta = uncertainty.coordinate_m
+    if eta > 0.0:
+        size, arm = norm(np.moveaxis(v, 1, 0)), arm_lengths(machine)[:, None]
+        w = _offset(eta)
+        D[:, :3] = total(3.8 * eta * np.ones(1))
+        D[:, 3:] = total(arm * w * np.ones_like(size), 1.8 * eta * size, np.full_like(size, 1.8 * eta * w))[:, None]
+    return D
+
+
+def _offset(eta: float) -> float:
+    """Bound of |w|: sqrt(3) eta and sqrt(1 + 4 + 4) eta, the first rounded up to 1.8."""
+    return 4.8 * eta * (1.0 + 1e-12)

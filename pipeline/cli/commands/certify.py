@@ -1,0 +1,100 @@
+"""The command that proves a path, or verifies a certificate again."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.cli.console import results_console
+from pipeline.cli.options import ForceOption, OutOption, VerboseOption, load_task, specs_of
+from pipeline.cli.output import text_table
+from pipeline.cli.run_stages import run_stages
+from pipeline.errors import NoSolutionError, UsageError
+from pipeline.stage import Stage
+
+
+def certify(
+    context: typer.Context,
+    config: Annotated[
+        Path | None, typer.Argument(metavar="CONFIG", help="The YAML file with machine, task and options.")
+    ] = None,
+    out: OutOption = None,
+    force: ForceOption = False,
+    verbose: VerboseOption = False,
+    tolerance: Annotated[
+        bool,
+        typer.Option("--tolerance", help="Also search the calibration errors the path is proven to bear."),
+    ] = False,
+    check: Annotated[
+        Path | None,
+        typer.Option("--check", metavar="FILE", help="Verify a certificate, or that of a run, again; prove nothing."),
+    ] = None,
+) -> None:
+    """Prove that the whole path is one motion free of singularities, and within its limits.
+
+    Runs stages one and two first, unless their results in DIR are up to
+    date. With --check, a certificate is verified again by other code in other
+    arithmetic; the run's config.yaml and path.npz must be beside it.
+    Tolerances once found are kept as long as the path is; with
+    certify.what: tolerances in CONFIG every run searches them.
+    """
+    if check is not None:
+        if config is not None or out is not None or force or tolerance:
+            raise UsageError("--check FILE excludes other options: the configuration is the one beside the certificate")
+        verify_file(check)
+        return
+    if config is None:
+        raise UsageError("certify needs a CONFIG, or --check FILE")
+    from pipeline.run import RunOptions
+
+    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, tolerances=tolerance)
+    run_stages(config, load_task(config), out, options, specs_of(context))
+
+
+def verify_file(file: Path) -> None:
+    """Verify a certificate, or that of a run folder, with the path and the configuration beside it.
+
+    Raises
+    ------
+    UsageError
+        When the certificate, its path or its configuration cannot be read.
+    NoSolutionError
+        When a claim is not verified; the table shows every claim.
+    """
+    from pipeline.artifacts.layout import CERTIFICATE_JSON
+    from pipeline.artifacts.results.certificate import read_certificate
+    from pipeline.certify.recheck import verify
+    from pipeline.route.regions.endpoints import task_endpoints
+    from pipeline.run.reading import open_results
+
+    file = file / CERTIFICATE_JSON if file.is_dir() else file
+    stated = read_certificate(file)
+    results = open_results(file.parent)
+    config, machine, path = results.config, results.machine, results.refinement.path
+    began = time.perf_counter()
+    claims = verify(config, machine, path, task_endpoints(config, machine), stated)
+    seconds = time.perf_counter() - began
+    rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in claims]
+    header = ("claim", "verified", "found")
+    results_console().print(text_table(f"{file}: verified again in {seconds:.2f} s", header, rows, (0, 1, 2)))
+    if wrong := [claim.what for claim in claims if not claim.verified]:
+        raise NoSolutionError(
+            Stage.CERTIFY,
+            f"{file} does not hold: {wrong[0]}",
+            "certify the path again: gantry-tau certify CONFIG --force",
+        )
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        certify,
+        (
+            "gantry-tau certify configs/agder.yaml",
+            "gantry-tau certify configs/agder.yaml --tolerance    (a minute more)",
+            "gantry-tau certify --check results/agder/certificate.json",
+        ),
+    ),
+)
+"""Every command with its examples."""

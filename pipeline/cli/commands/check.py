@@ -1,0 +1,63 @@
+"""The command that checks a configuration."""
+
+import json
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.cli.console import results_console
+from pipeline.cli.options import load_task
+from pipeline.errors import UsageError
+
+
+def check(
+    config: Annotated[Path | None, typer.Argument(metavar="CONFIG", help="The YAML file to check.")] = None,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of configurations instead, for your editor.")
+    ] = False,
+) -> None:
+    """Check a configuration, and show the machine: degrees of freedom, reach, grid, start and goal.
+
+    Exits with 1 if drives or links cannot hold the load at the start or goal.
+    """
+    if schema:
+        from pipeline.config import Config
+
+        typer.echo(json.dumps(Config.model_json_schema(), indent=2))
+        return
+    if config is None:
+        raise UsageError("check needs a CONFIG, or --schema")
+    import numpy as np
+
+    from pipeline.cli.machine_report import machine_report
+    from pipeline.limits.kappa import require_ends_below_cap
+    from pipeline.machine.geometry import build_machine
+    from pipeline.retime import require_ends_held
+    from pipeline.route.regions.endpoints import task_endpoints
+
+    loaded = load_task(config)
+    machine = build_machine(loaded.machine)
+    ends = task_endpoints(loaded, machine)
+    require_ends_below_cap(loaded, [end.kappa for end in ends])
+    console = results_console()
+    for part in machine_report(loaded, machine, ends):
+        console.print(part)
+    require_ends_held(machine, np.stack([end.pose for end in ends]), np.stack([end.q_m[:3] for end in ends]))
+    console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        check,
+        (
+            "gantry-tau check configs/agder.yaml",
+            "gantry-tau check --schema > gantry-tau.schema.json",
+            "and as the first line of a YAML file, so that editors complete it:",
+            "# yaml-language-server: $schema=gantry-tau.schema.json",
+        ),
+    ),
+)
+"""Every command with its examples."""

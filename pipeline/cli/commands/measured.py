@@ -1,0 +1,213 @@
+"""Commands for measurements: compare a measured motion with the commanded one, and simulate a measurement."""
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pipeline.cli.console import messages_console, results_console
+from pipeline.cli.options import RunArgument
+from pipeline.cli.output import check_picture, refuse_inside, save_picture, text_table
+from pipeline.errors import UsageError
+from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from pipeline.export.csv import Column
+    from pipeline.measured import MeasurementComparison, Reflectors
+    from pipeline.retime import Trajectory
+
+_Point = tuple[float, float, float]
+_First = Annotated[
+    _Point, typer.Option("--reflector-1", metavar="X Y Z", help="First reflector in the platform frame in metres.")
+]
+_Second = Annotated[_Point, typer.Option("--reflector-2", metavar="X Y Z", help="Second reflector.")]
+_Noise = Annotated[
+    float,
+    typer.Option("--noise", metavar="M", min=0.0, max=0.1, help="Standard deviation of each coordinate in metres."),
+]
+_Speed = Annotated[
+    float | None,
+    typer.Option(
+        "--speed",
+        metavar="PART",
+        help="Part of the full speed at which it was driven, as exported. Default: full speed.",
+    ),
+]
+_Period = Annotated[
+    float | None,
+    typer.Option("--period", metavar="S", help="Period at which it was driven, as exported. Default: that of the run."),
+]
+_FIRST: _Point = (0.0, 0.10, 0.05)
+_SECOND: _Point = (0.0, 0.40, 0.05)
+_NOISE_M = 5e-5
+_SEPARATORS = (",", ";", "\t")
+_FACTS = ".json"
+
+
+def measured(
+    run: RunArgument,
+    measurement: Annotated[Path, typer.Argument(metavar="FILE", help="The CSV file with the measurement.")],
+    first: _First = _FIRST,
+    second: _Second = _SECOND,
+    noise_m: _Noise = _NOISE_M,
+    speed: _Speed = None,
+    period_s: _Period = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded, in metres and radians.")] = False,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="FILE", help="Draw the motion over time: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Compare a measured motion with the commanded one: errors of x, y, z, rx, rz, with error bars.
+
+    The file has a column t_s, counted from the start of the motion, and the
+    positions of two reflectors on the platform (x1_m, y1_m, z1_m, x2_m,
+    y2_m, z2_m), or the pose (x_m, y_m, z_m, rx_rad, rz_rad), which comes
+    without error bars. From reflectors rx and rz are estimated with ry as
+    commanded; error bars are those of the noise. Values are separated by
+    commas, semicolons or tabs. If the motion was exported with --speed or
+    --period, give them here too.
+    """
+    check_picture(picture)
+    from pipeline.measured import compare_measurement, parse_measurement
+
+    trajectory, _ = _driven(run, speed, period_s)
+    columns = _read_columns(measurement)
+    given = parse_measurement(columns, trajectory.duration_s)
+    commanded = trajectory.pose(given.t_s.clip(0.0, trajectory.duration_s))
+    comparison = compare_measurement(given, commanded, _reflectors(first, second, noise_m))
+    _show(comparison, as_json, f"{measurement} against {run}, {len(given.t_s):,} rows")
+    if picture is not None:
+        from pipeline.figures.time.measured import measured_figure
+
+        save_picture(measured_figure(comparison), picture)
+        messages_console().print(f"{picture}: commanded and measured over time, with errors", soft_wrap=True)
+
+
+def _driven(run: Path, speed: float | None, period_s: float | None) -> "tuple[Trajectory, float]":
+    """Give the motion of a run as it is exported at a part of the speed and another period, and that period."""
+    from pipeline.retime import slowed, whole_periods
+    from pipeline.run.reading import open_results, with_retime
+
+    results = open_results(run, Stage.REFINE, Stage.RETIME)
+    options = with_retime(results.config, period_s=period_s, speed=speed).retime
+    trajectory = slowed(results.trajectory, 1.0 if speed is None else options.speed)
+    return whole_periods(trajectory, options.period_s), options.period_s
+
+
+def _read_columns(file: Path) -> "dict[str, Column]":
+    """Read a table; the separator is the one most frequent in its first line."""
+    from pipeline.export import read_csv
+
+    try:
+        text = file.read_text()
+        return read_csv(text, max(_SEPARATORS, key=text.partition("\n")[0].count))
+    except ValueError as error:
+        raise UsageError(f"{file}: {error}") from None
+
+
+def _show(comparison: "MeasurementComparison", as_json: bool, title: str) -> None:
+    from pipeline.artifacts import json_bytes
+    from pipeline.measured.comparison import TABLE_HEADER, error_rows, table_cells
+
+    rows = error_rows(comparison)
+    if as_json:
+        units = {"rx": "rad", "rz": "rad"}
+        typer.echo(json_bytes([{**asdict(row), "unit": units.get(row.quantity, "m")} for row in rows]), nl=False)
+        return
+    results_console().print(text_table(title, TABLE_HEADER, table_cells(rows), (0, 1)))
+
+
+def simulate_measurement(
+    run: RunArgument,
+    output: Annotated[
+        Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: stdout.")
+    ] = None,
+    first: _First = _FIRST,
+    second: _Second = _SECOND,
+    noise_m: _Noise = _NOISE_M,
+    geometry_m: Annotated[
+        float,
+        typer.Option(
+            "--geometry", metavar="M", min=0.0, max=0.01, help="Standard deviation of joints, rails, lengths in metres."
+        ),
+    ] = 2e-4,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the random numbers.")] = 0,
+    speed: _Speed = None,
+    period_s: _Period = None,
+) -> None:
+    """Simulate what a tracker measures of two reflectors while a slightly inaccurate machine drives the trajectory.
+
+    Joints, rails, lengths and zeros of telescopes have random errors, drawn
+    once; every coordinate of every reflector has noise. The same seed gives
+    the same file, with one row per period.
+    """
+    from pipeline.artifacts import json_bytes, write_whole
+    from pipeline.export.csv import format_csv
+    from pipeline.measured import SimulationSetting, measurement_columns
+    from pipeline.measured import simulate_measurement as simulate
+    from pipeline.retime import sample_trajectory
+
+    if output is not None:
+        _check_output(output, run)
+    trajectory, period_s = _driven(run, speed, period_s)
+    samples = sample_trajectory(trajectory, period_s)
+    reflectors = _reflectors(first, second, noise_m)
+    setting = SimulationSetting(geometry_m, seed)
+    positions = simulate(trajectory.path.machine, samples.q_m, samples.pose, reflectors, setting)
+    text = format_csv(measurement_columns(samples.t_s, positions))
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    write_whole(output, text.encode())
+    facts: dict[str, Any] = {
+        "simulated": True,
+        "run": str(run),
+        "speed": 1.0 if speed is None else speed,
+        "period_s": period_s,
+        "reflectors": reflectors,
+        "setting": setting,
+    }
+    write_whole(output.with_suffix(_FACTS), json_bytes(facts))
+    messages_console().print(
+        f"{output}: {len(samples):,} rows of a simulated measurement; {output.with_suffix(_FACTS)}: how it was made",
+        soft_wrap=True,
+    )
+
+
+def _check_output(output: Path, run: Path) -> None:
+    refuse_inside(output, run)
+    if output.suffix == _FACTS:
+        raise UsageError(
+            f"--output {output}: a {_FACTS} file beside the table says how it was made: give another ending"
+        )
+
+
+def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":
+    import numpy as np
+
+    from pipeline.measured import Reflectors
+
+    return Reflectors(np.array([first, second]), noise_m)
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        measured,
+        (
+            "gantry-tau measured results/agder tracker.csv --picture tracker.png",
+            "gantry-tau measured results/agder tracker.csv --reflector-1 0 0.1 0.05 --reflector-2 0 0.4 0.05",
+            "gantry-tau measured results/agder tracker.csv --noise 0.00003 --json",
+            "gantry-tau measured results/agder slow.csv --speed 0.3",
+        ),
+    ),
+    (
+        simulate_measurement,
+        (
+            "gantry-tau simulate-measurement results/agder --output simulated.csv",
+            "gantry-tau simulate-measurement results/agder --geometry 0 --noise 0.0001 --seed 7 > noise.csv",
+        ),
+    ),
+)
+"""Every command with its examples."""

@@ -1,0 +1,59 @@
+"""Arguments and options that several commands have, and what they stand for."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeline.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pipeline.config import Config
+    from pipeline.run.stage_specs import Specs
+
+RESULTS = Path("results")
+"""The folder of all run folders, by default."""
+
+ConfigArgument = Annotated[Path, typer.Argument(metavar="CONFIG", help="The YAML file with machine, task and options.")]
+RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="The folder a run has written to.")]
+OutOption = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder for the results. Default: results/<name in CONFIG>."),
+]
+ForceOption = Annotated[bool, typer.Option("--force", help="Also run stages that are up to date.")]
+NoWhyNotOption = Annotated[
+    bool,
+    typer.Option("--no-why-not", help="If no route exists, do not find out what prevents it (takes minutes)."),
+]
+SpeedOption = Annotated[
+    float | None,
+    typer.Option("--speed", metavar="PART", help="Part of the full speed, above 0, at most 1: for a slow first run."),
+]
+VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the solvers' logs.")]
+
+
+def load_task(path: Path) -> "Config":
+    """Read a configuration, and check that the machine can be at its start and goal.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be used; names the file.
+    """
+    from pipeline.config.file import load_config
+    from pipeline.machine.geometry import build_machine
+    from pipeline.route.regions.endpoints import task_endpoints
+
+    config = load_config(path)
+    try:
+        task_endpoints(config, build_machine(config.machine))
+    except ConfigError as error:
+        raise ConfigError(list(error.issues), str(path)) from None
+    return config
+
+
+def specs_of(context: typer.Context) -> "Specs":
+    """Give the stages that commands run: those the application was called with as its object, or the usual ones."""
+    from pipeline.run.stage_specs import SPECS
+
+    return context.obj or SPECS

@@ -1,0 +1,55 @@
+"""The words that keys of the configuration choose from, and what each means."""
+
+from enum import StrEnum
+
+
+class TriangleBranch(StrEnum):
+    """Sign of y_platform . (w x u_3c) that the assembled machine keeps."""
+
+    NEGATIVE = "negative"
+    POSITIVE = "positive"
+
+
+class TiltAxis(StrEnum):
+    """A tilt of the platform that can be locked."""
+
+    RX = "rx"
+    RZ = "rz"
+
+
+class RouteObjective(StrEnum):
+    """What the route minimises: the sum of kappa, or the largest kappa and then the sum."""
+
+    SUM = "sum"
+    BOTTLENECK = "bottleneck"
+
+
+class Formulation(StrEnum):
+    """The program that finds the route: over a proven core of the regions, or over all of them."""
+
+    CORE = "core"
+    COMPACT = "compact"
+    PAPER = "paper"
+
+
+class PathObjective(StrEnum):
+    """What the path minimises: the integral of kappa, the largest kappa, or both."""
+
+    INTEGRAL = "integral"
+    MAXIMUM = "maximum"
+    MIXED = "mixed"
+
+
+class Corridor(StrEnum):
+    """What the path keeps to: cells and working modes of the route, or its sequence of working modes only."""
+
+    CELLS = "cells"
+    FREE = "free"
+
+
+class Proof(StrEnum):
+    """What is proven of a path; each proves what those before it prove."""
+
+    NOTHING = "nothing"
+    PATH = "path"
+    TOLERANCES = "tolerances"

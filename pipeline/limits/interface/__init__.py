@@ -1,0 +1,1 @@
+"""The questions asked of a limit, and the types of their answers."""

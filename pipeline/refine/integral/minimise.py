@@ -1,0 +1,100 @@
+"""The least integral of kappa on a mesh: the program built and solved, roughly first."""
+
+from scipy.interpolate import BSpline
+
+from pipeline.errors import NoSolutionError
+from pipeline.limits import node_limits
+from pipeline.machine.samples import PoseSamples
+from pipeline.refine.corridor.cells import corridor
+from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
+from pipeline.refine.integral.program import InitialGuess, ProgramData, build_program
+from pipeline.refine.problem import FROBENIUS, SCHATTEN, MeshSolution, Problem
+from pipeline.refine.result import Path
+from pipeline.refine.splines import DEGREE
+from pipeline.solvers import interrupts_noted
+
+_EVENNESS_FIRST, _EVENNESS = 10.0, 0.1
+"""Cost of uneven speed along s, in units of kappa: much at first, in the end what no figure notices."""
+_ROUGH_ITERATIONS = 150
+"""Most iterations of the rough solve: where IPOPT needs more it is lost, and the fallback start is faster."""
+_NAMED, _VIOLATED = 3, 1e-9
+"""How many groups of violated constraints a failure names at most, and from which violation on."""
+
+
+def minimise_integral(problem: Problem, initial: MeshSolution) -> MeshSolution:
+    """Minimise the integral of kappa on a mesh: roughly, with the Frobenius kappa at even speed, then precisely.
+
+    Raises
+    ------
+    NoSolutionError
+        If IPOPT does not converge; its last path is in the `diagnosis`.
+    """
+    most, time_limit_s = problem.config.refine.max_iterations, problem.config.refine.time_limit_s
+    rough = IpoptOptions(min(most, _ROUGH_ITERATIONS), time_limit_s, "rough")
+    near = solve_on_mesh(problem, initial, FROBENIUS, _EVENNESS_FIRST, rough)
+    return solve_on_mesh(problem, near, SCHATTEN, _EVENNESS, IpoptOptions(most, time_limit_s, "precise"))
+
+
+def solve_on_mesh(
+    problem: Problem, initial: MeshSolution, exponent: float, evenness: float, options: IpoptOptions
+) -> MeshSolution:
+    """Build and solve the program of a mesh, starting from a path that is known at its nodes.
+
+    Raises
+    ------
+    NoSolutionError
+        If IPOPT does not converge; its last path is in the `diagnosis`.
+    """
+    mesh = initial.mesh
+    label = f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
+    problem.monitor.progress(f"{label}: building the program")
+    # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
+    with interrupts_noted():
+        program = build_program(program_data(problem, initial, exponent, evenness), guess_from(initial))
+    result = solve_program(program, options, label, problem.monitor)
+    spline = BSpline(mesh.knots, program.spline_coefficients(result.x), DEGREE)
+    path = Path(problem.machine, spline, mesh.s, program.poses(result.x))
+    integral = float(program.integral(result.x))
+    solution = MeshSolution(mesh, path, integral, initial.iterations + result.iterations)
+    if not result.status.solved:
+        raise _failure(solution, result)
+    return solution
+
+
+def program_data(problem: Problem, initial: MeshSolution, exponent: float, evenness: float) -> ProgramData:
+    """Collect what the program of a mesh is written for."""
+    config = problem.config
+    return ProgramData(
+        mesh=initial.mesh,
+        corridor=corridor(config, problem.route, problem.coarse, initial.mesh.s),
+        limits=node_limits(config, problem.machine),
+        clearance_margin_m=config.refine.clearance_margin_m,
+        reach_m=float(problem.steps[:3].max()),
+        steps=problem.steps,
+        directions=problem.directions,
+        exponent=exponent,
+        evenness=evenness,
+    )
+
+
+def guess_from(initial: MeshSolution) -> InitialGuess:
+    """Take poses, actuators and coefficients of a path as initial guess."""
+    path = initial.path
+    return InitialGuess(PoseSamples(path.machine, path.node_pose, path.q(initial.mesh.s)), path.spline.c)
+
+
+def _failure(solution: MeshSolution, result: IpoptResult) -> NoSolutionError:
+    worst = sorted(result.violations.items(), key=lambda item: -item[1])[:_NAMED]
+    broken = ", ".join(f"{name} by {value:.2e}" for name, value in worst if value > _VIOLATED)
+    state = f"most violated: {broken}" if broken else "all constraints hold, but kappa can still be lowered"
+    return NoSolutionError(
+        "refine",
+        f"IPOPT ended with {result.message} after {result.iterations} iterations; {state}",
+        result.status.advice,
+        {
+            "status": result.status.value,
+            "message": result.message,
+            "violations": result.violations,
+            **solution.arrays,
+        },
+    )

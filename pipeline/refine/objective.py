@@ -1,0 +1,68 @@
+"""What stage two minimises: one row per value of `refine.objective`.
+
+| objective | minimised | then lowered by the sequential programs |
+|---|---|---|
+| integral | I | I / L + max(0, K - 0.97 K_c), with K <= K_c |
+| mixed | I / L + K | I / L + K |
+| maximum | K | 0.01 I / L + K |
+
+I is the integral of kappa over the length in the metric of the route, L the length of the coarse path, K the largest
+kappa and K_c that of the coarse path. K counts down to kappa at the start and the goal, which are given.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pipeline.refine.measure import PathFigures
+
+TIE_BREAK = 0.01
+"""Weight of the mean of kappa where only the largest one counts: it settles what the largest leaves open."""
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What is minimised, and how.
+
+    Attributes
+    ----------
+    mean_weight, peak_weight : float
+        Weights of I / L and of K above its target in the sequential programs.
+    improves_on_coarse : bool
+        Whether K must not exceed K_c and counts only above a share of it.
+    starts_with_ipopt : bool
+        Whether IPOPT minimises the integral of kappa first.
+    minimised : callable
+        Reduces the figures of a path, given L, to the value whose relative change ends the refinement of the mesh.
+    """
+
+    mean_weight: float
+    peak_weight: float
+    improves_on_coarse: bool
+    starts_with_ipopt: bool
+    minimised: Callable[[PathFigures, float], float]
+
+
+OBJECTIVES: dict[str, Objective] = {
+    "integral": Objective(
+        mean_weight=1.0,
+        peak_weight=1.0,
+        improves_on_coarse=True,
+        starts_with_ipopt=True,
+        minimised=lambda figures, length: figures.kappa_integral,
+    ),
+    "mixed": Objective(
+        mean_weight=1.0,
+        peak_weight=1.0,
+        improves_on_coarse=False,
+        starts_with_ipopt=True,
+        minimised=lambda figures, length: figures.kappa_integral / length + figures.kappa_max,
+    ),
+    "maximum": Objective(
+        mean_weight=TIE_BREAK,
+        peak_weight=1.0,
+        improves_on_coarse=False,
+        starts_with_ipopt=False,
+        minimised=lambda figures, length: figures.kappa_max,
+    ),
+}
+"""All objectives, by their value of `refine.objective`."""

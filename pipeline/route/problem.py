@@ -1,0 +1,50 @@
+"""The problem of stage one: a route through given regions, over given moves."""
+
+from dataclasses import dataclass
+
+from pipeline.arrays import FloatArray
+from pipeline.config import Config, RouteConfig
+from pipeline.machine.geometry import Machine
+from pipeline.progress import QUIET, Monitor
+from pipeline.route.bounds.budgets import Budget, task_budgets
+from pipeline.route.metric import step_sizes
+from pipeline.route.moves.candidates import Moves
+from pipeline.route.regions.table import RegionTable
+
+
+@dataclass(frozen=True, eq=False)
+class RouteProblem:
+    """What a route is asked for, and the regions and moves it is sought among.
+
+    Attributes
+    ----------
+    config, machine : Config, Machine
+    regions, moves : RegionTable, Moves
+        All of the configuration, with the moves that the grid admits between them.
+    steps : (5,)
+        Largest moves per step of x, y, z (metres), rx, rz (radians), (13)-(17).
+    budgets : tuple of Budget
+        Those of `task.budget`.
+    monitor : Monitor
+        Receives progress and decides whether solvers write their logs.
+    """
+
+    config: Config
+    machine: Machine
+    regions: RegionTable
+    moves: Moves
+    steps: FloatArray
+    budgets: tuple[Budget, ...]
+    monitor: Monitor
+
+    @classmethod
+    def of(
+        cls, config: Config, machine: Machine, regions: RegionTable, moves: Moves, monitor: Monitor = QUIET
+    ) -> "RouteProblem":
+        """Derive steps and budgets from the configuration."""
+        return cls(config, machine, regions, moves, step_sizes(config.route), task_budgets(config), monitor)
+
+    @property
+    def options(self) -> RouteConfig:
+        """The options of stage one."""
+        return self.config.route

@@ -1,0 +1,76 @@
+"""The part of the configuration that each stage may read: only a change in it makes the stage run again.
+
+Stages one and two do not depend on limits and masses, so that other limits only cost a new trajectory. The files of the
+last stages quote the configuration with its name and hash, so that these depend on all of it.
+"""
+
+from typing import Any
+
+from pipeline.config import Config
+from pipeline.config.choices import Proof
+
+_MOTION_ONLY = ("limits", "dynamics")
+"""Parts of the machine on which only its motion in time depends."""
+_TOLERANCES_ONLY = ("tolerance_resolution", "monte_carlo_samples")
+"""Keys of the proof that only the search for tolerances reads."""
+
+Part = dict[str, Any]
+
+
+def whole_config(config: Config) -> Part:
+    """Give all keys."""
+    return config.model_dump(mode="json")
+
+
+def regions_part(config: Config) -> Part:
+    """Give the keys that the region table depends on."""
+    whole = whole_config(config)
+    # The margin around boxes to avoid is measured in steps.
+    margin = ("avoid_margin", "x_step_m") if config.task.avoid else ()
+    return {
+        "machine": _without(whole["machine"], *_MOTION_ONLY),
+        "task": _without(whole["task"], "budget"),
+        "route": {key: whole["route"][key] for key in ("grid", "kappa_max", *margin)},
+    }
+
+
+def grid_part(config: Config) -> Part:
+    """Give the keys that the regions of grid and gates depend on: not start, goal, name and limits."""
+    part = regions_part(config)
+    return {
+        "machine": part["machine"],
+        "task": {key: part["task"][key] for key in ("tilt_max_deg", "locked_axes")},
+        "route": {key: part["route"][key] for key in ("grid", "kappa_max")},
+    }
+
+
+def route_part(config: Config) -> Part:
+    """Give the keys that the route depends on."""
+    whole = whole_config(config)
+    return {"machine": _without(whole["machine"], *_MOTION_ONLY), "task": whole["task"], "route": whole["route"]}
+
+
+def refine_part(config: Config) -> Part:
+    """Give the keys that the refined path depends on."""
+    return {**route_part(config), "refine": whole_config(config)["refine"]}
+
+
+def certify_part(config: Config) -> Part:
+    """Give the keys that the certificate depends on."""
+    not_read = () if config.certify.what == Proof.TOLERANCES else _TOLERANCES_ONLY
+    return {**refine_part(config), "certify": _without(whole_config(config)["certify"], *not_read)}
+
+
+def with_proof(config: Config, what: Proof) -> Config:
+    """Give the configuration with another proof."""
+    return config.model_copy(update={"certify": config.certify.model_copy(update={"what": what})})
+
+
+def with_sufficient_proofs(config: Config) -> tuple[Config, ...]:
+    """Give the configurations whose certificates prove at least what is asked for, the least first."""
+    proofs = list(Proof)
+    return tuple(with_proof(config, what) for what in proofs[proofs.index(config.certify.what) :])
+
+
+def _without(section: Part, *keys: str) -> Part:
+    return {key: value for key, value in section.items() if key not in keys}

@@ -1,0 +1,27 @@
+"""Make the region table."""
+
+from typing import TYPE_CHECKING
+
+from pipeline.artifacts.results.regions import regions_files
+from pipeline.progress import Monitor
+from pipeline.route import build_regions, grid_regions
+from pipeline.route.regions.table import RegionTable
+from pipeline.run.makers.grid_cache import cached_grid
+from pipeline.run.product import Product
+from pipeline.stage import Stage
+from pipeline.summary.regions import regions_section
+
+if TYPE_CHECKING:
+    from pipeline.run.results import Results
+
+
+def make_regions(results: "Results", monitor: Monitor) -> Product:
+    """Find every admissible region of the grid, and add those the task needs."""
+    grid = cached_grid(results, monitor, lambda: grid_regions(results.config, results.machine, monitor))
+    return regions_product(results, build_regions(results.config, results.machine, monitor, grid))
+
+
+def regions_product(results: "Results", table: RegionTable) -> Product:
+    """Keep the region table, and make its files and summary."""
+    results.keep(Stage.REGIONS, table)
+    return Product(regions_files(table), regions_section(results.config, table))

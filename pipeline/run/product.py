@@ -1,0 +1,13 @@
+"""What a stage makes."""
+
+from dataclasses import dataclass, field
+
+from pipeline.summary.section import Section
+
+
+@dataclass(frozen=True, eq=False)
+class Product:
+    """The files of a stage by name, and its part of the summary."""
+
+    files: dict[str, bytes] = field(default_factory=dict)
+    section: Section = field(default_factory=dict)

@@ -1,0 +1,51 @@
+"""What a run did."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from pipeline.artifacts.layout import SUMMARY
+from pipeline.errors import NoSolutionError
+from pipeline.run.stage_specs import SPECS, Specs, spec_of
+from pipeline.stage import Stage
+from pipeline.summary.section import Section, failed_part
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a stage of a run ended; seconds and section are from when it last ran."""
+
+    stage: Stage
+    outcome: Literal["done", "unchanged"]
+    seconds: float
+    section: Section
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """What a run did, and where its results are."""
+
+    folder: Path
+    outcomes: tuple[Outcome, ...]
+    summary: dict[str, Any]
+
+    def require_complete(self) -> None:
+        """Require all parts of all results.
+
+        Raises
+        ------
+        NoSolutionError
+            When a part of a stage failed (the way back) although the stage has a result; says why.
+        """
+        for outcome in self.outcomes:
+            part = failed_part(outcome.section)
+            if part is not None:
+                raise NoSolutionError(outcome.stage, part["reason"], part["advice"])
+
+
+def files_to_open(folder: Path, stages: Iterable[Stage], specs: Specs = SPECS) -> list[tuple[Path, str]]:
+    """List the files worth opening after stages have run, and what they are."""
+    known = [shown for stage in stages for shown in spec_of(specs, stage).shown]
+    found = [(folder / name, what) for name, what in (*known, (SUMMARY, "all figures of this run as numbers"))]
+    return [(path, what) for path, what in found if path.exists()]

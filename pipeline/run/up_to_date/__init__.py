@@ -1,0 +1,1 @@
+"""Which results are up to date: what each stage depends on, as one hash."""

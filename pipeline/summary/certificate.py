@@ -1,0 +1,68 @@
+"""The certificate in the summary."""
+
+from typing import TYPE_CHECKING
+
+from pipeline.config import Config
+from pipeline.summary.section import SKIPPED, Section
+from pipeline.summary.versions import versions
+
+if TYPE_CHECKING:
+    from pipeline.certify.result import Certificate
+
+
+def certificate_section(certificate: "Certificate") -> Section:
+    """Give the verdict and the bounds of the proof; tolerances are null if they were not searched."""
+    bounds, lengths, coordinates = certificate.bounds, certificate.link_length, certificate.coordinates
+    assert bounds is not None, "a certified path has boxes"
+    return {
+        "status": "done",
+        "verdict": certificate.verdict,
+        "boxes": len(certificate.chain.boxes),
+        "kappa_bound": bounds.kappa,
+        "det_sign": bounds.det_sign,
+        "min_distance_bound_m": min(bounds.distances_m.tolist(), default=None),
+        "max_tilt_bound_deg": float(bounds.tilt_deg.max()),
+        "goal_miss": bounds.goal_miss,
+        "tolerance_m": None if lengths is None else lengths.eps_m,
+        "tolerance_fails_m": None if lengths is None else lengths.fails_m,
+        "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
+        "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
+    }
+
+
+def certificate_facts(config: Config, seconds: float) -> Section:
+    """Give the facts in the certificate's file about how it was made."""
+    return {
+        "settings": config.certify.model_dump(mode="json"),
+        "versions": versions(),
+        "seconds": seconds,
+    }
+
+
+def skipped_certificate() -> Section:
+    """Say that nothing was proven."""
+    return {"status": SKIPPED, "verdict": SKIPPED}
+
+
+def certificate_in_summary(section: Section | None) -> Section:
+    """Give the section with a verdict in any case: a failed proof has none of its own."""
+    return {"verdict": "not certified", **(skipped_certificate() if section is None else section)}
+
+
+def certificate_words(section: Section) -> str:
+    """Say the key figures in words."""
+    if section["verdict"] != "certified":
+        return str(section["verdict"])
+    tolerance = section["tolerance_m"]
+    found = (
+        ""
+        if tolerance is None
+        else (
+            f"; link lengths may be wrong by {1e3 * tolerance:.2f} mm, every coordinate by "
+            f"{1e3 * section['coordinates_tolerance_m']:.3f} mm"
+        )
+    )
+    return (
+        f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
+        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"
+    )

@@ -1,0 +1,44 @@
+"""The refined path in the summary."""
+
+from typing import TYPE_CHECKING
+
+from pipeline.summary.section import Section
+
+if TYPE_CHECKING:
+    from pipeline.refine.measure import PathFigures
+    from pipeline.refine.result import Refinement
+
+
+def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "PathFigures") -> Section:
+    """Give the figures of the refined path, and of the coarse one measured in the same way."""
+    return {
+        "status": str(refinement.status),
+        "iterations": refinement.iterations,
+        "rounds": refinement.rounds,
+        "meshes": refinement.meshes,
+        "mesh_change": refinement.mesh_change,
+        "nodes": refinement.nodes,
+        "kappa_max": refined.kappa_max,
+        "kappa_max_s": refined.kappa_max_s,
+        "kappa_integral": refined.kappa_integral,
+        "surrogate_integral": refinement.surrogate_integral,
+        "coarse_kappa_max": coarse.kappa_max,
+        "coarse_kappa_integral": coarse.kappa_integral,
+        "length": refined.length,
+        "coarse_length": coarse.length,
+        "closure_residual_m": refined.closure_residual_m,
+        **refined.measures,
+        "coarse_min_link_distance_m": coarse.measures["min_link_distance_m"],
+        "det_sign_constant": refined.det_sign_constant,
+        "modes": list(refined.modes),
+        "mode_changes": refined.mode_changes,
+    }
+
+
+def path_words(section: Section) -> str:
+    """Say the key figures in words."""
+    coarse, refined = section["coarse_kappa_integral"], section["kappa_integral"]
+    return (
+        f"kappa integral {refined:.1f} ({refined / coarse - 1.0:+.1%} against the coarse path's {coarse:.1f}), "
+        f"largest {section['kappa_max']:.1f}; links at least {section['min_link_distance_m']:.4f} m apart"
+    )

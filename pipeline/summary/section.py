@@ -1,0 +1,23 @@
+"""A stage's part of `summary.json`: what all of them have in common."""
+
+from typing import Any
+
+SKIPPED = "skipped"
+
+Section = dict[str, Any]
+
+
+def failure_section(reason: str, advice: str, status: str = "failed") -> Section:
+    """Describe a stage without a result: the reason, and what to change."""
+    return {"status": status, "reason": reason, "advice": advice}
+
+
+def failed_part(section: Section) -> Section | None:
+    """Give the part that failed (the way back) of a stage that has a result; None if none failed."""
+    back: Section = section.get("back", {})
+    return back if back.get("status") == "failed" else None
+
+
+def own_or_skipped(section: Section | None) -> Section:
+    """Put a section into the summary as it is; None, for a stage without one, becomes "skipped"."""
+    return {"status": SKIPPED} if section is None else section

@@ -1,0 +1,66 @@
+"""The trajectory in the summary."""
+
+from typing import TYPE_CHECKING
+
+from pipeline.summary.section import SKIPPED, Section, failed_part
+
+if TYPE_CHECKING:
+    from pipeline.retime import TrajectoryFigures, Usage
+
+
+def trajectory_section(figures: "TrajectoryFigures") -> Section:
+    """Give the duration, how close it is to the shortest possible one, and the largest fraction of each limit.
+
+    `usage` has a number per actuator (link forces: per link; TCP: one), `peak` the largest magnitudes in SI units,
+    limited or not; "skipped" means that there is no limit, or that forces need masses, which are not given.
+    """
+    usage = figures.usage
+    section = {
+        "status": "done",
+        "duration_s": figures.duration_s,
+        "period_s": figures.period_s,
+        "samples": figures.samples,
+        "dwell_s": figures.dwell_s,
+        "usage": _usage(usage),
+        "peak": {quantity.name: usage.peaks.get(quantity.name, SKIPPED) for quantity in usage.quantities},
+    }
+    if (timing := figures.timing) is not None:
+        section |= {
+            "jerk": "limited" if timing.jerk_limited else "not limited",
+            "motion_s": timing.motion_s,
+            "duration_without_jerk_s": timing.fastest_s,
+            "duration_bound_s": timing.bound_s,
+            "gap": timing.gap,
+            "jerk_cost": timing.jerk_cost,
+            "grid_points": timing.grid_points,
+            "jerk_pieces": timing.pieces,
+            "jerk_rounds": timing.rounds,
+            "jerk_iterations": timing.iterations,
+        }
+    return section
+
+
+def back_section(figures: "TrajectoryFigures") -> Section:
+    """Give the duration of the way back, and the largest fraction of each limit."""
+    return {
+        "status": "done",
+        "duration_s": figures.duration_s,
+        "samples": figures.samples,
+        "usage": _usage(figures.usage),
+    }
+
+
+def trajectory_words(section: Section) -> str:
+    """Say the key figures in words."""
+    used = {name: max(values) for name, values in section["usage"].items() if not isinstance(values, str)}
+    parts = ", ".join(f"{share:.0%} of {name.replace('_', ' ').replace('tcp', 'TCP')}" for name, share in used.items())
+    words = f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; up to {parts}"
+    if "gap" in section:
+        words += f"; {section['jerk_cost']:+.1%} for jerk, {section['gap']:.2%} above the bound without"
+    if failed_part(section):
+        words += "; the way back failed"
+    return words
+
+
+def _usage(usage: "Usage") -> Section:
+    return {quantity.name: usage.fractions.get(quantity.name, SKIPPED) for quantity in usage.quantities}

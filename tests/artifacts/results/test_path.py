@@ -1,0 +1,64 @@
+"""Paths as files."""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+from pipeline.artifacts.npz import npz_bytes
+from pipeline.artifacts.results.path import load_path, load_refinement, pack_refinement, path_files, save_path
+from pipeline.errors import UsageError
+from pipeline.export import read_csv
+from pipeline.machine import Machine
+from pipeline.refine.measure import sample_path
+from tests.artifacts.saved import SavedRun, put
+
+Make = dict[str, Callable[..., Any]]
+
+
+def test_refinement(tmp_path: Path, machine: Machine, make: Make) -> None:
+    """Both paths come back: the same positions, derivatives and poses, exactly."""
+    refinement = make["refinement"](machine)
+    s = np.linspace(0.0, 1.0, 37)
+    put(tmp_path, path_files(refinement, sample_path(refinement.path, s)))
+    loaded = load_refinement(SavedRun(tmp_path, machine))
+    for name in ("status", "iterations", "rounds", "nodes", "surrogate_integral"):
+        assert getattr(loaded, name) == getattr(refinement, name)
+    for ours, theirs in ((loaded.path, refinement.path), (loaded.coarse, refinement.coarse)):
+        assert np.array_equal(ours.q(s), theirs.q(s))
+        assert np.array_equal(ours.q(s, 1), theirs.q(s, 1))
+        assert np.array_equal(ours.pose(s), theirs.pose(s))
+
+
+def test_a_path_of_its_own(tmp_path: Path, machine: Machine, make: Make) -> None:
+    """What is saved is loaded, and so is the refined path of a run."""
+    refinement = make["refinement"](machine)
+    save_path(tmp_path / "one.npz", refinement.path)
+    s = np.linspace(0.0, 1.0, 21)
+    (tmp_path / "run.npz").write_bytes(npz_bytes(pack_refinement(refinement)))
+    for name in ("one.npz", "run.npz"):
+        loaded = load_path(tmp_path / name, machine)
+        for order in range(4):
+            np.testing.assert_array_equal(loaded.q(s, order), refinement.path.q(s, order))
+        np.testing.assert_array_equal(loaded.pose(s), refinement.path.pose(s))
+    (tmp_path / "one.npz").write_bytes(b"nonsense")
+    with pytest.raises(UsageError, match=r"one\.npz"):
+        load_path(tmp_path / "one.npz", machine)
+
+
+def test_path_files_follow_the_contract(machine: Machine, make: Make) -> None:
+    """The splines can be rebuilt from degree, knots and coefficients; the table has the contract's columns."""
+    refinement = make["refinement"](machine)
+    s = np.linspace(0.0, 1.0, 11)
+    files = path_files(refinement, sample_path(refinement.path, s))
+    arrays = np.load(io.BytesIO(files["path.npz"]))
+    spline = BSpline(arrays["knots"], arrays["coefficients"], int(arrays["degree"]))
+    assert arrays["coefficients"].shape[1] == 5
+    columns = read_csv(files["path.csv"].decode())
+    assert list(columns)[:8] == ["s", "x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad", "kappa"]
+    q = np.column_stack([columns[f"q{k}_m"] for k in range(1, 6)])
+    np.testing.assert_allclose(q, spline(s), atol=1e-12)

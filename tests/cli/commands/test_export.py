@@ -1,0 +1,82 @@
+"""The trajectory of a run, exported."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.calls import Call
+from tests.run.fake_stages import FakeStages
+
+
+class TestExport:
+    """The command `export`."""
+
+    @pytest.fixture(autouse=True)
+    def _run(self, call: Call, config_file: Path, stages: FakeStages) -> None:
+        call("run", config_file, "--out", "out")
+
+    def test_export_is_the_table_of_the_run(self, call: Call) -> None:
+        """At the run's own period the export is trajectory.csv."""
+        result = call("export", "out")
+        assert result.exit_code == 0
+        assert result.stdout == Path("out/trajectory.csv").read_text()
+
+    def test_export_at_another_period(self, call: Call) -> None:
+        """Another period gives other rows of the same motion, to the goal at rest."""
+        from pipeline.export import read_csv
+
+        result = call("export", "out", "--format", "csv", "--period", "0.003", "--output", "sub/t.csv")
+        assert result.exit_code == 0
+        assert result.stdout == ""
+        assert "668 rows 0.003 s apart, 2.001 s" in result.stderr
+        fine, coarse = read_csv(Path("sub/t.csv").read_text()), read_csv(Path("out/trajectory.csv").read_text())
+        for name in (f"q{k}_m" for k in range(1, 6)):
+            assert fine[name][-1] == pytest.approx(coarse[name][-1], abs=1e-9)
+        assert all(fine[f"qd{k}_mps"][-1] == 0.0 for k in range(1, 6))
+
+    @pytest.mark.parametrize("kind", ["ros2", "ros2-json", "linuxcnc", "beckhoff", "mujoco"])
+    def test_export_in_every_format(self, call: Call, kind: str) -> None:
+        """Each format is written, to a file or to stdout alike."""
+        shown = call("export", "out", "--format", kind, "--period", "0.05")
+        assert shown.exit_code == 0
+        assert call("export", "out", "--format", kind, "--period", "0.05", "--output", "x").exit_code == 0
+        assert Path("x").read_bytes() == shown.stdout_bytes
+
+    def test_export_slower_and_backwards(self, call: Call) -> None:
+        """Half the speed takes twice as long; the way back begins at the goal."""
+        from pipeline.export import read_csv
+
+        there = read_csv(call("export", "out", "--speed", "0.5").stdout)
+        back = read_csv(call("export", "out", "--back").stdout)
+        assert there["t_s"][-1] == pytest.approx(4.0)
+        assert back["t_s"][-1] == pytest.approx(2.0)
+        assert back["q1_m"][0] == there["q1_m"][-1]
+        assert back["q1_m"][-1] == there["q1_m"][0]
+
+    def test_export_with_options_of_csv(self, call: Call) -> None:
+        """Separator, columns and units as asked for; what the period does not allow is refused."""
+        options = ["--separator", "semicolon", "--length", "mm", "--columns", "t_s, q1_m"]
+        assert call("export", "out", *options).stdout.startswith("t_s;q1_mm\n0.000000000000;")
+        refused = call("export", "out", "--decimals", "3")
+        assert refused.exit_code == 2
+        assert "decimals are too few" in refused.stderr
+        assert call("export", "out", "--speed", "1.5").exit_code == 2
+        nothing = call("export", "out", "--columns", "")
+        assert nothing.exit_code == 2
+        assert "--columns names no column" in nothing.stderr
+        slow = call("export", "out", "--speed", "0.000001")
+        assert slow.exit_code == 2
+        assert "retime.speed (--speed)" in slow.stderr
+
+    def test_export_spares_the_run(self, call: Call) -> None:
+        """Files of the run are not written over."""
+        before = Path("out/trajectory.csv").read_bytes()
+        result = call("export", "out", "--period", "0.02", "--output", "out/trajectory.csv")
+        assert result.exit_code == 2
+        assert Path("out/trajectory.csv").read_bytes() == before
+
+    def test_impossible_period(self, call: Call) -> None:
+        """Periods are held against what configurations allow."""
+        result = call("export", "out", "--period", "7")
+        assert result.exit_code == 2
+        assert "retime.period_s" in result.stderr

@@ -1,0 +1,32 @@
+"""Fixtures of the command line: those of runs, a way to call it, and a configuration as a file."""
+
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from pipeline.config import Config
+from pipeline.config.file import dump_config
+from tests.cli.calls import Call, invoke
+from tests.run.conftest import *  # noqa: F403  # fixtures are found by their names here
+from tests.run.fake_stages import FakeStages
+
+
+@pytest.fixture(autouse=True)
+def empty_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Run every command in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def call(stages: FakeStages) -> Call:
+    """Call the command line in this process, with fake stages."""
+    return partial(invoke, specs=stages.specs)
+
+
+@pytest.fixture
+def config_file(tmp_path: Path, fast_config: Config) -> Path:
+    """Write a configuration, named `quick`."""
+    path = tmp_path / "machine.yaml"
+    path.write_text(dump_config(fast_config))
+    return path

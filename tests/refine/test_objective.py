@@ -1,0 +1,31 @@
+"""Objectives of stage two."""
+
+from typing import get_args
+
+import pytest
+
+from pipeline.config import RefineConfig
+from pipeline.refine import PathFigures
+from pipeline.refine.objective import OBJECTIVES
+
+FIGURES = PathFigures(
+    kappa_max=30.0,
+    kappa_max_s=0.5,
+    kappa_integral=400.0,
+    length=21.0,
+    closure_residual_m=0.0,
+    measures={},
+    det_sign_constant=True,
+    modes=("LLL",),
+)
+
+
+def test_every_objective_of_the_configuration_has_a_row() -> None:
+    """And no other has one."""
+    assert set(OBJECTIVES) == set(get_args(RefineConfig.model_fields["objective"].annotation))
+
+
+@pytest.mark.parametrize(("name", "value"), [("integral", 400.0), ("mixed", 20.0 + 30.0), ("maximum", 30.0)])
+def test_what_is_minimised_is_its_formula(name: str, value: float) -> None:
+    """The integral, its mean over the length of the coarse path plus the largest kappa, the largest kappa."""
+    assert OBJECTIVES[name].minimised(FIGURES, 20.0) == value

@@ -1,0 +1,88 @@
+"""The part of the configuration that each stage reads."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pipeline.config import Config
+from pipeline.machine import Machine
+from pipeline.run.config_parts import regions_part
+from pipeline.run.stage_specs import SPECS, spec_of
+from pipeline.stage import Stage
+
+Change = Callable[..., Config]
+
+
+class Recorder:
+    """Stands for an object and notes which of its leaves are read."""
+
+    def __init__(self, target: Any, read: set[str], path: str = "") -> None:
+        self._target, self._read, self._path = target, read, path
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._target, name)
+        path = f"{self._path}.{name}".lstrip(".")
+        if hasattr(type(value), "model_fields"):
+            return Recorder(value, self._read, path)
+        self._read.add(path)
+        return value
+
+
+def declared(config: Config, stage: Stage, path: str) -> bool:
+    """Check whether a key is part of what a stage may read."""
+    part: Any = spec_of(SPECS, stage).config_part(config)
+    for key in path.split("."):
+        if not isinstance(part, dict) or key not in part:
+            return not isinstance(part, dict)
+        part = part[key]
+    return True
+
+
+@pytest.mark.slow
+def test_stages_read_only_what_they_declare(quick_config: Config, machine: Machine, change: Change) -> None:
+    """The real stages read no key that their fingerprint leaves out; one that does would keep stale results."""
+    from dataclasses import replace
+
+    from pipeline.refine import refine_path
+    from pipeline.route import build_regions, plan_route
+
+    config = change(quick_config, refine__nodes=40, refine__coefficients=16)
+    blind = replace(machine, velocity_mps=np.full(5, np.nan), acceleration_mps2=np.full(5, np.nan))
+    results: list[Any] = []
+    for stage, make in (
+        (Stage.REGIONS, lambda config: build_regions(config, blind)),
+        (Stage.ROUTE, lambda config: plan_route(config, blind, results[0])),
+        (Stage.REFINE, lambda config: refine_path(config, blind, results[1])),
+    ):
+        read: set[str] = set()
+        results.append(make(Recorder(config, read)))
+        assert read
+        # How much memory may be used decides how, not what.
+        read.discard("route.memory_gb")
+        assert [path for path in sorted(read) if not declared(config, stage, path)] == []
+
+
+def test_config_parts_grow(fast_config: Config) -> None:
+    """Every stage depends on what the stage it builds on depends on, so that no change gets lost."""
+
+    def leaves(value: Any, path: str = "") -> set[str]:
+        if isinstance(value, dict):
+            return {leaf for key, item in value.items() for leaf in leaves(item, f"{path}.{key}")}
+        return {path}
+
+    for spec in SPECS:
+        for earlier in spec.upstream:
+            part = spec_of(SPECS, earlier).config_part(fast_config)
+            assert leaves(part) <= leaves(spec.config_part(fast_config))
+
+
+def test_margins_count_for_the_table_only_where_there_are_boxes(fast_config: Config, change: Change) -> None:
+    """They are counted in grid steps and steps along X."""
+    for avoid, counts in (([], False), ([{"y_m": [5.0, 6.0]}], True)):
+        base = change(fast_config, task__avoid=avoid)
+        for key, value in (("route__avoid_margin", 1.0), ("route__x_step_m", 0.2)):
+            other = change(base, **{key: value})
+            same = regions_part(other) == regions_part(base)
+            assert same is not counts
