@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pipeline.summary.sections import trajectory_section
+from pipeline.summary.trajectory import trajectory_section
 
 from pipeline.machine import Machine
 from pipeline.machine.dynamics import inverse_dynamics
