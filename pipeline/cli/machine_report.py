@@ -8,6 +8,7 @@ from rich.table import Table
 
 from pipeline.cli.output import text_table
 from pipeline.config import Config
+from pipeline.limits import KINDS, ShownLimit
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.retime import resting_forces
 from pipeline.route.regions.endpoints import Endpoint
@@ -132,11 +133,24 @@ def _ends(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> 
         table.add_row(f"{name} holds", "N", *(f"{force:.1f}" for force in forces), limit)
     table.add_row("kappa", "", *(f"{end.kappa:.3f}" for end in ends), f"<= {config.route.kappa_max:g}")
     table.add_row("sign of det H", "", *(f"{end.det_sign:+.0f}" for end in ends), "equal")
-    clearance = config.machine.clearance
-    table.add_row(
-        "link to link", "m", *(f"{end.samples.link_distance_m[0]:.4f}" for end in ends), f">= {clearance.link_link_m:g}"
-    )
+    for name, unit, values, limit in _limited(config, machine, ends):
+        table.add_row(name, unit, *(f"{value:.4f}" for value in values), limit)
     return table
+
+
+def _limited(
+    config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]
+) -> Iterator[tuple[str, str, list[float], str]]:
+    """Give the limited quantities at start and goal; of kinds without a limit, what is measured all the same."""
+    for kind in KINDS:
+        limits = kind.for_poses(machine, config.route.kappa_max)
+        for limit in limits:
+            if isinstance(limit, ShownLimit):
+                for start, goal in zip(*(limit.curves(end.samples) for end in ends), strict=True):
+                    yield start.name, start.unit, [float(start.values[0]), float(goal.values[0])], start.allowed
+        if not limits and not kind.for_path(config, machine):
+            for measure in kind.MEASURES:
+                yield measure.name, measure.unit, [measure.reduce(end.samples) for end in ends], "not checked"
 
 
 def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tuple[str, list[float], str]]:

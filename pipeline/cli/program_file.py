@@ -66,4 +66,4 @@ def _check(config: Config, target: Path) -> None:
         rank = options.alternative
         raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} needs the better routes first")
     if target.suffix not in (".mps", ".lp"):
-        raise UsageError(f"--write-mps {target}: the file's name has to end in .mps (or .lp)")
+        raise UsageError(f"--write-mps {target}: the name of the file must end in .mps (or .lp)")

@@ -8,17 +8,12 @@ from pipeline.errors import InfeasibleError, NoSolutionError, PipelineError
 from pipeline.run.diagnosis import Diagnosis
 from pipeline.run.product import Product
 from pipeline.stage import Stage
-from pipeline.status import Status
 from pipeline.summary.section import failure_section
 
 
 def is_proven_infeasible(error: PipelineError) -> bool:
     """Check whether a failure proves that there is no solution, rather than too little time or too few routes."""
-    if isinstance(error, InfeasibleError):
-        return True
-    if not isinstance(error, NoSolutionError):
-        return False
-    return error.diagnosis.get("status") == Status.INFEASIBLE and not error.diagnosis.get("routes")
+    return isinstance(error, InfeasibleError) and not error.diagnosis.get("routes")
 
 
 def failure_product(

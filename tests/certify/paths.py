@@ -17,6 +17,7 @@ from pipeline.inclusion.uncertainty import CERTAIN
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import ACTUATORS, MODES
 from pipeline.machine.kinematics import follow, newton
+from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
 from pipeline.route.regions.endpoints import Endpoint
 
@@ -53,7 +54,7 @@ def ends_of(machine: Machine, path: Path, modes: tuple[int, int]) -> tuple[Endpo
     ends = []
     for k, mode in zip((0, -1), modes, strict=True):
         pose = path.pose(np.array([0.0, 1.0]))[k]
-        ends.append(Endpoint(mode, pose, path.q(float(k == -1)), 1.0, 1.0, 1.0, 1.0))
+        ends.append(Endpoint(mode, PoseSamples(machine, pose[None], path.q(float(k == -1))[None])))
     return ends[0], ends[1]
 
 
@@ -128,7 +129,7 @@ def bounds_of(
 def verified(config: Config, path: Path, chain: ProvenChain) -> dict[str, bool]:
     """Return which claims of a chain of the configured machine are verified."""
     stated = Statement(path_sha256(path), "", len(chain.boxes), bounds_of(), None, None, (chain,))
-    end = Endpoint(0, chain.joints[0].pose[0], path.q(0.0), 1.0, 1.0, 1.0, 1.0)
+    end = Endpoint(0, PoseSamples(path.machine, chain.joints[0].pose[:1], path.q(0.0)[None]))
     claims = verify(config, path.machine, path, (end, end), stated)
     return {claim.what.removeprefix("configured machine: "): claim.verified for claim in claims}
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pipeline.summary.sections import trajectory_section
 
 from pipeline.machine import Machine
 from pipeline.machine.dynamics import inverse_dynamics
@@ -15,6 +14,7 @@ from pipeline.retime.constraints import limit_rows
 from pipeline.retime.fastest import plan, plan_rows
 from pipeline.retime.path_dynamics import PathDynamics, evaluate_dynamics, grid
 from pipeline.retime.quantities import QUANTITIES, Quantity, at_rest, evaluate, limited, limits, moving_shares
+from pipeline.summary.trajectory import trajectory_section
 
 
 @pytest.fixture(scope="module")

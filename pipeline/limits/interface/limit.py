@@ -118,6 +118,13 @@ class Curve:
     least: float
     largest: float
 
+    @property
+    def allowed(self) -> str:
+        """The limits in signs."""
+        if np.isinf(self.least):
+            return f"<= {self.largest:g}"
+        return f">= {self.least:g}" if np.isinf(self.largest) else f"{self.least:g} to {self.largest:g}"
+
 
 @runtime_checkable
 class ShownLimit(Protocol):

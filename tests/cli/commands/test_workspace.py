@@ -14,7 +14,7 @@ def test_table() -> None:
     """The table has a row per working mode and the union, and says what it was computed for."""
     result = call("workspace", AGDER, "--step", 0.05, "--rx", -10)
     assert result.exit_code == 0
-    for text in ("LLL", "RRR", "union", "rx -10 deg", "kappa < 40", "grid step 0.05 m"):
+    for text in ("LLL", "RRR", "union", "rx -10 deg", "kappa at most 40", "grid step 0.05 m"):
         assert text in result.stdout
 
 

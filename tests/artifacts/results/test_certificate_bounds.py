@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pipeline.artifacts.certificate_bounds import read_bounds, state_bounds
-from pipeline.artifacts.certificate_shape import certificate_shape, explain
 from pydantic import ValidationError
 
+from pipeline.artifacts.results.certificate_bounds import read_bounds, state_bounds
+from pipeline.artifacts.results.certificate_shape import certificate_shape, explain
 from pipeline.certify.bounds import Bounds, Ranges
 from pipeline.limits import CertificateKey, Side, certificate_keys
 from tests.certify.paths import bounds_of
