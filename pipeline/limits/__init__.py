@@ -4,7 +4,17 @@ A new kind of limit is a module with the functions of `LimitKind`, its entry in 
 `certify.recheck` if it is proven.
 """
 
-from pipeline.limits.interface.limit import Curve, Limit, NodeLimit, ProvenLimit, ShownLimit, Wording, admits, admitted
+from pipeline.limits.interface.direction import DirectedLimit, applying, counting, end_stretches
+from pipeline.limits.interface.limit import (
+    Curve,
+    Limit,
+    NodeLimit,
+    ProvenLimit,
+    ShownLimit,
+    Wording,
+    admits,
+    admitted,
+)
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.interface.relaxation import RegionFilter, Relaxation
@@ -26,6 +36,7 @@ __all__ = [
     "CertificateEntry",
     "CertificateKey",
     "Curve",
+    "DirectedLimit",
     "Limit",
     "LimitKind",
     "Measure",
@@ -39,7 +50,10 @@ __all__ = [
     "Wording",
     "admits",
     "admitted",
+    "applying",
     "certificate_keys",
+    "counting",
+    "end_stretches",
     "measures",
     "move_limits",
     "node_limits",

@@ -1,7 +1,7 @@
 """The forces that hold the machine against gravity, with its load, within a fraction of the force limits.
 
-At rest, dry friction of a drive carries part of the force; in motion it has to be overcome. With F for the force without
-friction (positive along the drive), R for friction and L for the limit of the force,
+At rest, dry friction of a drive carries part of the force; in motion it has to be overcome. With F for the force
+without friction (positive along the drive), R for friction and L for the limit of the force,
 
     |F| <= holding_fraction L + R     at rest, and necessary in motion
      F  <= holding_fraction L - R     while the actuator moves in the positive direction
@@ -19,14 +19,15 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
-from pipeline.limits.limit import Curve, Limit, Wording
-from pipeline.limits.measures import Measure
-from pipeline.limits.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.limits.interface.limit import Curve, Limit, Wording
+from pipeline.limits.interface.measure import Measure
+from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import ACTUATORS, LINKS, Machine
 from pipeline.machine.samples import PoseSamples
 
 if TYPE_CHECKING:
-    from pipeline.limits.rows import Nodes, ProgramPart
+    from pipeline.limits.interface.rows import Nodes, ProgramPart
 
 _KEY = "machine.limits.holding_fraction"
 _SUBJECTS = (*ACTUATORS, *(f"link {link}" for link in LINKS))
@@ -76,6 +77,11 @@ class HoldingForce:
         )
 
     @property
+    def requirement(self) -> str:
+        """What it asks for, in a few words."""
+        return f"held with {self.fraction:g} of the force limits"
+
+    @property
     def column_subjects(self) -> IntArray:
         """Number of the subject of each column, shape (m,)."""
         limited = np.flatnonzero(np.isfinite(self.limit_n))
@@ -105,6 +111,13 @@ class HoldingForce:
         moving = directions[:, self.moving]
         at_rest = np.ones((len(directions), len(self.column_subjects) - 2 * len(self.moving)), dtype=bool)
         return np.concatenate([at_rest, moving > 0.0, moving < 0.0], axis=1)
+
+    def blocked(self, samples: PoseSamples) -> BoolArray:
+        """Tell in which directions the actuators of `moving` cannot be moved. Shape (n, 5, 2)."""
+        found = np.zeros((len(samples), len(ACTUATORS), 2), dtype=bool)
+        margins = self.margins(samples)[:, len(self.column_subjects) - 2 * len(self.moving) :]
+        found[:, self.moving] = np.stack(np.split(margins < 0.0, 2, axis=1), axis=-1)
+        return found
 
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute (allowed - F) / (L + F), F >= 0: continuous, and -1 at a Type-II singularity. Shape (n, m)."""
@@ -205,3 +218,4 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
 
 
 MEASURES: tuple[Measure, ...] = ()
+CERTIFICATE = CertificateEntry()

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from pipeline.limits.rows import Nodes, ProgramPart, Row, Unknowns
+from pipeline.limits.interface.direction import counting
+from pipeline.limits.interface.rows import Nodes, ProgramPart, Row, Unknowns
 from pipeline.machine.geometry import LINKS
 from pipeline.machine.symbolic import holding_function
 
@@ -25,10 +26,10 @@ def holding_part(limit: "HoldingForce", margin: float, nodes: Nodes) -> ProgramP
 
     The directions of motion are those at the initial guess.
     """
-    applies = limit.applies(nodes.directions)
-    near = ((limit.values(nodes.guess) < _NEAR) & applies).any(axis=1)
-    near[[0, -1]] = False
-    rows = np.flatnonzero(near)
+    applies = counting(limit, nodes.guess, nodes.directions)
+    near = np.asarray(((limit.values(nodes.guess) < _NEAR) & applies).any(axis=1), dtype=bool)
+    # Start and goal are given.
+    rows = np.flatnonzero(near[1:-1]) + 1
     if len(rows) == 0:
         return ProgramPart(unknowns=(), rows=())
     guess, k = nodes.guess.take(rows), len(rows)

@@ -64,10 +64,10 @@ def find_violations(
         return [Violation(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
     found = []
     for requirement in required:
-        broken = (requirement.margins(samples) < -requirement.rounding).any(axis=1)
+        broken = (requirement.margins(samples) < -requirement.rounding) & requirement.counts(samples)
         if broken.any():
-            worst = float(requirement.excess(samples).max())
-            found.append(Violation(requirement.what, worst, samples.s[broken], requirement.advice))
+            worst = float(requirement.excess(samples)[broken].max())
+            found.append(Violation(requirement.what, worst, samples.s[broken.any(axis=1)], requirement.advice))
     return found
 
 
@@ -76,20 +76,23 @@ def _doubtful_places(required: list[Requirement], samples: PathSamples) -> Float
     doubtful = np.zeros(len(samples) - 1, dtype=bool)
     for requirement in required:
         if requirement.continuous:
-            doubtful |= doubtful_intervals(samples.s, requirement.margins(samples), requirement.rounding)
+            margins, counts = requirement.margins(samples), requirement.counts(samples)
+            doubtful |= doubtful_intervals(samples.s, margins, requirement.rounding, counts)
     return midpoints(samples.s)[doubtful]
 
 
-def doubtful_intervals(s: FloatArray, margins: FloatArray, rounding: float) -> BoolArray:
+def doubtful_intervals(s: FloatArray, margins: FloatArray, rounding: float, counts: BoolArray) -> BoolArray:
     """Find intervals of s (n,) in which a margin (n, m), kept at both ends, may fall below zero. Shape (n - 1,).
 
-    Margins that are infinite somewhere are left out.
+    Margins that are infinite somewhere are left out, and those that count at neither end (`counts`, (n, m)).
     """
-    step, margins = np.diff(s)[:, None], margins[:, np.isfinite(margins).all(axis=0)]
+    finite = np.isfinite(margins).all(axis=0)
+    step, margins, counts = np.diff(s)[:, None], margins[:, finite], np.broadcast_to(counts, margins.shape)[:, finite]
     slope = np.diff(margins, axis=0) / step
     bend = np.zeros_like(margins)
     bend[1:-1] = 2.0 * np.abs(np.diff(slope, axis=0)) / (step[1:] + step[:-1])
     bend[[0, -1]] = bend[[1, -2]]
     fall = np.maximum(bend[1:], bend[:-1]) * step**2 / 2.0
     least = np.minimum(margins[1:], margins[:-1])
-    return np.asarray(((least >= -rounding) & (least - fall < -rounding)).any(axis=1), dtype=bool)
+    doubtful = (least >= -rounding) & (least - fall < -rounding) & (counts[1:] | counts[:-1])
+    return np.asarray(doubtful.any(axis=1), dtype=bool)

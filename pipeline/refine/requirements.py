@@ -6,20 +6,20 @@ stop.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.arrays import FloatArray, IntArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
-from pipeline.limits import path_limits
+from pipeline.limits import Limit, applying, path_limits
 from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.machine.kinematics import pose_jacobian
 from pipeline.machine.working_modes import working_modes
 from pipeline.refine.corridor.cells import cells_excess
 from pipeline.refine.corridor.sides import sides_at
 from pipeline.refine.measure import PathSamples, relative_speed
-from pipeline.refine.result import Path
+from pipeline.refine.result import Path, directions_of
 from pipeline.route.result import Route
 
 _ROUNDING = 1e-9
@@ -44,11 +44,13 @@ class Requirement:
     margins : callable
         Computes margins at n samples, negative where the requirement is broken, shape (n, m).
     excess : callable
-        Computes by how much each sample breaks it, shape (n,).
+        Computes by how much each margin is broken, shape (n, m).
     rounding : float
         How far below zero a margin still counts as rounding.
     continuous : bool
         Whether margins are continuous along the path, so that they can be bounded between two samples.
+    counts : callable
+        Tells which margins count at n samples, shape (n, m).
     """
 
     what: str
@@ -57,15 +59,25 @@ class Requirement:
     excess: Callable[[PathSamples], FloatArray]
     rounding: float
     continuous: bool = True
+    counts: Callable[[PathSamples], BoolArray] = lambda samples: np.ones((len(samples), 1), dtype=bool)
 
 
 def path_requirements(config: Config, route: Route, path: Path, coarse: Path) -> list[Requirement]:
     """List everything that a path along a route has to keep, in the order in which it is reported."""
-    limits = [
-        Requirement(limit.wording.broken_path, limit.wording.path_advice, limit.margins, limit.excess, limit.rounding)
-        for limit in path_limits(config, path.machine)
-    ]
+    limits = [_of_limit(path, limit) for limit in path_limits(config, path.machine)]
     return [*_of_the_course(config, route, path, coarse), *limits, *_of_the_route(config, route, path, coarse)]
+
+
+def _of_limit(path: Path, limit: Limit) -> Requirement:
+    """Require a limit, with the directions in which the path moves the actuators."""
+    return Requirement(
+        limit.wording.broken_path,
+        limit.wording.path_advice,
+        limit.margins,
+        limit.excess,
+        limit.rounding,
+        counts=lambda samples: applying(limit, directions_of(path.q(samples.s, 1))),
+    )
 
 
 def _of_the_course(config: Config, route: Route, path: Path, coarse: Path) -> list[Requirement]:
@@ -107,11 +119,13 @@ def _of_the_route(config: Config, route: Route, path: Path, coarse: Path) -> lis
 
 
 def _bounded(what: str, advice: str, excess: Callable[[PathSamples], FloatArray]) -> Requirement:
-    return Requirement(what, advice, lambda samples: -excess(samples)[:, None], excess, _ROUNDING)
+    return Requirement(
+        what, advice, lambda samples: -excess(samples)[:, None], lambda samples: excess(samples)[:, None], _ROUNDING
+    )
 
 
 def _events(what: str, advice: str, excess: Callable[[PathSamples], FloatArray]) -> Requirement:
-    return Requirement(what, advice, lambda samples: -excess(samples)[:, None], excess, _ROUNDING, continuous=False)
+    return replace(_bounded(what, advice, excess), continuous=False)
 
 
 def sign_changes(sign: FloatArray) -> FloatArray:

@@ -10,6 +10,16 @@ from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.status import Status
 
+_STILL, _STILL_M = 1e-9, 1e-12
+"""An actuator stands still where its |q'| is at most this fraction of the largest plus this many metres."""
+
+
+def directions_of(q1: FloatArray) -> FloatArray:
+    """Return the signs of q'(s) (n, 5), zero for an actuator that stands still: rounding has no direction."""
+    speed = np.abs(q1)
+    moves = speed > _STILL * speed.max(axis=1, keepdims=True) + _STILL_M
+    return np.asarray(np.sign(q1) * moves, dtype=float)
+
 
 @dataclass(frozen=True, eq=False)
 class Path:

@@ -15,14 +15,12 @@ from pipeline.arrays import FloatArray
 from pipeline.machine.dynamics import inverse_dynamics
 from pipeline.machine.geometry import Machine
 from pipeline.refine.motion import pose_derivatives
-from pipeline.refine.result import Path
+from pipeline.refine.result import Path, directions_of
 
 TABLE_POINTS = 2_001
 """Points of s at which kinematics and dynamics are evaluated."""
 _FORCES = ("tcp1", "tcp2", "a", "b", "c")
 """Fields that take forward kinematics or dynamics to evaluate."""
-_STILL, _STILL_M = 1e-9, 1e-12
-"""An actuator stands still where its |q'| is at most this fraction of the largest plus this many metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +55,10 @@ class PathDynamics:
 
         Actuators that stand still have none: the sign of their q' is only rounding.
         """
-        masses, speed = self.machine.masses, np.abs(self.q1)
+        masses = self.machine.masses
         if masses is None:
             return np.zeros_like(self.q1)
-        moves = speed > _STILL * speed.max(axis=1, keepdims=True) + _STILL_M
-        return np.asarray(np.sign(self.q1) * moves * masses.friction_n)
+        return directions_of(self.q1) * masses.friction_n
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pipeline.config import Config
 from pipeline.limits.holding_force import HoldingForce, for_moves, for_path, for_poses
-from pipeline.limits.rows import Nodes
+from pipeline.limits.interface.rows import Nodes
 from pipeline.machine import Machine, build_machine
 from pipeline.machine.dynamics import inverse_dynamics
 from pipeline.machine.samples import PoseSamples
@@ -77,7 +77,7 @@ def test_a_path_has_to_overcome_friction_in_the_direction_it_goes(heavy: Machine
 
 
 def test_moves_leave_the_directions_of_carts_open(heavy: Machine, heavy_config: Config):
-    """x is free between regions: only strokes decide which way friction acts."""
+    """X is free between regions: only strokes decide which way friction acts."""
     (limit,) = for_moves(heavy_config, heavy)
     assert isinstance(limit, HoldingForce)
     carts, telescopes = np.array([[1.0, 1.0, 1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 1.0, -1.0]])

@@ -77,8 +77,8 @@ def test_margins_words_and_excess_agree(strict_config: Config, strict: Machine, 
         margins = limit.margins(samples)
         assert margins.shape == limit.excess(samples).shape
         np.testing.assert_array_equal(np.sign(margins.round(12)), -np.sign(limit.excess(samples).round(9)))
-        kept = ((margins >= 0.0) | ~applying(limit, still, margins.shape[1])).all(axis=1)
-        at_rest = margins.shape[1] == np.count_nonzero(applying(limit, still[:1], margins.shape[1]))
+        kept = ((margins >= 0.0) | ~applying(limit, still)).all(axis=1)
+        at_rest = applying(limit, still).all()
         for row in range(len(samples)):
             if at_rest:
                 assert bool(limit.violations(samples.take(np.array([row])))) == (not kept[row])

@@ -32,7 +32,7 @@ def samples(machine: Machine) -> PoseSamples:
 
 def _nodes(samples: PoseSamples, margin_m: float, reach_m: float) -> Nodes:
     k = len(samples)
-    return Nodes(ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), samples, margin_m, reach_m)
+    return Nodes(ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), samples, np.zeros((k, 5)), margin_m, reach_m)
 
 
 def _links(samples: PoseSamples, margin_m: float, reach_m: float) -> Separations:

@@ -83,21 +83,6 @@ class Limit(Protocol):
         """State in words what a single pose (n = 1) breaks; empty if it keeps the limit."""
 
 
-@runtime_checkable
-class DirectedLimit(Protocol):
-    """A limit with margins that count in one direction of motion only."""
-
-    def applies(self, directions: FloatArray) -> BoolArray:
-        """Which margins count at n poses passed with actuators moving in `directions` (n, 5): signs. Shape (n, m)."""
-
-
-def applying(limit: Limit, directions: FloatArray, count: int) -> BoolArray:
-    """Tell which of a limit's `count` margins apply at n poses passed in `directions` (n, 5). Shape (n, count)."""
-    if isinstance(limit, DirectedLimit):
-        return limit.applies(directions)
-    return np.ones((len(directions), count), dtype=bool)
-
-
 @dataclass(frozen=True, eq=False)
 class Curve:
     """A limited quantity along samples, for figures and tables; a side without a limit is infinite.

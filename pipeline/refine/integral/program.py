@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from scipy.interpolate import BSpline
 from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
@@ -34,6 +35,8 @@ from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.integral.derivatives import derivative_options
 from pipeline.refine.integral.node_kappa import NodeKappa
 from pipeline.refine.mesh import Mesh
+from pipeline.refine.one_way import OneWayLeg, one_way_legs
+from pipeline.refine.result import directions_of
 from pipeline.refine.splines import DEGREE, basis
 from pipeline.route.metric import arc_length
 
@@ -162,7 +165,8 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
     moves = (x.pose[list(CONTROLLED), 1:] - x.pose[list(CONTROLLED), :-1]) / ca.DM(data.steps)
     squared = ca.sum1(moves**2)
     distance = ca.sqrt(squared + (_SMOOTHING * first_length / k) ** 2)
-    at_nodes = Nodes(x.pose, x.q, guess.nodes, data.clearance_margin_m, data.reach_m)
+    directions = directions_of(BSpline(data.mesh.knots, guess.coefficients, DEGREE)(data.mesh.s, nu=1))
+    at_nodes = Nodes(x.pose, x.q, guess.nodes, directions, data.clearance_margin_m, data.reach_m)
     parts = [limit.program_part(at_nodes) for limit in data.limits]
     unknowns = _unknowns(data, guess, x, [own for part in parts for own in part.unknowns], first_length)
     rows = [
@@ -171,6 +175,7 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
         Row("sides of the carts", _sides(machine, data.corridor, x), data.corridor.side_margin_m, np.inf),
         *_end_speeds(data.mesh, x),
         *_directions(data.directions, x.coefficients),
+        *_one_way(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), x.coefficients),
     ]
     vector, g = ca.veccat(*(part.symbol for part in unknowns)), ca.vertcat(*(row.expression for row in rows))
     nodes, kappa = ca.vertcat(x.pose, x.q[:3, :]), NodeKappa(machine, k, data.exponent)
@@ -263,6 +268,14 @@ def _directions(directions: FloatArray, coefficients: ca.MX) -> list[Row]:
             rows.append(Row(f"direction at the {name}", ca.DM(across) @ leg, 0.0, 0.0))
             rows.append(Row(f"sense of direction at the {name}", ca.dot(ca.DM(direction), leg), 0.0, np.inf))
     return rows
+
+
+def _one_way(legs: Sequence[OneWayLeg], coefficients: ca.MX) -> list[Row]:
+    """Write that legs of the control polygon do not go the way that is blocked to their actuators."""
+    if not legs:
+        return []
+    rows = [-sign * (coefficients[axis, leg + 1] - coefficients[axis, leg]) for leg, axis, sign in legs]
+    return [Row("ways blocked at the ends", ca.vertcat(*rows), 0.0, np.inf)]
 
 
 def _unevenness(mesh: Mesh, distance: ca.MX, length: ca.MX, first_length: float) -> ca.MX:

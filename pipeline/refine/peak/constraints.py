@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array, hstack
 
-from pipeline.arrays import FloatArray, IntArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.limits import NodeLimit
 from pipeline.machine.pose import CONTROLLED
 from pipeline.refine.corridor.cells import Corridor
@@ -54,14 +54,16 @@ class PathConstraints:
     limits: Sequence[LeastValues]
 
 
-def least_values(limit: NodeLimit, values: FloatArray, margin: float) -> LeastValues:
+def least_values(limit: NodeLimit, values: FloatArray, margin: float, counts: BoolArray) -> LeastValues:
     """Choose the least values to keep, given those (k, m) of the path that the descent starts from.
 
-    What is within the margin at the start or the goal, which are given, keeps the margin only where it has it.
+    What is within the margin at the start or the goal, which are given, keeps the margin only where it has it. Values
+    that do not count (`counts`, (k, m)) may be anything.
     """
     wanted = np.full_like(values, limit.least + margin)
     near = (values[[0, -1]] < limit.least + margin).any(axis=0)
     wanted[:, near] = np.clip(values[:, near], limit.least, limit.least + margin)
+    wanted[~np.broadcast_to(counts, values.shape)] = -np.inf
     return LeastValues(limit, wanted)
 
 

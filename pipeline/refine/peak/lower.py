@@ -6,17 +6,18 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
-from pipeline.limits import node_limits
+from pipeline.limits import counting, node_limits
 from pipeline.limits.kappa import path_cap
 from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.mesh import midpoints
 from pipeline.refine.objective import TIE_BREAK
+from pipeline.refine.one_way import one_way_legs
 from pipeline.refine.peak.constraints import PathConstraints, least_values
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, iterate_at
 from pipeline.refine.peak.problem import PeakObjective, PeakProblem
 from pipeline.refine.peak.sqp import Descent, descend
 from pipeline.refine.problem import SCHATTEN, MeshSolution, Problem
-from pipeline.refine.result import Path
+from pipeline.refine.result import Path, directions_of
 from pipeline.refine.splines import DEGREE
 from pipeline.status import Status
 
@@ -65,15 +66,22 @@ def peak_problem(problem: Problem, initial: MeshSolution) -> tuple[PeakProblem, 
     iterate = iterate_at(points, initial.path.spline.c, initial.path.pose(s))
     if iterate is None:
         return None
-    margin = config.refine.clearance_margin_m
+    limits = node_limits(config, machine)
+    margin, directions = config.refine.clearance_margin_m, directions_of(initial.path.q(s, 1))
     required = PathConstraints(
         corridor=corridor(config, problem.route, problem.coarse, s),
         limits=[
-            least_values(limit, limit.values(iterate.samples), limit.node_margin(margin))
-            for limit in node_limits(config, machine)
+            least_values(
+                limit,
+                limit.values(iterate.samples),
+                limit.node_margin(margin),
+                counting(limit, iterate.samples, directions),
+            )
+            for limit in limits
         ],
     )
-    return PeakProblem(points, required, problem.directions, machine.actuator_limits_m), iterate
+    one_way = one_way_legs(limits, iterate.samples, s, initial.mesh.knots)
+    return PeakProblem(points, required, problem.directions, machine.actuator_limits_m, one_way), iterate
 
 
 def _target_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from pipeline.arrays import FloatArray
+from pipeline.refine.one_way import OneWayLeg
 from pipeline.refine.peak.constraints import Constraint, PathConstraints, pose_constraints
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate
-from pipeline.refine.peak.speed import speed_constraints
+from pipeline.refine.peak.speed import one_way_constraint, speed_constraints
 
 
 @dataclass(frozen=True)
@@ -49,17 +50,22 @@ class PeakProblem:
         Directions of the actuators at both ends, NaN where they are free.
     actuator_limits_m : (5, 2)
         Bounds of the coefficients.
+    one_way : tuple of OneWayLeg
+        Legs of the control polygon along which an actuator must not move one way.
     """
 
     points: EvaluationPoints
     required: PathConstraints
     directions: FloatArray
     actuator_limits_m: FloatArray
+    one_way: tuple[OneWayLeg, ...] = ()
 
     def constraints(self, iterate: Iterate) -> Iterator[Constraint]:
         """Write everything that an iterate has to keep."""
         yield from pose_constraints(self.points, self.required, iterate)
         yield from speed_constraints(self.points, self.directions, iterate)
+        if self.one_way:
+            yield one_way_constraint(self.one_way, iterate)
 
     def excess(self, iterate: Iterate) -> float:
         """Compute how far the worst constraint is broken, in units of its slack."""

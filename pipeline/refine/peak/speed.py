@@ -1,6 +1,6 @@
 """How an iterate moves along s: evenly, and at its ends fast enough and in the configured directions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy.sparse import csr_array, diags_array, hstack
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.pose import CONTROLLED
 from pipeline.refine.integral.program import END_SPEED, SPEED_RANGE
+from pipeline.refine.one_way import OneWayLeg
 from pipeline.refine.peak.constraints import Constraint, by_unknowns
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate
 from pipeline.refine.splines import DEGREE
@@ -19,6 +20,7 @@ _SPEED_SLACK = 0.05
 _LEAST_END_SPEED = 0.1
 """Share of the mean speed of the actuators along s: below 0.07 a path counts as one that nearly stops."""
 _EXACT = 1e-9
+_ONE_WAY_SLACK_M = 1e-4
 
 
 def speed_constraints(points: EvaluationPoints, directions: FloatArray, iterate: Iterate) -> Iterator[Constraint]:
@@ -103,6 +105,18 @@ def _ends(points: EvaluationPoints, directions: FloatArray, iterate: Iterate) ->
         yield _leg(along[None], first, c, (least, np.inf), max(0.1 * least, _EXACT))
         if given:
             yield _leg(null_space(direction[None]).T, first, c, (0.0, 0.0), _EXACT)
+
+
+def one_way_constraint(one_way: Sequence[OneWayLeg], iterate: Iterate) -> Constraint:
+    """Keep legs of the control polygon from going the way that is blocked to their actuators."""
+    c = iterate.coefficients
+    legs, actuators, signs = (np.array(column) for column in zip(*one_way, strict=True))
+    rows, first = np.arange(len(legs)), 5 * legs + actuators
+    entries = (np.concatenate([signs, -signs]), (np.tile(rows, 2), np.concatenate([first, first + 5])))
+    slope = csr_array(entries, shape=(len(legs), c.size + 2))
+    value = -signs * (c[legs + 1, actuators] - c[legs, actuators])
+    zero = np.zeros(len(legs))
+    return Constraint(value, zero, np.full(len(legs), np.inf), _ONE_WAY_SLACK_M, lambda at: csr_array(slope[at]))
 
 
 def _leg(axes: FloatArray, first: int, c: FloatArray, bounds: tuple[float, float], slack: float) -> Constraint:

@@ -191,7 +191,10 @@ class _Follower:
         """Tell which margins count on lines between actuator positions (n, 2, 5). Shape (n, m)."""
         change = q_m[:, 1] - q_m[:, 0]
         directions = np.where(np.abs(change) > _STILL_M, np.sign(change), 0.0)
-        parts = [applying(limit, directions, count) for limit, count in zip(self.limits, self.counts, strict=True)]
+        parts = [
+            np.broadcast_to(applying(limit, directions), (len(q_m), count))
+            for limit, count in zip(self.limits, self.counts, strict=True)
+        ]
         return np.concatenate(parts, axis=1)
 
     def verdict(
