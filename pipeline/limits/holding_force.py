@@ -13,7 +13,7 @@ directions of the carts open, because x is still free: the strokes alone decide 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,16 +21,21 @@ from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits.interface.limit import Curve, Limit, Wording
 from pipeline.limits.interface.measure import Measure
-from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import ACTUATORS, LINKS, Machine
+from pipeline.machine.masses import Masses
 from pipeline.machine.samples import PoseSamples
 
 if TYPE_CHECKING:
+    from pipeline.inclusion.proven_box import ProvenBox
     from pipeline.limits.interface.rows import Nodes, ProgramPart
 
 _KEY = "machine.limits.holding_fraction"
-_SUBJECTS = (*ACTUATORS, *(f"link {link}" for link in LINKS))
+SUBJECTS = (*ACTUATORS, *(f"link {link}" for link in LINKS))
+_FORCES = CertificateKey("holding_force_n", Side.LARGEST, SUBJECTS, "holding force of {}", "N", 1, optional=True)
+PROOF_SLACK = 1e-3
+"""Share that proven bounds are weakened by, so that other arithmetic can verify them."""
 _NODE_MARGIN = 0.005
 """Part of a force limit that nodes keep on top, for what happens between them."""
 _FRACTION_STEP, _LARGEST_FRACTION = 0.01, 10.0
@@ -49,6 +54,8 @@ class HoldingForce:
         Force limits, infinite where there is none, and dry friction: of c1, c2, c3, l2b, l3b and of the six links.
     fraction : float
         Part of the limits that holding may take.
+    masses : Masses
+        What forces follow from.
     moving : (k,)
         Actuators whose friction counts against their motion.
     """
@@ -56,6 +63,7 @@ class HoldingForce:
     limit_n: FloatArray
     friction_n: FloatArray
     fraction: float
+    masses: Masses
     moving: IntArray
     cost: int = 4
     rounding: float = 1e-9
@@ -141,7 +149,7 @@ class HoldingForce:
         friction = f" and {self.friction_n[subject]:g} N of dry friction" if self.friction_n[subject] > 0.0 else ""
         part = f"{self.fraction:g} times " if self.fraction != 1.0 else ""
         return (
-            f"needs {force_n:.0f} N from {_SUBJECTS[subject]} to hold the machine; {_KEY} allows "
+            f"needs {force_n:.0f} N from {SUBJECTS[subject]} to hold the machine; {_KEY} allows "
             f"{part}its limit of {self.limit_n[subject]:g} N{friction}"
         )
 
@@ -149,6 +157,30 @@ class HoldingForce:
         """Return the largest part of any limit that holding takes, less what friction carries."""
         taken = self.fraction - self.values(samples)[:, : len(self.column_subjects) - 2 * len(self.moving)].min(axis=1)
         return (Curve("force to hold, part of its limit", "", taken, -np.inf, self.fraction),)
+
+    @property
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """The forces of all drives and links, held at rest."""
+        allowed = self.fraction * self.limit_n + self.friction_n
+        return tuple(
+            ProvenQuantity(_FORCES, name, (-np.inf, most))
+            for name, most in zip(SUBJECTS, allowed.tolist(), strict=True)
+        )
+
+    def bound(self, box: "ProvenBox") -> FloatArray:
+        """Bound the magnitudes of all forces over a proven box from above, shape (11, 2)."""
+        from pipeline.inclusion.forces import holding_force_ranges
+
+        largest = np.abs(holding_force_ranges(box, self.masses)).max(axis=1) * (1.0 + PROOF_SLACK)
+        return np.column_stack([np.full(len(largest), -np.inf), largest])
+
+    def unproven(self, bounds: FloatArray) -> str:
+        """State the force that is not proven to be within its limit."""
+        excess = bounds[:, 1] - (self.fraction * self.limit_n + self.friction_n)
+        if excess.max() <= 0.0:
+            return ""
+        worst = int(excess.argmax())
+        return f"{SUBJECTS[worst]} is not proven to hold the machine (bound {bounds[worst, 1]:.4g} N)"
 
     def node_margin(self, clearance_margin_m: float) -> float:
         """Return what nodes keep on top, as part of the force limit."""
@@ -168,7 +200,7 @@ def _holding(machine: Machine, moving: Sequence[int]) -> HoldingForce | None:
         return None
     friction = np.append(machine.masses.friction_n, np.zeros(len(LINKS)))
     counts = [k for k in moving if friction[k] > 0.0 and np.isfinite(limit[k])]
-    return HoldingForce(limit, friction, machine.holding_fraction, np.array(counts, dtype=np.int64))
+    return HoldingForce(limit, friction, machine.holding_fraction, machine.masses, np.array(counts, dtype=np.int64))
 
 
 def _limits(machine: Machine, moving: Sequence[int]) -> list[Limit]:
@@ -217,5 +249,20 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     ]
 
 
+def _premises(config: Config) -> dict[str, Any]:
+    limits, dynamics = config.machine.limits, config.machine.dynamics
+    if dynamics is None or not limits.of_forces():
+        return {}
+    return {
+        "holding_forces": {
+            "carts_n": limits.carts.force_n,
+            "telescopes_n": limits.telescopes.force_n,
+            "links_n": limits.link_force_n,
+            "fraction": limits.holding_fraction,
+            "dynamics": dynamics.model_dump(mode="json"),
+        }
+    }
+
+
 MEASURES: tuple[Measure, ...] = ()
-CERTIFICATE = CertificateEntry()
+CERTIFICATE = CertificateEntry((_FORCES,), _premises)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Protocol
 
 from pipeline.certify.bounds import Bounds
-from pipeline.certify.recheck.claims import actuators, axis_distances, endpoints, kappa, tilt
+from pipeline.certify.recheck.claims import actuators, axis_distances, endpoints, holding_force, kappa, tilt
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence
 
@@ -21,7 +21,7 @@ class BoundCheck(Protocol):
         """Verify what is stated against the boxes, and against the limits of the configuration."""
 
 
-CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, actuators, tilt, endpoints)
+CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, holding_force, actuators, tilt, endpoints)
 """All checks, in the order in which their claims are shown."""
 
 

@@ -43,7 +43,7 @@ def kappa_bounds(machine: Machine, boxes: Boxes, deviation: FloatArray) -> tuple
     H = [at[0], at[1], over[2]]
     Y = linear_inverse(H)
     h = boxes.half
-    off = _statics_change(machine, boxes, deviation)
+    off = statics_change(machine, boxes, deviation)
     bound_Y = _largest(exactly(Y[0]), exactly(Y[1]), h)
     bound_H = total(_largest(H[0], H[1], h), power(h, 2) * frobenius(H[2].magnitude), off)
     squares = residual_of_inverse([exactly(part) for part in Y], H, h)
@@ -68,7 +68,7 @@ def _largest(M0: Enclosure, M1: Enclosure, h: FloatArray) -> FloatArray:
     return np.maximum(*bounds)
 
 
-def _statics_change(machine: Machine, boxes: Boxes, deviation: FloatArray) -> FloatArray:
+def statics_change(machine: Machine, boxes: Boxes, deviation: FloatArray) -> FloatArray:
     """Bound the change of H with the pose, in the Frobenius norm, (n,)."""
     arm, turn = arm_lengths(machine)[:, None], total(*deviation[3:])
     by_vector = joint_shift(machine, deviation)
