@@ -1,11 +1,13 @@
 """The columns of `trajectory.csv`, a row each in the order of the file: name, unit, meaning, and how it is read."""
 
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import ACTUATORS
-from pipeline.retime.result import TrajectorySamples
+
+if TYPE_CHECKING:
+    from pipeline.retime.result import TrajectorySamples
 
 
 class TrajectoryColumn(NamedTuple):
@@ -14,7 +16,7 @@ class TrajectoryColumn(NamedTuple):
     name: str
     unit: str
     meaning: str
-    read: Callable[[TrajectorySamples], FloatArray]
+    read: "Callable[[TrajectorySamples], FloatArray]"
 
 
 _ACTUATOR_TEXTS = (
@@ -27,7 +29,7 @@ _ACTUATOR_TEXTS = (
 
 
 def _per_actuator(
-    prefix: str, suffix: str, unit: str, meaning: str, read: Callable[[TrajectorySamples], FloatArray]
+    prefix: str, suffix: str, unit: str, meaning: str, read: "Callable[[TrajectorySamples], FloatArray]"
 ) -> tuple[TrajectoryColumn, ...]:
     """Name a column per actuator, in their order, of values (n, 5)."""
     return tuple(
@@ -36,7 +38,7 @@ def _per_actuator(
     )
 
 
-def _at(k: int, read: Callable[[TrajectorySamples], FloatArray]) -> Callable[[TrajectorySamples], FloatArray]:
+def _at(k: int, read: "Callable[[TrajectorySamples], FloatArray]") -> "Callable[[TrajectorySamples], FloatArray]":
     return lambda samples: read(samples)[:, k]
 
 
@@ -83,7 +85,7 @@ POSE = tuple(column.name for column in _POSES)
 
 
 def trajectory_columns(
-    samples: TrajectorySamples, columns: Iterable[TrajectoryColumn] = TRAJECTORY_COLUMNS
+    samples: "TrajectorySamples", columns: Iterable[TrajectoryColumn] = TRAJECTORY_COLUMNS
 ) -> dict[str, FloatArray]:
     """Read the columns of `trajectory.csv` from samples: values (n,) by name, in the order of the file."""
     return {column.name: column.read(samples) for column in columns}

@@ -36,11 +36,11 @@ def narrow(change) -> Config:
 def test_proofs_alone_are_diagnosed() -> None:
     """Limits of time, too few alternatives and bad configurations have nothing to explain."""
     assert is_proven_infeasible(InfeasibleError("route", "none", "more"))
-    assert is_proven_infeasible(NoSolutionError("route", "none", "more", {"status": "infeasible"}))
+    assert is_proven_infeasible(InfeasibleError("route", "none", "more", {"status": "infeasible"}))
     assert not is_proven_infeasible(NoSolutionError("route", "late", "more", {"status": "time limit"}))
     assert not is_proven_infeasible(NoSolutionError("route", "none", "more"))
     assert not is_proven_infeasible(ConfigError([]))
-    too_few = NoSolutionError("route", "only 2 routes", "more", {"status": "infeasible", "routes": 2})
+    too_few = InfeasibleError("route", "only 2 routes", "more", {"status": "infeasible", "routes": 2})
     assert not is_proven_infeasible(too_few)
 
 
