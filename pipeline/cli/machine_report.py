@@ -10,7 +10,6 @@ from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
-from pipeline.retime import resting_forces
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
 from pipeline.workspace.reach import STEP_M, usable_reach
@@ -155,10 +154,10 @@ def _limited(
 
 def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tuple[str, list[float], str]]:
     """Give the forces that each drive, and the links, hold at start and goal; nothing without masses."""
-    forces = resting_forces(machine, np.stack([end.pose for end in ends]), np.stack([end.q_m[:3] for end in ends]))
-    if not forces:
+    if machine.masses is None:
         return
+    forces = np.concatenate([end.samples.holding_forces_n for end in ends])
     limits = np.append(machine.force_n, machine.link_force_n)
-    held = np.column_stack([forces["force"], np.abs(forces["link_force"]).max(axis=1)])
+    held = np.column_stack([forces[:, : len(ACTUATORS)], np.abs(forces[:, len(ACTUATORS) :]).max(axis=1)])
     for name, column, limit in zip((*ACTUATORS, "any link"), held.T.tolist(), limits.tolist(), strict=True):
         yield name, column, f"+/- {limit:g}" if np.isfinite(limit) else ""

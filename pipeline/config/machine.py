@@ -166,6 +166,20 @@ class MachineConfig(Section):
         None, description="masses, for forces and their limits; null: no forces, and no limits of forces either"
     )
 
+    def holding(self) -> dict[str, object]:
+        """Give the keys that holding forces and their limits follow from; none if no forces are limited."""
+        if self.dynamics is None or not self.limits.of_forces():
+            return {}
+        limits = self.limits
+        return {
+            "limits": {
+                "carts": limits.carts.model_dump(mode="json", include={"force_n"}),
+                "telescopes": limits.telescopes.model_dump(mode="json", include={"force_n"}),
+                **limits.model_dump(mode="json", include={"link_force_n", "holding_fraction"}),
+            },
+            "dynamics": self.dynamics.model_dump(mode="json", exclude={"platform": {"inertia_kgm2"}}),
+        }
+
     @model_validator(mode="after")
     def _forces_can_be_computed(self) -> Self:
         if self.dynamics is None and (limited := self.limits.of_forces()):

@@ -250,18 +250,8 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
 
 
 def _premises(config: Config) -> dict[str, Any]:
-    limits, dynamics = config.machine.limits, config.machine.dynamics
-    if dynamics is None or not limits.of_forces():
-        return {}
-    return {
-        "holding_forces": {
-            "carts_n": limits.carts.force_n,
-            "telescopes_n": limits.telescopes.force_n,
-            "links_n": limits.link_force_n,
-            "fraction": limits.holding_fraction,
-            "dynamics": dynamics.model_dump(mode="json"),
-        }
-    }
+    holding = config.machine.holding()
+    return {"holding": holding} if holding else {}
 
 
 MEASURES: tuple[Measure, ...] = ()

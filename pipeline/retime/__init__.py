@@ -1,6 +1,5 @@
 """Stage three: a path becomes a trajectory, as fast as the limits of actuators, links and TCP allow."""
 
-from pipeline.retime.holding_forces import require_ends_held, resting_forces
 from pipeline.retime.quantities import QUANTITIES, Quantity
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples, slowed, stretched
 from pipeline.retime.retime import TimingOptions, retime_path
@@ -19,9 +18,7 @@ __all__ = [
     "Usage",
     "measure_trajectory",
     "measure_usage",
-    "require_ends_held",
     "require_limits",
-    "resting_forces",
     "retime_path",
     "sample_at",
     "sample_trajectory",

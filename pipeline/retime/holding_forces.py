@@ -1,4 +1,4 @@
-"""Check that forces suffice to hold the machine, and to set it in motion at all: at both ends and along a path."""
+"""Check that forces suffice to hold the machine along a path, and to set it in motion at all."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,7 +7,6 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
-from pipeline.machine.dynamics import inverse_dynamics
 from pipeline.machine.geometry import Machine
 from pipeline.retime.path_dynamics import PathDynamicsTable
 from pipeline.retime.quantities import at_rest, limits, quantity_named
@@ -46,28 +45,6 @@ class ForceShortfall:
         )
 
 
-def resting_forces(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> dict[str, FloatArray]:
-    """Compute the forces that hold the machine against gravity; none without masses.
-
-    Parameters
-    ----------
-    pose : (n, 6)
-        x, y, z, rx, ry, rz.
-    carts_m : (n, 3)
-        Positions of the carts there.
-
-    Returns
-    -------
-    mapping
-        "force" of the drives (n, 5) and "link_force" (n, 6), in newtons.
-    """
-    if machine.masses is None:
-        return {}
-    still, carts_still = np.zeros_like(pose), np.zeros_like(carts_m)
-    found = inverse_dynamics(machine, machine.masses, pose, carts_m, still, still, carts_still)
-    return {"force": found.drive_n, "link_force": found.link_n}
-
-
 def find_shortfall(machine: Machine, forces: Mapping[str, FloatArray]) -> ForceShortfall | None:
     """Find the force (n, subjects) that exceeds its limit most; None where all are below their limits."""
     allowed = limits(machine)
@@ -81,39 +58,6 @@ def find_shortfall(machine: Machine, forces: Mapping[str, FloatArray]) -> ForceS
                 name, int(subject), int(row), float(needed[row, subject]), float(allowed[name][subject])
             )
     return worst
-
-
-def require_ends_held(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> None:
-    """Refuse a task whose start or goal cannot be held against gravity, whatever the path in between.
-
-    Dry friction helps to hold; drives supply the rest.
-
-    Parameters
-    ----------
-    pose : (2, 6)
-        At the start and at the goal.
-    carts_m : (2, 3)
-        Positions of the carts there.
-
-    Raises
-    ------
-    NoSolutionError
-        With the limit and the pose; no other path would help.
-    """
-    forces = resting_forces(machine, pose, carts_m)
-    if machine.masses is None:
-        return
-    drives = forces["force"]
-    forces["force"] = np.sign(drives) * np.maximum(np.abs(drives) - machine.masses.friction_n, 0.0)
-    for row, end in enumerate(("start", "goal")):
-        found = find_shortfall(machine, {name: part[row : row + 1] for name, part in forces.items()})
-        if found is not None:
-            raise NoSolutionError(
-                "retime",
-                f"{found.words('just to hold the machine', f'at the {end}')}, at {pose_words(pose[row])}",
-                f"{_LIGHTEN}, or give the task another {end}.",
-                _facts(found, float(row)),
-            )
 
 
 def require_standing(table: PathDynamicsTable, backwards: bool = False) -> None:
@@ -130,8 +74,6 @@ def require_standing(table: PathDynamicsTable, backwards: bool = False) -> None:
         With the limit, and the pose where it is exceeded most.
     """
     path, machine = table.path, table.path.machine
-    ends = np.array([1.0, 0.0] if backwards else [0.0, 1.0])
-    require_ends_held(machine, path.pose(ends), path.q(ends)[:, :3])
     dynamics = table.at(np.linspace(0.0, 1.0, _CHECK_POINTS))
     found = find_shortfall(machine, at_rest(dynamics))
     if found is None:

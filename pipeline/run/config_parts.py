@@ -1,7 +1,8 @@
 """The part of the configuration that each stage may read: only a change in it makes the stage run again.
 
-Stages one and two do not depend on limits and masses, so that other limits only cost a new trajectory. The files of the
-last stages quote the configuration with its name and hash, so that these depend on all of it.
+Stages one and two depend on limits and masses only as far as forces have to hold the machine, so that other limits of
+motion only cost a new trajectory. The files of the last stages quote the configuration with its name and hash, so that
+these depend on all of it.
 """
 
 from typing import Any
@@ -9,8 +10,8 @@ from typing import Any
 from pipeline.config import Config
 from pipeline.config.choices import Proof
 
-_MOTION_ONLY = ("limits", "dynamics")
-"""Parts of the machine on which only its motion in time depends."""
+_OF_MOTION = ("limits", "dynamics")
+"""Parts of the machine of which stages one and two read what holds it, and no more."""
 _TOLERANCES_ONLY = ("tolerance_resolution", "monte_carlo_samples")
 """Keys of the proof that only the search for tolerances reads."""
 
@@ -28,7 +29,7 @@ def regions_part(config: Config) -> Part:
     # The margin around boxes to avoid is measured in steps.
     margin = ("avoid_margin", "x_step_m") if config.task.avoid else ()
     return {
-        "machine": _without(whole["machine"], *_MOTION_ONLY),
+        "machine": _machine_part(config),
         "task": _without(whole["task"], "budget"),
         "route": {key: whole["route"][key] for key in ("grid", "kappa_max", *margin)},
     }
@@ -47,7 +48,7 @@ def grid_part(config: Config) -> Part:
 def route_part(config: Config) -> Part:
     """Give the keys that the route depends on."""
     whole = whole_config(config)
-    return {"machine": _without(whole["machine"], *_MOTION_ONLY), "task": whole["task"], "route": whole["route"]}
+    return {"machine": _machine_part(config), "task": whole["task"], "route": whole["route"]}
 
 
 def refine_part(config: Config) -> Part:
@@ -70,6 +71,11 @@ def with_sufficient_proofs(config: Config) -> tuple[Config, ...]:
     """Give the configurations whose certificates prove at least what is asked for, the least first."""
     proofs = list(Proof)
     return tuple(with_proof(config, what) for what in proofs[proofs.index(config.certify.what) :])
+
+
+def _machine_part(config: Config) -> Part:
+    machine = _without(whole_config(config)["machine"], *_OF_MOTION)
+    return {**machine, **config.machine.holding()}
 
 
 def _without(section: Part, *keys: str) -> Part:

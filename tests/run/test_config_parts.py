@@ -78,6 +78,34 @@ def test_config_parts_grow(fast_config: Config) -> None:
             assert leaves(part) <= leaves(spec.config_part(fast_config))
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "counts"),
+    [
+        ("machine__limits__telescopes__force_n", 900.0, True),
+        ("machine__limits__link_force_n", 900.0, True),
+        ("machine__limits__holding_fraction", 0.5, True),
+        ("machine__dynamics__load_kg", 5.0, True),
+        ("machine__dynamics__friction__carts_n", 5.0, True),
+        ("machine__dynamics__platform__inertia_kgm2", (0.2, 0.2, 0.2), False),
+        ("machine__limits__telescopes__velocity_mps", 0.2, False),
+        ("machine__limits__carts__jerk_mps3", 20.0, False),
+        ("machine__limits__tcp__speed_mps", 0.2, False),
+    ],
+)
+def test_planning_depends_on_what_holds_the_machine(fast_config: Config, change: Change, key, value, counts) -> None:
+    """Regions, route and path depend on forces that hold the machine; other limits only cost a new trajectory."""
+    for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE):
+        part = spec_of(SPECS, stage).config_part
+        assert (part(change(fast_config, **{key: value})) != part(fast_config)) is counts
+
+
+def test_without_force_limits_masses_do_not_count(fast_config: Config, change: Change) -> None:
+    """Then nothing has to be held, and another load costs no new plan."""
+    forces = ("carts__force_n", "telescopes__force_n", "link_force_n")
+    free = change(fast_config, **{f"machine__limits__{key}": None for key in forces})
+    assert regions_part(change(free, machine__dynamics__load_kg=5.0)) == regions_part(free)
+
+
 def test_margins_count_for_the_table_only_where_there_are_boxes(fast_config: Config, change: Change) -> None:
     """They are counted in grid steps and steps along X."""
     for avoid, counts in (([], False), ([{"y_m": [5.0, 6.0]}], True)):
