@@ -10,7 +10,7 @@ class CertifyConfig(Section):
     """The proof that a path is free of singularities: boxes along s in ball arithmetic."""
 
     what: Proof = Field(
-        Proof.PATH, description="prove the path, also search calibration tolerances (a minute), or prove nothing"
+        Proof.PATH, description="path; tolerances: how wrong the machine may be, too (a minute); nothing"
     )
     precision_bits: int = Field(64, ge=53, le=4_096, description="precision of the ball arithmetic")
     kappa_excess: float = Field(

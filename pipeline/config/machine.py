@@ -1,6 +1,6 @@
 """The machine: rails, links, triangle, clearances, limits and masses."""
 
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -14,6 +14,8 @@ Inertia = Annotated[float, Field(gt=0.0, le=10_000.0)]
 class RailConfig(Section):
     """A rail parallel to X and the travel of its cart."""
 
+    on_one_line: ClassVar[bool] = True
+
     y_m: Length = Field(description="position of the rail across the frame")
     z_m: Length = Field(description="height of the rail")
     travel_m: Interval = Field(description="[least, largest] cart position along X")
@@ -26,13 +28,17 @@ class RailConfig(Section):
 class FixedLinkConfig(Section):
     """A link of fixed length between a cart and the platform."""
 
+    on_one_line: ClassVar[bool] = True
+
     platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
     cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
     length_m: PositiveLength = Field(description="distance between the two joints")
 
 
 class TriangleLinkConfig(Section):
-    """Link 3c, which forms the rigid triangle with 3a; a right angle at the platform when no length is given."""
+    """Link 3c of the rigid triangle with 3a; without a length, at a right angle to the platform side."""
+
+    on_one_line: ClassVar[bool] = True
 
     platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
     cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
@@ -45,6 +51,8 @@ class TriangleLinkConfig(Section):
 class TelescopeConfig(Section):
     """A link of variable length: an actuator."""
 
+    on_one_line: ClassVar[bool] = True
+
     platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
     cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
     stroke_m: tuple[PositiveLength, PositiveLength] = Field(description="[least, largest] length")
@@ -55,7 +63,7 @@ class TelescopeConfig(Section):
 
 
 class LinksConfig(Section):
-    """The six links; the digit is the arm (and rail) they belong to."""
+    """The six links; the digit is their arm (and rail): joints on platform and cart, length or stroke."""
 
     l1: FixedLinkConfig
     l2a: FixedLinkConfig
@@ -66,7 +74,9 @@ class LinksConfig(Section):
 
 
 class ActuatorLimitsConfig(Section):
-    """What one kind of actuator can do; velocity zero locks it."""
+    """Limits of each actuator of a kind; a velocity of zero locks it."""
+
+    on_one_line: ClassVar[bool] = True
 
     velocity_mps: float = Field(ge=0.0, le=20.0)
     acceleration_mps2: float = Field(gt=0.0, le=500.0)
@@ -77,14 +87,16 @@ class ActuatorLimitsConfig(Section):
 
 
 class TcpLimitsConfig(Section):
-    """What the tool centre point may do, whatever direction it moves in."""
+    """Limits of the tool centre point, in any direction."""
+
+    on_one_line: ClassVar[bool] = True
 
     speed_mps: float | None = Field(None, gt=0.0, le=20.0, description="null: not limited")
     acceleration_mps2: float | None = Field(None, gt=0.0, le=500.0, description="null: not limited")
 
 
 class LimitsConfig(Section):
-    """Limits of the five actuators, of the links and of the TCP."""
+    """Limits of the five actuators, of the links and of the TCP; null: not limited."""
 
     carts: ActuatorLimitsConfig
     telescopes: ActuatorLimitsConfig
@@ -92,7 +104,10 @@ class LimitsConfig(Section):
         None, gt=0.0, le=1_000_000.0, description="axial force in any link, pushed or pulled; null: not limited"
     )
     holding_fraction: float = Field(
-        1.0, gt=0.0, le=10.0, description="part of the force limits that holding the machine against gravity may take"
+        1.0,
+        gt=0.0,
+        le=10.0,
+        description="part of the force limits that holding the machine may take; above 1: what if they were higher",
     )
     tcp: TcpLimitsConfig = Field(default_factory=lambda: TcpLimitsConfig())
 
@@ -116,7 +131,9 @@ class ClearanceConfig(Section):
 
 
 class PlatformMassConfig(Section):
-    """The platform with its tool, as a rigid body."""
+    """Platform and tool, a rigid body: centre from the TCP, principal moments about it."""
+
+    on_one_line: ClassVar[bool] = True
 
     mass_kg: float = Field(gt=0.0, le=10_000.0)
     centre_of_mass_m: Vector = Field((0.0, 0.0, 0.0), description="in the platform frame, from the TCP")
@@ -135,6 +152,8 @@ class PlatformMassConfig(Section):
 
 class FrictionConfig(Section):
     """Dry friction of the drives, always against the motion."""
+
+    on_one_line: ClassVar[bool] = True
 
     carts_n: float = Field(0.0, ge=0.0, le=100_000.0)
     telescopes_n: float = Field(0.0, ge=0.0, le=100_000.0)
@@ -155,7 +174,9 @@ class DynamicsConfig(Section):
 class MachineConfig(Section):
     """The machine: everything its kinematics, clearances and limits depend on."""
 
-    rails: tuple[RailConfig, RailConfig, RailConfig] = Field(description="rails of arms 1, 2, 3")
+    rails: tuple[RailConfig, RailConfig, RailConfig] = Field(
+        description="of arms 1, 2, 3, along X: where they are, and the travel of their carts"
+    )
     links: LinksConfig
     triangle_branch: TriangleBranch = Field(
         TriangleBranch.NEGATIVE, description="sign of y_platform . (w x u_3c) that the assembled machine keeps"

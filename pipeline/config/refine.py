@@ -17,17 +17,18 @@ class RefineConfig(Section):
         0.002,
         gt=0.0,
         le=1.0,
-        description="the mesh is fine enough when a finer one changes the integral of kappa by less, relatively",
+        description="the mesh is fine enough if a finer one changes the objective by less than this, relatively",
     )
     max_meshes: int = Field(
         4, ge=1, le=20, description="meshes tried at most, each finer than the one before; 1: no finer"
     )
     objective: PathObjective = Field(
-        PathObjective.INTEGRAL, description="what is minimised: the integral of kappa, the largest kappa, or both"
+        PathObjective.INTEGRAL,
+        description="integral of kappa; maximum: the largest kappa; mixed: mean and largest alike",
     )
     kappa_max: float | None = Field(None, gt=1.0, description="cap on kappa along the path; null: route.kappa_max")
     corridor: Corridor = Field(
-        Corridor.CELLS, description="keep to the route's cells and sequence of working modes, or to the sequence alone"
+        Corridor.CELLS, description="cells: those of the route, and its working modes in order; free: the modes alone"
     )
     corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
     start_direction: Vector | None = Field(
@@ -40,9 +41,11 @@ class RefineConfig(Section):
     tilt_margin_deg: float = Field(0.1, ge=0.0, le=10.0, description="kept at the nodes below the tilt limit")
     lock_tolerance_deg: float = Field(0.25, gt=0.0, le=10.0, description="how far a locked axis may stray from zero")
     check_points: int = Field(10_000, ge=1_000, le=1_000_000, description="poses of the check between the nodes")
-    max_rounds: int = Field(5, ge=1, le=50, description="solves, each with nodes added where the check failed")
-    max_iterations: int = Field(1_000, ge=1, le=100_000, description="IPOPT iterations per solve")
-    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve")
+    max_rounds: int = Field(5, ge=1, le=50, description="checks between the nodes; nodes are added where one fails")
+    max_iterations: int = Field(
+        1_000, ge=1, le=100_000, description="iterations of one solve by IPOPT, and steps of a sequential program"
+    )
+    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve by IPOPT")
 
     @model_validator(mode="after")
     def _directions_point_somewhere(self) -> Self:

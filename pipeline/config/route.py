@@ -1,6 +1,6 @@
 """Stage one: the grid of regions, the mixed-integer program, and how moves are followed."""
 
-from typing import Self
+from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -9,7 +9,9 @@ from pipeline.config.section import Length, PositiveLength, Section, wrong
 
 
 class AxisConfig(Section):
-    """Grid points from `min` to `max`, `step` apart."""
+    """Grid points, `step` apart from `min` to `max`."""
+
+    on_one_line: ClassVar[bool] = True
 
     min: Length
     max: Length
@@ -47,9 +49,10 @@ class RouteConfig(Section):
 
     grid: GridConfig
     x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
-    step_budget: int = Field(25, ge=2, le=500, description="N, the number of positions of the paper")
+    step_budget: int = Field(25, ge=2, le=500, description="most positions of a route: N in the paper")
     objective: RouteObjective = Field(
-        RouteObjective.SUM, description="least sum of kappa (5), or least largest kappa and then least sum"
+        RouteObjective.SUM,
+        description="sum: the least sum of kappa (5); bottleneck: the least largest kappa, then the least sum",
     )
     alternative: int = Field(1, ge=1, le=10, description="which of the best routes: 1 is the best")
     alternative_distance: float = Field(
@@ -69,8 +72,10 @@ class RouteConfig(Section):
     max_rounds: int = Field(50, ge=1, le=10_000, description="rounds of following, forbidding and solving again")
     formulation: Formulation = Field(
         Formulation.CORE,
-        description="the program that is solved; compact and paper are over all regions, for small grids",
+        description="the program that is solved; compact, paper: over all regions, for small grids",
     )
     time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
-    memory_gb: float = Field(4.0, gt=0.0, le=10_000.0, description="memory that regions and moves may take up")
+    memory_gb: float = Field(
+        4.0, gt=0.0, le=10_000.0, description="memory that regions, moves and shortest paths may take up"
+    )
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())

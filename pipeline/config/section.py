@@ -1,6 +1,6 @@
 """What every section of the configuration is: immutable, strict, with bounds that catch a wrong unit."""
 
-from typing import Annotated, TypeVar
+from typing import Annotated, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
@@ -18,6 +18,9 @@ Interval = tuple[Length, Length]
 
 class Section(BaseModel):
     """A part of the configuration: immutable, unknown keys refused, no NaN and no infinity."""
+
+    on_one_line: ClassVar[bool] = False
+    """Whether the section is written on one line where all keys are listed: its keys explain themselves."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 

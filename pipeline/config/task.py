@@ -1,6 +1,6 @@
 """The task: from where to where, what to visit and avoid, and what may be used up."""
 
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -10,7 +10,9 @@ from pipeline.config.section import MODE_PATTERN, Interval, Length, Section, Til
 
 
 class PoseConfig(Section):
-    """A controlled pose and the working mode the machine is in there."""
+    """A controlled pose, and the working mode there: L or R for arms 1, 2, 3."""
+
+    on_one_line: ClassVar[bool] = True
 
     x_m: Length
     y_m: Length
@@ -22,6 +24,8 @@ class PoseConfig(Section):
 
 class BoxConfig(Section):
     """A box of controlled poses, [least, largest] each; a coordinate that is left out may have any value."""
+
+    on_one_line: ClassVar[bool] = True
 
     x_m: Interval | None = None
     y_m: Interval | None = None
@@ -48,6 +52,8 @@ class VisitConfig(Section):
 
     Each visit is a step of the route of its own: the start and the goal make none, and one region makes one at most.
     """
+
+    on_one_line: ClassVar[bool] = True
 
     pose: PoseConfig | None = Field(None, description="a pose, in its working mode")
     box: BoxConfig | None = Field(None, description="anywhere in a box")
@@ -77,7 +83,7 @@ class BudgetConfig(Section):
 
 
 class TaskConfig(Section):
-    """What is to be done: from where to where, what to visit and avoid, and what may be used up on the way."""
+    """The task: from where to where, what to visit and avoid, and what may be used up on the way."""
 
     start: PoseConfig
     goal: PoseConfig

@@ -18,10 +18,13 @@ def check(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of configurations instead, for your editor.")
     ] = False,
+    commented: Annotated[
+        bool, typer.Option("--yaml", help="Print it as YAML instead: every key with its default and its meaning.")
+    ] = False,
 ) -> None:
     """Check a configuration, and show the machine: degrees of freedom, reach, grid, start and goal.
 
-    Exits with 1 if drives or links cannot hold the load at the start or goal.
+    Exits with 2 if a key is wrong, or the machine cannot be at the start or goal within its limits.
     """
     if schema:
         from pipeline.config import Config
@@ -30,6 +33,11 @@ def check(
         return
     if config is None:
         raise UsageError("check needs a CONFIG, or --schema")
+    if commented:
+        from pipeline.config.commented import commented_yaml
+
+        typer.echo(commented_yaml(load_task(config)), nl=False)
+        return
 
     from pipeline.cli.machine_report import machine_report
     from pipeline.limits.kappa import require_ends_below_cap
@@ -51,6 +59,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         check,
         (
             "gantry-tau check configs/agder.yaml",
+            "gantry-tau check configs/agder.yaml --yaml > my.yaml    (every key, to be changed)",
             "gantry-tau check --schema > gantry-tau.schema.json",
             "and as the first line of a YAML file, so that editors complete it:",
             "# yaml-language-server: $schema=gantry-tau.schema.json",
