@@ -4,15 +4,6 @@ from .beckhoff import (
 from .beckhoff import (
     read_beckhoff as read_beckhoff,
 )
-from .columns import (
-    TRAJECTORY_COLUMNS as TRAJECTORY_COLUMNS,
-)
-from .columns import (
-    TrajectoryColumn as TrajectoryColumn,
-)
-from .columns import (
-    trajectory_columns as trajectory_columns,
-)
 from .csv import (
     format_csv as format_csv,
 )
@@ -54,6 +45,15 @@ from .ros2 import (
 )
 from .sidecar import (
     sidecar as sidecar,
+)
+from .trajectory_columns import (
+    TRAJECTORY_COLUMNS as TRAJECTORY_COLUMNS,
+)
+from .trajectory_columns import (
+    TrajectoryColumn as TrajectoryColumn,
+)
+from .trajectory_columns import (
+    trajectory_columns as trajectory_columns,
 )
 from .trajectory_csv import (
     format_trajectory_csv as format_trajectory_csv,

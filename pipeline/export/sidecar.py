@@ -6,7 +6,7 @@ from typing import Any
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
-from pipeline.export.columns import POSITIONS, TRAJECTORY_COLUMNS, TrajectoryColumn
+from pipeline.export.trajectory_columns import POSITIONS, TRAJECTORY_COLUMNS, TrajectoryColumn
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.retime.quantities import Quantities
 from pipeline.retime.result import TrajectorySamples

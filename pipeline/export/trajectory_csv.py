@@ -3,11 +3,11 @@
 import numpy as np
 
 from pipeline.errors import UsageError
-from pipeline.export.columns import ACCELERATIONS, POSITIONS, VELOCITIES, trajectory_columns
 from pipeline.export.csv import DECIMALS, format_csv, read_csv
 from pipeline.export.formats import LengthUnit
 from pipeline.export.motion import Motion
 from pipeline.export.request import ExportRequest
+from pipeline.export.trajectory_columns import ACCELERATIONS, POSITIONS, VELOCITIES, trajectory_columns
 from pipeline.export.units import converted
 
 _MM = 0.001

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
-from pipeline.export.columns import POSE
+from pipeline.export.trajectory_columns import POSE
 from pipeline.machine.pose import CONTROLLED
 
 TIME = "t_s"

@@ -19,7 +19,14 @@ def limits(agder_config: Config, machine: Machine) -> list[ProvenLimit]:
 def test_keys_are_those_of_the_format() -> None:
     """Each once, though two kinds of limit share one."""
     keys = certificate_keys()
-    assert {key.name for key in keys} == {"kappa", "det_sign", "distance_m", "actuators_m", "tilt_deg"}
+    assert {key.name for key in keys} == {
+        "kappa",
+        "det_sign",
+        "distance_m",
+        "actuators_m",
+        "tilt_deg",
+        "holding_force_n",
+    }
     assert len({key.name for key in keys}) == len(keys)
 
 

@@ -11,6 +11,7 @@ from pipeline.config import Config
 from pipeline.machine import Machine, build_machine
 from pipeline.route import RegionTable, Route, build_regions
 from pipeline.route.moves.candidates import Moves, find_moves
+from tests.conftest import WITHOUT_FORCE_LIMITS
 
 RAIL_OF_LINK = [0, 1, 1, 2, 2, 2]
 
@@ -41,7 +42,9 @@ def pose_problem() -> Callable[[Config], Problem]:
 def cross_config(quick_config: Config, vary) -> Config:
     """Make the discretisation that others computed, too: no limits on the telescopes, endless rails."""
     strokes = {f"machine.links.{link}.stroke_m": [0.01, 9.0] for link in ("l2b", "l3b")}
-    return vary(quick_config, strokes | {f"machine.rails.{k}.travel_m": [-10.0, 10.0] for k in range(3)})
+    return vary(
+        quick_config, WITHOUT_FORCE_LIMITS | strokes | {f"machine.rails.{k}.travel_m": [-10.0, 10.0] for k in range(3)}
+    )
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeline.artifacts.npz import Arrays
-from pipeline.export.columns import POSITIONS
+from pipeline.export.trajectory_columns import POSITIONS
 
 CONTROLLED = ("x_m", "y_m", "z_m", "rx_rad", "rz_rad")
 """Columns of a controlled pose."""

@@ -10,8 +10,8 @@ from pipeline.artifacts.layout import PATH_CSV, PATH_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
 from pipeline.artifacts.results.columns import Q_COLUMNS, split_columns
 from pipeline.artifacts.results.saved import SavedRun
-from pipeline.export.columns import POSE
 from pipeline.export.csv import format_csv
+from pipeline.export.trajectory_columns import POSE
 from pipeline.machine.geometry import Machine
 from pipeline.machine.working_modes import mode_names, working_modes
 from pipeline.refine.measure import PathSamples

@@ -8,8 +8,8 @@ from pipeline.artifacts.layout import ROUTE_CSV, ROUTE_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
 from pipeline.artifacts.results.columns import Q_COLUMNS, split_columns
 from pipeline.artifacts.results.saved import SavedRun
-from pipeline.export.columns import POSE
 from pipeline.export.csv import format_csv
+from pipeline.export.trajectory_columns import POSE
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
 

@@ -11,9 +11,9 @@ from pipeline.artifacts.layout import BACK_CSV, BACK_JSON, TRAJECTORY_CSV, TRAJE
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
 from pipeline.artifacts.results.path import load_refinement
 from pipeline.artifacts.results.saved import SavedRun
-from pipeline.export.columns import trajectory_columns
 from pipeline.export.csv import DECIMALS, format_csv
 from pipeline.export.request import needed_decimals
+from pipeline.export.trajectory_columns import trajectory_columns
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples

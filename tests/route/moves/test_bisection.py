@@ -12,6 +12,7 @@ from pipeline.machine.kinematics import closure_jacobian, follow, newton
 from pipeline.machine.samples import PoseSamples
 from pipeline.route.moves.bisection import sample_lines
 from pipeline.route.moves.check import check_moves
+from tests.conftest import WITHOUT_FORCE_LIMITS
 
 SAMPLES = 2000
 NARROW = 1e-5
@@ -58,7 +59,7 @@ def _marched(machine, pose, q):
 
 
 def _limits(kappa_max=1e6, link_m=0.0, tilt_deg=85.0):
-    return {
+    return WITHOUT_FORCE_LIMITS | {
         "route.kappa_max": float(kappa_max),
         "machine.clearance.link_link_m": float(link_m),
         "task.tilt_max_deg": float(tilt_deg),

@@ -27,7 +27,8 @@ def changed(config: Config, changes: dict[str, Any]) -> Config:
 
 def refusal(config: Config, changes: dict[str, Any]) -> list[str]:
     """Messages of a configuration whose start or goal the machine cannot be at."""
-    config = changed(config, changes)
+    forces = ("carts.force_n", "telescopes.force_n", "link_force_n")
+    config = changed(config, {f"machine.limits.{key}": None for key in forces} | changes)
     with pytest.raises(ConfigError) as caught:
         task_endpoints(config, build_machine(config.machine))
     assert caught.value.exit_code == 2
@@ -132,6 +133,15 @@ def test_links_too_close_to_a_rail_are_told(agder_config: Config):
     start, _ = task_endpoints(config, build_machine(config.machine))
     distances = link_rail_distances(start.samples.machine, start.samples.pose, start.samples.carts_m)
     assert distances.min() == pytest.approx(0.6041, abs=1e-4)
+
+
+def test_drives_that_cannot_hold_the_machine_are_told(agder_config: Config):
+    """Each with the force it needs at rest, and what it may take."""
+    (message,) = refusal(agder_config, {"machine.limits.carts.force_n": 120.0})
+    assert message == (
+        "task.start: needs 143 N from c1 to hold the machine; machine.limits.holding_fraction allows its limit of 120 N"
+    )
+    assert len(refusal(agder_config, {"machine.limits.carts.force_n": 100.0})) == 3
 
 
 def test_a_goal_that_is_the_start_is_refused(agder_config: Config):
