@@ -31,8 +31,9 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
     """Prove that a path is one motion free of singularities, within its limits, from the start to the goal.
 
     Proven are the limits that the certificate bounds (`ProvenLimit`): the cap on kappa, the distances of links and
-    rails, travel, strokes and tilts, but not the boxes to avoid. Bounds of actuators and tilts may exceed their limits
-    by 1e-6 m or rad (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`), since a path may touch these limits.
+    rails, the forces that hold the machine at rest, travel, strokes and tilts, but not the boxes to avoid. Bounds of
+    actuators and tilts may exceed their limits by 1e-6 m or rad (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`), since a
+    path may touch these limits.
 
     With `certify.what` "tolerances" the largest calibration errors for which this still holds are searched as well.
 

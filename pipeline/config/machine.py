@@ -104,10 +104,7 @@ class LimitsConfig(Section):
         None, gt=0.0, le=1_000_000.0, description="axial force in any link, pushed or pulled; null: not limited"
     )
     holding_fraction: float = Field(
-        1.0,
-        gt=0.0,
-        le=10.0,
-        description="part of the force limits that holding the machine may take; above 1: what if they were higher",
+        1.0, gt=0.0, le=1.0, description="part of the force limits that holding the machine may take"
     )
     tcp: TcpLimitsConfig = Field(default_factory=lambda: TcpLimitsConfig())
 
@@ -119,6 +116,18 @@ class LimitsConfig(Section):
             "link_force_n": self.link_force_n,
         }
         return [key for key, limit in given.items() if limit is not None]
+
+    def with_forces(self, factor: float) -> Self:
+        """Give limits whose forces are all multiplied by a factor."""
+
+        def times(limit: float | None) -> float | None:
+            return None if limit is None else factor * limit
+
+        drives = {
+            key: kind.model_copy(update={"force_n": times(kind.force_n)})
+            for key, kind in (("carts", self.carts), ("telescopes", self.telescopes))
+        }
+        return self.model_copy(update={**drives, "link_force_n": times(self.link_force_n)})
 
 
 class ClearanceConfig(Section):

@@ -11,7 +11,7 @@ Links have no friction. Regions, start, goal and the workspace are judged at res
 directions of the carts open, because x is still free: the strokes alone decide there; a path has all directions.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +22,7 @@ from pipeline.config import Config
 from pipeline.limits.interface.limit import Curve, Limit, Wording
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
-from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
+from pipeline.limits.interface.relaxation import RegionFilter, Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import ACTUATORS, LINKS, Machine
 from pipeline.machine.masses import Masses
 from pipeline.machine.samples import PoseSamples
@@ -38,7 +38,9 @@ PROOF_SLACK = 1e-3
 """Share that proven bounds are weakened by, so that other arithmetic can verify them."""
 _NODE_MARGIN = 0.005
 """Part of a force limit that nodes keep on top, for what happens between them."""
-_FRACTION_STEP, _LARGEST_FRACTION = 0.01, 10.0
+FORCES_KEY = "force limits of machine.limits"
+"""Key of the relaxation of the force limits; its values are what all of them are multiplied by."""
+_STEP, _LARGEST_FACTOR = 0.01, 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +78,12 @@ class HoldingForce:
         return Wording(
             name="holding force",
             key=_KEY,
-            rejected_move="a drive or link cannot hold the machine",
+            rejected_move="a drive or link cannot hold or move the machine",
             refused_points="take more force to hold than machine.limits and holding_fraction allow",
             broken_path="force to hold or move the machine too large, newtons",
             path_advice="Raise refine.nodes, machine.limits or holding_fraction, or lighten machine.dynamics.",
             proof_advice="Raise machine.limits or holding_fraction, or lighten machine.dynamics.",
-            raise_key=_KEY,
+            raise_key=_KEY if self.fraction < 1.0 else "the force limits of machine.limits",
         )
 
     @property
@@ -128,9 +130,11 @@ class HoldingForce:
         return found
 
     def margins(self, samples: PoseSamples) -> FloatArray:
-        """Compute (allowed - F) / (L + F), F >= 0: continuous, and -1 at a Type-II singularity. Shape (n, m)."""
-        limit, force = self.column_limits_n, np.maximum(self._forces_n(samples), 0.0)
-        return np.asarray((self.allowed_n + limit) / (limit + force) - 1.0, dtype=float)
+        """Compute (allowed - F) / (L + |F|): continuous, and -1 or 1 at a Type-II singularity. Shape (n, m)."""
+        force = self._forces_n(samples)
+        finite = np.where(np.isfinite(force), force, 0.0)
+        margins = (self.allowed_n - finite) / (self.column_limits_n + np.abs(finite))
+        return np.where(np.isfinite(force), margins, -np.sign(force))
 
     def values(self, samples: PoseSamples) -> FloatArray:
         """Compute (allowed - F) / L, shape (n, m)."""
@@ -176,10 +180,12 @@ class HoldingForce:
 
     def unproven(self, bounds: FloatArray) -> str:
         """State the force that is not proven to be within its limit."""
-        excess = bounds[:, 1] - (self.fraction * self.limit_n + self.friction_n)
-        if excess.max() <= 0.0:
+        allowed = self.fraction * self.limit_n + self.friction_n
+        limited = np.flatnonzero(np.isfinite(allowed))
+        share = bounds[limited, 1] / allowed[limited]
+        if (share <= 1.0).all():
             return ""
-        worst = int(excess.argmax())
+        worst = int(limited[share.argmax()])
         return f"{SUBJECTS[worst]} is not proven to hold the machine (bound {bounds[worst, 1]:.4g} N)"
 
     def node_margin(self, clearance_margin_m: float) -> float:
@@ -224,29 +230,42 @@ def for_path(config: Config, machine: Machine) -> list[Limit]:
 
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
-    """Return larger fractions, a hundredth apart: above 1, as if the force limits were higher."""
-    limit, configured = _holding(machine, ()), machine.holding_fraction
+    """Return larger fractions up to 1, and force limits that are all a hundredth or more higher."""
+    limit = _holding(machine, ())
     if limit is None:
         return []
-    first, last = int(np.floor(configured / _FRACTION_STEP + 1e-9)) + 1, round(_LARGEST_FRACTION / _FRACTION_STEP)
-    levels = np.array([configured, *(_FRACTION_STEP * np.arange(first, last + 1)).round(9)])
+    configured, factor = machine.holding_fraction, machine.holding_fraction / _STEP
 
-    def change(value: float) -> Config:
+    def with_fraction(value: float) -> Config:
         limits = config.machine.limits.model_copy(update={"holding_fraction": value})
         return with_values(config, "machine", limits=limits)
 
-    return [
-        Relaxation(
-            key=_KEY,
-            configured=configured,
-            levels=levels,
-            segments=(len(levels),),
-            change=change,
-            prepare=lambda samples, windows_m: threshold_filter(
-                configured - limit.values(samples).min(axis=1), windows_m
-            ),
+    def with_forces(value: float) -> Config:
+        return with_values(config, "machine", limits=config.machine.limits.with_forces(value))
+
+    def prepare(of_one: float) -> Callable[[PoseSamples, FloatArray], RegionFilter]:
+        """Filter by what holding takes of the limits, where a value of 1 stands for the fraction `of_one`."""
+        return lambda samples, windows_m: threshold_filter(
+            (configured - limit.values(samples).min(axis=1)) / of_one, windows_m
         )
+
+    fractions = np.asarray(_STEP * np.arange(int(np.floor(factor + 1e-9)) + 1, round(1.0 / _STEP) + 1), dtype=float)
+    factors = np.asarray(_STEP * np.arange(round(1.0 / _STEP) + 1, round(_LARGEST_FACTOR / _STEP) + 1), dtype=float)
+    return [
+        _relaxation(_KEY, configured, fractions, with_fraction, prepare(1.0)),
+        _relaxation(FORCES_KEY, 1.0, factors, with_forces, prepare(configured)),
     ]
+
+
+def _relaxation(
+    key: str,
+    configured: float,
+    values: FloatArray,
+    change: Callable[[float], Config],
+    prepare: Callable[[PoseSamples, FloatArray], RegionFilter],
+) -> Relaxation:
+    levels = np.array([configured, *values.round(9)])
+    return Relaxation(key, configured, levels, (len(levels),), change, prepare)
 
 
 def _premises(config: Config) -> dict[str, Any]:

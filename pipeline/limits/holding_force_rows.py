@@ -40,7 +40,9 @@ def holding_part(limit: "HoldingForce", margin: float, nodes: Nodes) -> ProgramP
     forces = ca.vertcat(drives / scale, part)
     free = np.full((k, len(LINKS)), np.inf)
     found = [Row(f"{limit.wording.name} (equilibrium)", ca.vec(residual / scale), 0.0, 0.0)]
-    allowed = (limit.allowed_n - margin * limit.column_limits_n) / scale
+    # What is within the margin at the start or the goal, which are given, keeps what it has there.
+    margins = np.clip(limit.values(nodes.guess.take(np.array([0, -1]))).min(axis=0), 0.0, margin)
+    allowed = np.maximum(limit.allowed_n - margins * limit.column_limits_n, 0.0) / scale
     at_rest = len(limit.column_subjects) - 2 * len(limit.moving)
     for column, subject in enumerate(limit.column_subjects.tolist()):
         counts = np.flatnonzero(applies[rows, column]).tolist()

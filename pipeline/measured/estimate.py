@@ -21,7 +21,7 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import cross, dot, rotation, rotation_x
-from pipeline.machine.pose import CONTROLLED
+from pipeline.machine.pose import CONTROLLED, wrap_angle
 from pipeline.measured.reflectors import Reflectors
 
 _LEAST_LEVER = 0.05
@@ -103,11 +103,11 @@ def _angles(e: FloatArray, v: FloatArray, near_rz: FloatArray) -> tuple[FloatArr
     radius = np.hypot(e[:, 0], e[:, 1])
     phase = np.arctan2(e[:, 1], e[:, 0])
     opening = np.arccos(np.clip(v[:, 0] / np.maximum(radius, 1e-300), -1.0, 1.0))
-    both = _wrap(np.stack([opening - phase, -opening - phase]))
-    nearer = np.argmin(np.abs(_wrap(both - near_rz)), axis=0)
+    both = wrap_angle(np.stack([opening - phase, -opening - phase]))
+    nearer = np.argmin(np.abs(wrap_angle(both - near_rz)), axis=0)
     rz = np.take_along_axis(both, nearer[None], axis=0)[0]
     f_y = e[:, 0] * np.sin(rz) + e[:, 1] * np.cos(rz)
-    rx = _wrap(np.arctan2(v[:, 2], v[:, 1]) - np.arctan2(e[:, 2], f_y))
+    rx = wrap_angle(np.arctan2(v[:, 2], v[:, 1]) - np.arctan2(e[:, 2], f_y))
     return rx, rz, f_y
 
 
@@ -125,8 +125,3 @@ def _unit_std(points_m: FloatArray, R: FloatArray, rx: FloatArray) -> FloatArray
     stacked = J.reshape(len(R), 6, len(CONTROLLED))
     covariance = np.linalg.inv(np.swapaxes(stacked, 1, 2) @ stacked)
     return np.asarray(np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)))
-
-
-def _wrap(angle: FloatArray) -> FloatArray:
-    """Wrap angles to (-pi, pi]."""
-    return np.asarray(np.pi - np.mod(np.pi - angle, 2.0 * np.pi))

@@ -82,7 +82,7 @@ def _doubtful_places(required: list[Requirement], samples: PathSamples) -> Float
 
 
 def doubtful_intervals(s: FloatArray, margins: FloatArray, rounding: float, counts: BoolArray) -> BoolArray:
-    """Find intervals of s (n,) in which a margin (n, m), kept at both ends, may fall below zero. Shape (n - 1,).
+    """Find intervals of s (n,) in which a margin (n, m) that is kept at both ends may be broken. Shape (n - 1,).
 
     Margins that are infinite somewhere are left out, and those that count at neither end (`counts`, (n, m)).
     """
@@ -94,5 +94,6 @@ def doubtful_intervals(s: FloatArray, margins: FloatArray, rounding: float, coun
     bend[[0, -1]] = bend[[1, -2]]
     fall = np.maximum(bend[1:], bend[:-1]) * step**2 / 2.0
     least = np.minimum(margins[1:], margins[:-1])
-    doubtful = (least >= -rounding) & (least - fall < -rounding) & (counts[1:] | counts[:-1])
+    kept = (margins >= -rounding) | ~counts
+    doubtful = kept[1:] & kept[:-1] & (least - fall < -rounding) & (counts[1:] | counts[:-1])
     return np.asarray(doubtful.any(axis=1), dtype=bool)

@@ -33,6 +33,9 @@ def one_way_legs(
         if isinstance(limit, DirectedLimit):
             stretches = end_stretches(limit.blocked(samples))
             for at, actuator, side in np.argwhere(stretches).tolist():
-                legs = np.flatnonzero((first <= s[at]) & (s[at] <= last))
+                # Basis functions are zero at the ends of their supports; at start and goal the span beside them counts.
+                inside = (first < s[at]) & (s[at] < last)
+                beside = (first == s[at]) if at == 0 else (last == s[at]) & (at == len(s) - 1)
+                legs = np.flatnonzero(inside | beside)
                 found |= {OneWayLeg(leg, actuator, (1.0, -1.0)[side]) for leg in legs.tolist()}
     return tuple(sorted(found))

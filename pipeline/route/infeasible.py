@@ -27,7 +27,7 @@ def require_route(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> N
             f"no route exists on these {len(regions):,} regions. From the start {reached:,} of them can be reached "
             f"over {len(moves):,} admitted moves, and the goal is not among them (proven by exhausting them)",
             f"allow more tilt (task.tilt_max_deg is {task.tilt_max_deg:g}), unlock an axis, allow a larger "
-            "route.kappa_max or less clearance, or refine the grid",
+            "route.kappa_max, less clearance or higher force limits, or refine the grid",
             regions=len(regions),
             moves=len(moves),
             reached=reached,

@@ -8,12 +8,10 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import RouteConfig
+from pipeline.machine.pose import CONTROLLED
 
 ROUNDING = 1e-9
 """Differences up to this count as rounding: absolute in steps, metres, radians and kappa, relative in sums of kappa."""
-
-CONTROLLED = np.array([0, 1, 2, 3, 5])
-"""Indices of x, y, z, rx, rz in a pose (x, y, z, rx, ry, rz)."""
 
 
 def step_sizes(config: RouteConfig) -> FloatArray:

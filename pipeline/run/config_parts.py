@@ -36,7 +36,7 @@ def regions_part(config: Config) -> Part:
 
 
 def grid_part(config: Config) -> Part:
-    """Give the keys that the regions of grid and gates depend on: not start, goal, name and limits."""
+    """Give the keys that the regions of grid and gates depend on: not start, goal, name and limits of motion."""
     part = regions_part(config)
     return {
         "machine": part["machine"],

@@ -43,9 +43,13 @@ def wide(agder_config: Config) -> Config:
 
 @pytest.fixture(scope="session")
 def prove(wide: Config) -> Callable[..., Certificate]:
-    """Give a function that proves a path between its own ends."""
+    """Give a function that proves a path between its own ends; force limits count if `held`."""
 
-    def run(machine: Machine, path: Path, modes: tuple[int, int] = (0, 0), **certify: object) -> Certificate:
+    def run(
+        machine: Machine, path: Path, modes: tuple[int, int] = (0, 0), *, held: bool = False, **certify: object
+    ) -> Certificate:
+        if not held:
+            machine = replace(machine, force_n=np.full(5, np.inf), link_force_n=np.inf)
         config = wide.model_copy(update={"certify": wide.certify.model_copy(update=certify)})
         with working_precision(config.certify.precision_bits):
             return prove_path(config, machine, path, ends_of(machine, path, modes))

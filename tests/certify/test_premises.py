@@ -30,11 +30,14 @@ READ: tuple[tuple[str, Any], ...] = (
     ("task.locked_axes", ["rz"]),
     ("route.kappa_max", 90.0),
     ("refine.kappa_max", 50.0),
+    ("machine.dynamics.load_kg", 1.0),
+    ("machine.limits.telescopes.force_n", 900.0),
+    ("machine.limits.holding_fraction", 0.9),
 )
 UNREAD: tuple[tuple[str, Any], ...] = (
     ("name", "other"),
     ("machine.limits.carts.velocity_mps", 0.4),
-    ("machine.dynamics.load_kg", 1.0),
+    ("machine.dynamics.platform.inertia_kgm2", (0.2, 0.2, 0.2)),
     ("task.budget.travel_m", 9.0),
     ("route.x_step_m", 0.2),
     ("refine.nodes", 90),

@@ -42,6 +42,12 @@ def _samples(machine: Machine, draw_poses, seed: int) -> PoseSamples:
     return PoseSamples(machine, drawn.pose, drawn.q_m)
 
 
+@pytest.fixture(scope="module", params=[1.0, 0.1], ids=["weak friction", "friction above the limit"])
+def rubbing(heavy: Machine, request: pytest.FixtureRequest) -> Machine:
+    """Take the heavy machine, and one whose friction is more than it may hold."""
+    return replace(heavy, holding_fraction=request.param)
+
+
 def _resting(samples: PoseSamples) -> tuple[np.ndarray, np.ndarray]:
     still, carts_still = np.zeros_like(samples.pose), np.zeros_like(samples.carts_m)
     machine = samples.machine
@@ -63,16 +69,18 @@ def test_a_pose_is_held_exactly_if_dynamics_at_rest_say_so(heavy: Machine, draw_
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-def test_a_path_has_to_overcome_friction_in_the_direction_it_goes(heavy: Machine, heavy_config, draw_poses, seed: int):
+def test_a_path_has_to_overcome_friction_in_the_direction_it_goes(rubbing: Machine, heavy_config, draw_poses, seed):
     """The drive has F + R sign(velocity) to give, and holds against F - R at rest."""
-    samples = _samples(heavy, draw_poses, seed)
+    samples = _samples(rubbing, draw_poses, seed)
     directions = np.random.default_rng(seed).integers(-1, 2, (len(samples), 5)).astype(float)
     drive, link = _resting(samples)
-    (limit,) = for_path(heavy_config, heavy)
+    (limit,) = for_path(heavy_config, rubbing)
     assert isinstance(limit, HoldingForce)
-    needed = np.abs(drive + directions * heavy.masses.friction_n)
-    needed = np.where(directions == 0.0, np.abs(drive) - heavy.masses.friction_n, needed)
-    kept = (needed <= heavy.force_n).all(axis=1) & (np.abs(link) <= heavy.link_force_n).all(axis=1)
+    needed = np.abs(drive + directions * rubbing.masses.friction_n)
+    needed = np.where(directions == 0.0, np.abs(drive) - rubbing.masses.friction_n, needed)
+    kept = (needed <= rubbing.holding_fraction * rubbing.force_n).all(axis=1) & (
+        np.abs(link) <= rubbing.holding_fraction * rubbing.link_force_n
+    ).all(axis=1)
     counted = (limit.margins(samples) >= 0.0) | ~limit.applies(directions)
     np.testing.assert_array_equal(counted.all(axis=1), kept)
 
@@ -87,6 +95,17 @@ def test_moves_leave_the_directions_of_carts_open(heavy: Machine, heavy_config: 
     assert np.count_nonzero(limit.applies(telescopes)) == np.count_nonzero(at_rest) + 2
 
 
+@given(seed=st.integers(0, 2**32 - 1))
+def test_margins_agree_with_values_in_sign(rubbing: Machine, heavy_config: Config, draw_poses, seed: int):
+    """Also where gravity pushes a drive in the direction it moves, against more friction than it could overcome."""
+    samples = _samples(rubbing, draw_poses, seed)
+    (limit,) = for_path(heavy_config, rubbing)
+    assert isinstance(limit, HoldingForce)
+    margins, values, excess = limit.margins(samples), limit.values(samples), limit.excess(samples)
+    np.testing.assert_array_equal(margins >= 0.0, values >= 0.0)
+    np.testing.assert_array_equal(values >= 0.0, excess <= 0.0)
+
+
 def test_margins_go_to_minus_one_at_a_singularity(machine: Machine):
     """A singular H is no reason to fail: the margin is continuous there."""
     (limit,) = for_poses(machine, 100.0)
@@ -97,6 +116,16 @@ def test_margins_go_to_minus_one_at_a_singularity(machine: Machine):
     worst = limit.margins(samples).min(axis=1)
     assert worst[1] == pytest.approx(-1.0, abs=1e-3)
     assert worst[2] == -1.0
+
+
+def test_what_is_not_limited_refuses_nothing(machine: Machine):
+    """Bounds may be infinite for a drive without a limit."""
+    (limit,) = for_poses(replace(machine, force_n=np.append(np.full(3, np.inf), [1e3, 1e3])), 100.0)
+    assert isinstance(limit, HoldingForce)
+    bounds = np.column_stack([np.full(11, -np.inf), np.append(np.full(3, np.inf), np.full(8, 900.0))])
+    assert limit.unproven(bounds) == ""
+    bounds[3, 1] = 1_001.0
+    assert limit.unproven(bounds).startswith("l2b is not proven to hold")
 
 
 def test_regions_are_those_that_can_be_held(heavy_config: Config, heavy: Machine):

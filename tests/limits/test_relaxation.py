@@ -9,6 +9,7 @@ from pipeline.config import Config
 from pipeline.config.file import load_config
 from pipeline.limits import Relaxation, relaxations
 from pipeline.limits.actuators import TRAVEL_KEY
+from pipeline.limits.holding_force import FORCES_KEY
 from pipeline.machine import build_machine
 from pipeline.route import build_regions
 from tests.conftest import CONFIGS
@@ -24,6 +25,8 @@ def config(vary) -> Config:
         "task.start.x_m": 1.3,
         "task.goal.x_m": 0.75,
         "machine.clearance.link_rail_m": 0.01,
+        "machine.limits.holding_fraction": 0.4,
+        "machine.dynamics.friction": {"carts_n": 20.0, "telescopes_n": 10.0},
     }
     rails = {f"machine.rails.{k}.travel_m": [0.25, 1.8] for k in range(3)}
     return vary(load_config(CONFIGS / "tiny.yaml"), changes | rails)
@@ -43,6 +46,7 @@ def by_key(config: Config) -> dict[str, Relaxation]:
         ("machine.clearance.link_link_m", 0.0, 0.06),
         ("machine.clearance.link_rail_m", 0.0, 0.45),
         ("machine.limits.holding_fraction", 1.0, 0.45),
+        (FORCES_KEY, 10.0, 1.2),
         (TRAVEL_KEY, 1.0, 0.05),
         (TRAVEL_KEY, 1.0, 0.0),
     ],

@@ -117,20 +117,31 @@ def test_a_fast_move_is_not_a_jump(light_config: Config, route: Route, refinemen
     assert any("nearly stop" in what for what in found)
 
 
+EVERY = np.ones((11, 1), dtype=bool)
+
+
 @pytest.mark.parametrize("rounding", [0.0, 1e-9])
 def test_intervals_around_an_unseen_minimum_are_doubtful(rounding: float) -> None:
     """One margin is far above zero, the other a parabola that dips below between two samples."""
     s = np.linspace(0.0, 1.0, 11)
     margins = np.column_stack([np.ones(11), (s - 0.45) ** 2 - 1e-4])
-    np.testing.assert_array_equal(np.flatnonzero(doubtful_intervals(s, margins, rounding)), [3, 4, 5])
-    assert not doubtful_intervals(s, margins + 0.1, rounding).any()
+    np.testing.assert_array_equal(np.flatnonzero(doubtful_intervals(s, margins, rounding, EVERY)), [3, 4, 5])
+    assert not doubtful_intervals(s, margins + 0.1, rounding, EVERY).any()
 
 
 def test_what_is_broken_already_or_has_no_bound_is_not_doubtful() -> None:
     """Below zero at a sample there is nothing more to find; infinite margins never come near zero."""
     s = np.linspace(0.0, 1.0, 11)
     margins = np.column_stack([np.full(11, -1.0), np.full(11, np.inf)])
-    assert not doubtful_intervals(s, margins, 1e-9).any()
+    assert not doubtful_intervals(s, margins, 1e-9, EVERY).any()
+
+
+def test_margins_that_stop_counting_between_two_samples_are_doubtful() -> None:
+    """A margin falls below zero while it still counts, or only after that: which one is seen by halving."""
+    s, margins = np.linspace(0.0, 1.0, 5), np.array([[0.4], [0.3], [0.05], [-0.2], [-0.4]])
+    counts = np.array([[True], [True], [True], [False], [False]])
+    assert np.flatnonzero(doubtful_intervals(s, margins, 1e-9, counts)).tolist() == [1, 2]
+    assert not doubtful_intervals(s, margins, 1e-9, np.zeros((5, 1), dtype=bool)).any()
 
 
 def test_a_short_violation_between_samples_is_found(light_config: Config, route: Route, refinement: Refinement) -> None:

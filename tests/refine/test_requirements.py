@@ -57,7 +57,7 @@ def test_margins_and_excess_agree(light_config: Config, route: Route, refinement
     """Each requirement has an excess above zero exactly where a margin is below."""
     samples = sample_path(refinement.coarse, S)
     for part in path_requirements(light_config, route, refinement.coarse, refinement.coarse):
-        beyond = (part.margins(samples) < 0.0).any(axis=1)
+        beyond = part.margins(samples) < 0.0
         excess = part.excess(samples)
         assert excess.shape == beyond.shape
         assert (excess[beyond] > 0.0).all(), part.what

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from pipeline.artifacts.npz import Arrays
 from pipeline.export.trajectory_columns import POSITIONS
 
-CONTROLLED = ("x_m", "y_m", "z_m", "rx_rad", "rz_rad")
+CONTROLLED_COLUMNS = ("x_m", "y_m", "z_m", "rx_rad", "rz_rad")
 """Columns of a controlled pose."""
 Q_COLUMNS = POSITIONS
 """Columns of the actuator positions."""

@@ -6,7 +6,7 @@ import numpy.typing as npt
 
 from pipeline.artifacts.layout import REGIONS_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
-from pipeline.artifacts.results.columns import CONTROLLED, Q_COLUMNS, split_columns, stack_columns
+from pipeline.artifacts.results.columns import CONTROLLED_COLUMNS, Q_COLUMNS, split_columns, stack_columns
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.route.regions.table import RegionTable
 
@@ -26,7 +26,7 @@ def load_regions(run: SavedRun) -> RegionTable:
 def pack_regions(table: RegionTable) -> dict[str, npt.NDArray[Any]]:
     """Give one array of shape (n,) per column of the region table."""
     return {
-        **split_columns(CONTROLLED, table.controlled),
+        **split_columns(CONTROLLED_COLUMNS, table.controlled),
         "ry_rad": table.ry_rad,
         "mode": table.modes,
         "gate": table.gates,
@@ -44,7 +44,7 @@ def unpack_regions(arrays: Arrays) -> RegionTable:
     """Rebuild the region table from its columns."""
     same_name = ("ry_rad", "kappa", "det_sign", "link_distance_m")
     return RegionTable(
-        controlled=stack_columns(arrays, CONTROLLED),
+        controlled=stack_columns(arrays, CONTROLLED_COLUMNS),
         q_m=stack_columns(arrays, Q_COLUMNS),
         x_window_m=stack_columns(arrays, ("x_min_m", "x_max_m")),
         modes=arrays["mode"],

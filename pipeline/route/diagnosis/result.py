@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.arrays import BoolArray
 from pipeline.limits.actuators import TRAVEL_KEY
+from pipeline.limits.holding_force import FORCES_KEY
 from pipeline.machine.geometry import MODES
 from pipeline.route.regions.table import RegionTable
 
@@ -75,6 +76,8 @@ class Finding:
             return f"{locks} and tilts up to {value:g} degrees{more}"
         if self.key == TRAVEL_KEY:
             return f"every {self.key} {self._shown(value)} longer at both ends"
+        if self.key == FORCES_KEY:
+            return f"all {self.key} {value:g} times as high"
         return f"{self.key} {self._shown(value)} instead of {self._shown(self.configured)}"
 
     def _shown(self, value: float) -> str:

@@ -31,7 +31,7 @@ def cached_grid(results: "Results", monitor: Monitor, compute: Callable[[], Regi
 
 
 def grid_fingerprint(config: Config) -> str:
-    """Hash everything that the regions of grid and gates depend on: start, goal, name and limits do not count."""
+    """Hash everything that the regions of grid and gates depend on: not start, goal, name and limits of motion."""
     return config_sha256(
         {
             **grid_part(config),

@@ -92,7 +92,7 @@ def test_an_optional_key_may_be_missing_and_no_other() -> None:
     assert faults(stated, KEYS) == []
     shape = certificate_shape(KEYS).model_validate(whole_file(stated))
     assert "force_n" not in read_bounds(shape.bounds.model_dump(exclude_unset=True), KEYS).ranges
-    for key in certificate_keys():
+    for key in (key for key in certificate_keys() if not key.optional):
         missing = {name: value for name, value in stated.items() if name != key.name}
         assert faults(missing, KEYS) == [f"bounds.{key.name}: is missing"]
 

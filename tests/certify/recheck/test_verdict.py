@@ -23,7 +23,7 @@ Verify = Callable[..., list[Claim]]
 @pytest.fixture(scope="module")
 def certificate(machine: Machine, line: Path, prove: Callable[..., Certificate]) -> Certificate:
     """Certify the short path."""
-    return prove(machine, line)
+    return prove(machine, line, held=True)
 
 
 @pytest.fixture(scope="module")
@@ -180,3 +180,9 @@ def test_distances_that_are_stricter_are_found(check: Verify, free: Machine) -> 
     """Links have to be as far apart as the machine asks for, and rails are not left out."""
     for strict in (replace(free, link_link_m=0.5), replace(free, link_rail_m=0.0)):
         assert [claim.what for claim in check(machine=strict)] == ["axes keep their required distances"]
+
+
+def test_forces_that_are_stricter_are_found(check: Verify, free: Machine) -> None:
+    """The machine that is asked about has to be strong enough."""
+    weak = replace(free, holding_fraction=0.2)
+    assert [claim.what for claim in check(machine=weak)] == ["drives and links hold the machine within their limits"]

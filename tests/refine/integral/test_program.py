@@ -9,6 +9,7 @@ from scipy.interpolate import BSpline
 
 from pipeline.config import Config
 from pipeline.limits import node_limits
+from pipeline.limits.axis_distance import AxisDistance
 from pipeline.machine import Machine, condition_number
 from pipeline.machine.kinematics import newton
 from pipeline.machine.samples import PoseSamples
@@ -97,11 +98,12 @@ def test_rows_and_unknowns_of_every_limit_are_in_the_program(
     """At the guess every pair within reach keeps its distance; vectors stand between coefficients and length."""
     machine = replace(guess.nodes.machine, link_rail_m=0.05 if checks_rails else np.nan)
     limits = node_limits(quick_config, machine)
-    assert len(limits) == 1 + checks_rails
+    assert len(limits) == 2 + checks_rails
     guess = replace(guess, nodes=replace(guess.nodes, machine=machine))
     program = build_program(replace(data, limits=limits, reach_m=10.0), guess)
     g, first = _values(program, "g", program.guess), 11 * 12 + 5 * 9
-    for limit, (pairs, rows_of_a_pair) in zip(limits, ((14, 4), (12, 2)), strict=False):
+    distances = [limit for limit in limits if isinstance(limit, AxisDistance)]
+    for limit, (pairs, rows_of_a_pair) in zip(distances, ((14, 4), (12, 2)), strict=False):
         block = next(block for block in program.blocks if block.name == limit.wording.name)
         rows = g[block.begin : block.end].reshape(rows_of_a_pair, 10, pairs)
         expected = limit.values(guess.nodes)[1:-1] - limit.least - 0.001

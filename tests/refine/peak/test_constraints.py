@@ -20,7 +20,7 @@ H = 1e-6
 @pytest.fixture(scope="module")
 def guarded(peak: PeakProblem, quick_config: Config, machine: Machine) -> PeakProblem:
     """Require a distance to rails, too, sides at some points, and a direction at the start."""
-    _, rail = node_limits(quick_config, replace(machine, link_rail_m=0.3))
+    _, rail, *_ = node_limits(quick_config, replace(machine, link_rail_m=0.3))
     sides = np.zeros_like(peak.required.corridor.sides)
     sides[3, 0], sides[-4, 2] = -1.0, 1.0
     directions = peak.directions.copy()
@@ -68,7 +68,7 @@ def test_links_and_sides_are_those_of_the_machine(guarded: PeakProblem, iterate:
     distances = link_distances(machine, samples.pose, samples.q_m[:, :3])[1:-1]
     np.testing.assert_allclose(constraints[1].value, distances.ravel())
     reach = reach_along_rails(machine, samples.pose, samples.q_m[:, :3])
-    np.testing.assert_allclose(constraints[3].value, [-reach[3, 0], reach[-4, 2]])
+    np.testing.assert_allclose(constraints[4].value, [-reach[3, 0], reach[-4, 2]])
 
 
 @pytest.mark.parametrize(("value", "excess"), [(0.5, 0.0), (1.5, 5.0), (-0.2, 2.0)])
@@ -83,5 +83,10 @@ def test_a_pair_without_margin_at_the_ends_keeps_it_where_it_has_it(peak: PeakPr
     distance = np.array([[0.0305, 0.05], [0.0308, 0.0304], [0.04, 0.05]])
     limit = peak.required.limits[0].limit
     assert limit.least == 0.03
-    wanted = least_values(limit, distance, 0.001).least
+    every = np.ones((3, 1), dtype=bool)
+    wanted = least_values(limit, distance, 0.001, every).least
     np.testing.assert_allclose(wanted, [[0.0305, 0.031], [0.0308, 0.031], [0.031, 0.031]])
+    # What does not count may be anything.
+    counts = np.array([[True, False], [True, True], [False, True]])
+    wanted = least_values(limit, distance, 0.001, counts).least
+    np.testing.assert_array_equal(np.isinf(wanted), ~counts)

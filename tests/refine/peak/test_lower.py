@@ -28,8 +28,9 @@ def test_points_are_the_nodes_and_the_midpoints(light_config: Config, machine: M
     assert found is not None
     peak, iterate = found
     assert len(peak.points.s) == 2 * 40 - 1
-    (links,) = peak.required.limits
+    links, forces = peak.required.limits
     assert links.least.shape == links.limit.values(iterate.samples).shape
+    assert forces.least.shape == forces.limit.values(iterate.samples).shape
     assert links.least.max() == pytest.approx(machine.link_link_m + light_config.refine.clearance_margin_m)
 
 
