@@ -11,7 +11,7 @@ from pipeline.artifacts.files import json_bytes, remove_partial, staged, write_w
 from pipeline.artifacts.layout import CONFIG, LOCK, STATE, SUMMARY, SUPERSEDED, existing_files
 from pipeline.artifacts.state import State, read_state
 from pipeline.config import Config
-from pipeline.config.file import config_sha256, load_config
+from pipeline.config.file import config_sha256, load_config, read_yaml
 from pipeline.errors import UsageError
 
 
@@ -123,7 +123,8 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
             f"{path} {what}.\n  What to change: give the folder a run has written to, such as results/agder."
         )
     config = load_config(path / CONFIG)
-    if config_sha256(config) != state.config_sha256:
+    # A key that is newer than the run has its default, and is not in the file.
+    if state.config_sha256 not in (config_sha256(config), config_sha256(read_yaml(path / CONFIG))):
         raise UsageError(
             f"{path / CONFIG} was changed after the run: the results do not belong to it.\n"
             f"  What to change: run it, with gantry-tau run {path / CONFIG} --out {path}."

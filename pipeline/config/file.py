@@ -37,7 +37,7 @@ def load_config(path: Path | str) -> Config:
         When the file cannot be read or is not a valid configuration; names every offending key.
     """
     path = Path(path)
-    return parse_config(_read_yaml(path), source=str(path), default_name=path.stem)
+    return parse_config(read_yaml(path), source=str(path), default_name=path.stem)
 
 
 def parse_config(data: object, source: str = "configuration", default_name: str = "run") -> Config:
@@ -70,7 +70,14 @@ def config_sha256(config: BaseModel | object) -> str:
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 
 
-def _read_yaml(path: Path) -> object:
+def read_yaml(path: Path) -> object:
+    """Read a YAML file as it is, without defaults.
+
+    Raises
+    ------
+    ConfigError
+        When the file cannot be read, or is not YAML.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:

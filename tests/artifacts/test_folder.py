@@ -7,6 +7,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
+import yaml
 
 from pipeline.artifacts import (
     State,
@@ -127,5 +128,17 @@ class TestFolder:
         assert read_run_folder(tmp_path)[0] == fast_config
         text = (tmp_path / "config.yaml").read_text()
         (tmp_path / "config.yaml").write_text(text.replace("step_budget: 25", "step_budget: 24"))
+        with pytest.raises(UsageError, match="was changed after the run"):
+            read_run_folder(tmp_path)
+
+    def test_runs_from_before_a_key_existed_are_read(self, tmp_path: Path, fast_config: Config) -> None:
+        """The key has its default; the file is still the one that the run has written."""
+        data = fast_config.model_dump(mode="json")
+        del data["machine"]["limits"]["holding_fraction"]
+        with open_run_folder(tmp_path) as folder:
+            folder.change(State(config_sha256=config_sha256(data)), {}, [], yaml.safe_dump(data), {})
+        assert read_run_folder(tmp_path)[0] == fast_config
+        data["route"]["step_budget"] = 24
+        (tmp_path / "config.yaml").write_text(yaml.safe_dump(data))
         with pytest.raises(UsageError, match="was changed after the run"):
             read_run_folder(tmp_path)
