@@ -52,6 +52,8 @@ def blended(coarse: Path, tolerance_m: float = TOLERANCE_M) -> Path:
     half = _half_widths(lengths, directions, tolerance_m)
     knots = _knots(at, half)
     places = np.array([knots[i + 1 : i + 1 + _DEGREE].mean() for i in range(len(knots) - _DEGREE - 1)])
+    # The mean of equal numbers may be larger than they are.
+    places = np.minimum(places, at[-1])
     positions = _positions(places, at, corners, directions, half)
     spline = make_interp_spline(places / at[-1], positions, k=_DEGREE, t=knots / at[-1])
     return _posed(coarse, spline, np.interp(coarse.node_s, corners_s, at / at[-1]))

@@ -91,3 +91,10 @@ def test_poses_close(machine: Machine, coarse: Path) -> None:
     s = np.linspace(0.0, 1.0, 501)
     assert np.abs(closure_residual(machine, path.pose(s), path.q(s))).max() < 1e-10
     assert np.abs(closure_residual(machine, path.node_pose, path.q(path.node_s))).max() < 1e-10
+
+
+@given(sway_m=st.floats(0.005, 0.1))
+def test_the_spline_ends_where_the_path_does(machine: Machine, sway_m: float) -> None:
+    """Whatever the length of the path: rounding must not put the last condition of the spline beyond its last knot."""
+    path = zigzag(machine, sway_m)
+    np.testing.assert_allclose(blended(path, 0.002).q(1.0), path.q(1.0), atol=1e-12)
