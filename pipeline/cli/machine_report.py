@@ -149,7 +149,9 @@ def _limited(
                     yield start.name, start.unit, [float(start.values[0]), float(goal.values[0])], start.allowed
         if not limits and not kind.for_path(config, machine):
             for measure in kind.MEASURES:
-                yield measure.name, measure.unit, [measure.reduce(end.samples) for end in ends], "not checked"
+                values = [measure.reduce(end.samples) for end in ends]
+                if np.isfinite(values).all():
+                    yield measure.name, measure.unit, values, "not checked"
 
 
 def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tuple[str, list[float], str]]:
@@ -157,7 +159,8 @@ def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tupl
     if machine.masses is None:
         return
     forces = np.concatenate([end.samples.holding_forces_n for end in ends])
-    limits = np.append(machine.force_n, machine.link_force_n)
+    allowed = machine.holding_fraction * machine.force_n + machine.masses.friction_n
+    limits = np.append(allowed, machine.holding_fraction * machine.link_force_n)
     held = np.column_stack([forces[:, : len(ACTUATORS)], np.abs(forces[:, len(ACTUATORS) :]).max(axis=1)])
     for name, column, limit in zip((*ACTUATORS, "any link"), held.T.tolist(), limits.tolist(), strict=True):
         yield name, column, f"+/- {limit:g}" if np.isfinite(limit) else ""

@@ -63,7 +63,7 @@ def _path(name: str, unit: str, prefers: Preference, resolution: float, attribut
 
 def _measure(measure: Measure) -> Criterion:
     return Criterion(
-        measure.name, measure.unit, measure.prefers, measure.resolution, lambda one: one.path.measures[measure.key]
+        measure.name, measure.unit, measure.prefers, measure.resolution, lambda one: one.path.measures.get(measure.key)
     )
 
 

@@ -89,7 +89,7 @@ class HoldingForce:
     @property
     def requirement(self) -> str:
         """What it asks for, in a few words."""
-        return f"held with {self.fraction:g} of the force limits"
+        return f"held within {'' if self.fraction == 1.0 else f'{self.fraction:g} of '}the force limits"
 
     @property
     def column_subjects(self) -> IntArray:
@@ -150,17 +150,23 @@ class HoldingForce:
         return [self._violation(int(k), float(abs(samples.holding_forces_n[0, k]))) for k in dict.fromkeys(broken)]
 
     def _violation(self, subject: int, force_n: float) -> str:
-        friction = f" and {self.friction_n[subject]:g} N of dry friction" if self.friction_n[subject] > 0.0 else ""
-        part = f"{self.fraction:g} times " if self.fraction != 1.0 else ""
+        limit, friction = self.limit_n[subject], self.friction_n[subject]
+        part = f"{self.fraction:g} of " if self.fraction != 1.0 else ""
+        more = f", and {friction:g} N of dry friction" if friction > 0.0 else ""
         return (
-            f"needs {force_n:.0f} N from {SUBJECTS[subject]} to hold the machine; {_KEY} allows "
-            f"{part}its limit of {self.limit_n[subject]:g} N{friction}"
+            f"needs {force_n:.0f} N from {SUBJECTS[subject]} to hold the machine; at most "
+            f"{self.fraction * limit + friction:.4g} N is allowed ({part}its force limit of {limit:g} N{more})"
         )
 
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
-        """Return the largest part of any limit that holding takes, less what friction carries."""
-        taken = self.fraction - self.values(samples)[:, : len(self.column_subjects) - 2 * len(self.moving)].min(axis=1)
-        return (Curve("force to hold, part of its limit", "", taken, -np.inf, self.fraction),)
+        """Return the largest share that holding at rest takes of what is allowed there."""
+        return (Curve("holding force", "of allowed", self.shares(samples).max(axis=1), -np.inf, 1.0),)
+
+    def shares(self, samples: PoseSamples) -> FloatArray:
+        """Compute |F| / allowed at rest for every subject with a limit, shape (n, subjects)."""
+        limited = np.flatnonzero(np.isfinite(self.limit_n))
+        allowed = self.fraction * self.limit_n[limited] + self.friction_n[limited]
+        return np.asarray(np.abs(samples.holding_forces_n[:, limited]) / allowed, dtype=float)
 
     @property
     def quantities(self) -> tuple[ProvenQuantity, ...]:
@@ -273,5 +279,20 @@ def _premises(config: Config) -> dict[str, Any]:
     return {"holding": holding} if holding else {}
 
 
-MEASURES: tuple[Measure, ...] = ()
+def _largest_share(samples: PoseSamples) -> float:
+    """Reduce to the largest share of what is allowed at rest; NaN if no forces are limited."""
+    limit = _holding(samples.machine, ())
+    return np.nan if limit is None else float(limit.shares(samples).max())
+
+
+MEASURES: tuple[Measure, ...] = (
+    Measure(
+        key="max_holding_force",
+        name="largest holding force",
+        unit="of allowed",
+        prefers="lower",
+        resolution=1e-4,
+        reduce=_largest_share,
+    ),
+)
 CERTIFICATE = CertificateEntry((_FORCES,), _premises)

@@ -81,8 +81,13 @@ def require_standing(table: PathDynamicsTable, backwards: bool = False) -> None:
     held = found.name != "force" or dynamics.friction()[found.row, found.subject] == 0.0
     there = float(dynamics.s[found.row])
     place = 1.0 - there if backwards else there
-    purpose = "just to hold the machine" if held else "against gravity and dry friction alone, however slow it moves,"
-    advice = "keep farther away from singularities with a smaller refine.kappa_max."
+    purpose = "just to hold the machine" if held else "against gravity and dry friction alone, however slowly it moves,"
+    end = {0.0: "start", 1.0: "goal"}.get(round(place, 3))
+    advice = (
+        "keep farther away from singularities with a smaller refine.kappa_max."
+        if end is None
+        else f"give the task another {end}."
+    )
     raise NoSolutionError(
         "retime",
         f"{found.words(purpose, f'at s = {place:.4f}')}, at {pose_words(path.pose(there))}",
@@ -94,7 +99,9 @@ def require_standing(table: PathDynamicsTable, backwards: bool = False) -> None:
 def pose_words(pose: FloatArray) -> str:
     """Describe a pose (6,) in words."""
     x, y, z, rx, ry, rz = pose
-    angles = ", ".join(f"{name} {np.rad2deg(value):.1f}" for name, value in (("rx", rx), ("ry", ry), ("rz", rz)))
+    angles = ", ".join(
+        f"{name} {round(float(np.rad2deg(value)), 1) + 0.0:.1f}" for name, value in (("rx", rx), ("ry", ry), ("rz", rz))
+    )
     return f"the pose x {x:.3f}, y {y:.3f}, z {z:.3f} m, {angles} degrees"
 
 

@@ -175,4 +175,7 @@ def test_the_words_name_drive_force_and_limit(heavy: Machine):
     (limit,) = for_poses(machine, 100.0)
     messages = limit.violations(PoseSamples(machine, pose, q).with_known(H=H))
     assert any(message.startswith("needs") and "from l2b to hold the machine" in message for message in messages)
-    assert any("0.5 times its limit of 1000 N and 50 N of dry friction" in message for message in messages)
+    assert any(
+        "550 N is allowed (0.5 of its force limit of 1000 N, and 50 N of dry friction)" in message
+        for message in messages
+    )

@@ -39,7 +39,7 @@ def test_on_the_way_back_the_place_is_that_along_the_way_there(path: Path) -> No
 def test_with_friction_it_is_not_called_holding(path: Path) -> None:
     """Gravity alone is within the limit; what is too much is to move against friction."""
     limit = np.abs(evaluate_dynamics(path, np.linspace(0.0, 1.0, 2_001)).c[:, :5]).max(axis=0) + 10.0
-    with pytest.raises(NoSolutionError, match="against gravity and dry friction alone, however slow it moves") as e:
+    with pytest.raises(NoSolutionError, match="against gravity and dry friction alone, however slowly it moves") as e:
         require_standing(tabulate_dynamics(_with(path, limit, friction_n=60.0), grid(2_001)))
     assert "just to hold" not in e.value.reason
     assert "machine.dynamics.friction" in e.value.advice

@@ -21,7 +21,7 @@ class TestCheck:
         assert "is valid" not in result.stdout
         message = " ".join(result.stderr.split())
         assert "task.start: needs" in message
-        assert "N from c1 to hold the machine; machine.limits.holding_fraction allows its limit of 400 N" in message
+        assert "N from c1 to hold the machine; at most 400 N is allowed (its force limit of 400 N)" in message
         assert "kappa" not in message
 
     def test_reference_machine(self, call: Call, config_file: Path, fast_config: Config, machine: Machine) -> None:

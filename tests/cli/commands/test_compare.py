@@ -41,8 +41,8 @@ class TestCompare:
         assert "duration" in names
         names = [row["figure"] for row in json.loads(call("compare", "out", "--json", "--no-timing").stdout)]
         assert "duration" not in names
-        call("run", edit(config_file, machine__dynamics__load_kg=300.0), "--out", "heavy")
-        result = call("compare", "heavy")
+        call("run", edit(config_file, machine__dynamics__friction={"carts_n": 1e3}), "--out", "stuck")
+        result = call("compare", "stuck")
         assert result.exit_code == 0
         assert "duration" not in result.stdout
         assert result.stderr.count("a path is compared without its duration") == 2

@@ -139,7 +139,7 @@ def test_drives_that_cannot_hold_the_machine_are_told(agder_config: Config):
     """Each with the force it needs at rest, and what it may take."""
     (message,) = refusal(agder_config, {"machine.limits.carts.force_n": 120.0})
     assert message == (
-        "task.start: needs 143 N from c1 to hold the machine; machine.limits.holding_fraction allows its limit of 120 N"
+        "task.start: needs 143 N from c1 to hold the machine; at most 120 N is allowed (its force limit of 120 N)"
     )
     assert len(refusal(agder_config, {"machine.limits.carts.force_n": 100.0})) == 3
 

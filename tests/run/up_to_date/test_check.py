@@ -53,7 +53,8 @@ class TestCaching:
             ("certify__tolerance_resolution", 0.5, []),
             ("retime__period_s", 0.02, []),
             ("retime__jerk", False, []),
-            ("machine__dynamics__load_kg", 1.0, []),
+            ("machine__dynamics__load_kg", 1.0, ["regions", "route", "refine", "certify"]),
+            ("machine__dynamics__platform__inertia_kgm2", [0.2, 0.2, 0.2], []),
             ("machine__limits__tcp__speed_mps", 0.3, []),
         ],
     )
