@@ -1,0 +1,126 @@
+"""Enclosures of holding forces on boxes that are wider than any proof needs: every term of the bound has to count."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from flint import arb
+
+from pipeline.certify.recheck.arithmetic.inclusion import Boxes, build_boxes
+from pipeline.certify.recheck.claims.holding_force import holding_force_bounds
+from pipeline.inclusion.closure import geometry, working_precision
+from pipeline.inclusion.forces import holding_force_ranges
+from pipeline.inclusion.krawczyk import Box, along, include
+from pipeline.inclusion.pieces import pieces
+from pipeline.inclusion.proven_box import ProvenBox
+from pipeline.machine import Machine
+from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, link_vectors, platform_arms, rotation
+from pipeline.machine.masses import lumped_platform
+from pipeline.refine import Path
+from tests.certify.paths import line_path
+
+SHIFT = np.array([2e-3, 2e-3, 2e-3, 0.0, 0.0, 0.0])
+TURN = np.array([0.0, 0.0, 0.0, 2e-3, 2e-3, 2e-3])
+
+
+@pytest.fixture(scope="module")
+def heavy(machine: Machine) -> Machine:
+    """Take a load that is far from the tool centre point, so that turning the platform changes the wrench."""
+    assert machine.masses is not None
+    masses = replace(machine.masses, platform_kg=200.0, platform_centre_m=np.array([0.6, 0.5, -0.4]))
+    return replace(machine, masses=masses)
+
+
+@pytest.fixture(scope="module")
+def path(heavy: Machine) -> Path:
+    """Take the short regular path."""
+    return line_path(heavy)
+
+
+def _box(path: Path, width: float) -> Box:
+    """Follow the path by a cubic over an interval that begins at a knot."""
+    first = next(part.first for part in pieces(path.spline) if part.first >= 0.3)
+    s = first + width * np.linspace(0.0, 1.0, 9)
+    centred = s - (first + width / 2.0)
+    cubic = np.polynomial.polynomial.polyfit(centred, path.pose(s), 3)
+    return Box(first, first + width, cubic, np.full(6, 1e-3))
+
+
+def _forces(machine: Machine, pose: np.ndarray, q_m: np.ndarray) -> np.ndarray:
+    """Solve f' H' = w' for poses that close no link exactly: rows of H' are divided by the links' lengths."""
+    assert machine.masses is not None
+    vectors = link_vectors(machine, pose, q_m[:, :3])
+    lengths = np.tile(machine.lengths_m, (len(pose), 1))
+    lengths[:, TELESCOPES] = q_m[:, 3:]
+    rows = np.concatenate([vectors, np.cross(platform_arms(machine, pose), vectors)], axis=2) / lengths[..., None]
+    body = lumped_platform(machine.masses, machine.platform_points_m)
+    F = np.broadcast_to(-body.mass_kg * machine.masses.gravity_mps2, (len(pose), 3))
+    r = rotation(*pose.T[3:]) @ body.centre_m
+    wrench = np.concatenate([F, np.cross(r, F)], axis=1)
+    f = np.linalg.solve(np.swapaxes(rows, 1, 2), wrench[..., None])[..., 0]
+    carts = np.stack([(f * rows[..., 0])[:, arm == ARM_OF_LINK].sum(axis=1) for arm in range(3)], axis=1)
+    return np.column_stack([carts, f[:, TELESCOPES], f])
+
+
+def _sampled(path: Path, box: Box, deviation: np.ndarray) -> np.ndarray:
+    """Take forces at corners of the box, and at its cubic, all along the interval."""
+    random = np.random.default_rng(5)
+    s = np.repeat(np.linspace(box.first, box.last, 41), 60)
+    t = s - (box.first + box.last) / 2.0
+    pose = np.polynomial.polynomial.polyval(t, box.pose).T + deviation * random.choice([-1.0, 0.0, 1.0], (len(s), 6))
+    return _forces(path.machine, pose, path.q(s))
+
+
+Bound = Callable[[Path, Box, np.ndarray], np.ndarray]
+
+
+def in_balls(path: Path, box: Box, deviation: np.ndarray) -> np.ndarray:
+    """Bound magnitudes in ball arithmetic."""
+    machine = path.machine
+    assert machine.masses is not None
+    with working_precision(64):
+        balls = geometry(machine)
+        piece = next(part for part in pieces(path.spline) if part.first <= box.first and box.last <= part.last)
+        series = along(balls, piece, box)
+        inclusion = include(balls, series, box)
+        assert inclusion is not None
+        image = [arb(value) for value in deviation.tolist()]
+        wide = ProvenBox(machine, balls, piece, series, replace(inclusion, image=image))
+        return np.abs(holding_force_ranges(wide, machine.masses)).max(axis=1)
+
+
+def in_floats(path: Path, box: Box, deviation: np.ndarray) -> np.ndarray:
+    """Bound magnitudes by the arithmetic of the independent check."""
+    assert path.machine.masses is not None
+    boxes: Boxes = build_boxes(path.machine, path, (box,))
+    return holding_force_bounds(path.machine, path.machine.masses, boxes, deviation[:, None])
+
+
+@pytest.mark.parametrize("bound", [in_balls, in_floats])
+@pytest.mark.parametrize("width", [1e-3, 0.02])
+@pytest.mark.parametrize("deviation", [np.zeros(6), SHIFT, TURN, SHIFT + TURN], ids=["none", "shift", "turn", "both"])
+def test_no_pose_of_a_box_takes_more_than_its_bound(path: Path, bound: Bound, width: float, deviation: np.ndarray):
+    """On the cubic, and on poses that are off it, as far as the box says."""
+    box = _box(path, width)
+    largest = np.abs(_sampled(path, box, deviation)).max(axis=0)
+    found = bound(path, box, deviation)
+    assert np.isfinite(found).all()
+    assert (found >= largest).all()
+    assert (found <= 3.0 * largest.max()).all()
+
+
+@pytest.mark.parametrize("bound", [in_balls, in_floats])
+@pytest.mark.parametrize("deviation", [SHIFT, TURN], ids=["shift", "turn"])
+def test_poses_off_the_cubic_count(path: Path, bound: Bound, deviation: np.ndarray):
+    """A bound for the cubic alone is exceeded: what accounts for the deviation is not idle."""
+    box = _box(path, 1e-3)
+    largest = np.abs(_sampled(path, box, deviation)).max(axis=0)
+    assert (bound(path, box, np.zeros(6)) < largest).any()
+
+
+def test_both_arithmetics_agree(path: Path):
+    """The statement is the same; only how it is computed differs."""
+    box = _box(path, 5e-3)
+    for deviation in (np.zeros(6), SHIFT + TURN):
+        np.testing.assert_allclose(in_floats(path, box, deviation), in_balls(path, box, deviation), rtol=0.02)
