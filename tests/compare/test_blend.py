@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
@@ -93,6 +93,7 @@ def test_poses_close(machine: Machine, coarse: Path) -> None:
     assert np.abs(closure_residual(machine, path.node_pose, path.q(path.node_s))).max() < 1e-10
 
 
+@settings(max_examples=20)
 @given(sway_m=st.floats(0.005, 0.1))
 def test_the_spline_ends_where_the_path_does(machine: Machine, sway_m: float) -> None:
     """Whatever the length of the path: rounding must not put the last condition of the spline beyond its last knot."""
