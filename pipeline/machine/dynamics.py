@@ -86,20 +86,22 @@ def holding_forces(masses: Masses, platform_points_m: FloatArray, pose: FloatArr
     F = np.broadcast_to(-body.mass_kg * masses.gravity_mps2, (len(pose), 3))
     r = rotation(pose[:, 3], pose[:, 4], pose[:, 5]) @ body.centre_m
     wrench = np.concatenate([F, cross(r, F)], axis=1)
-    link = np.full((len(pose), 6), np.inf)
-    regular = np.linalg.det(H) != 0.0
+    try:
+        link = np.linalg.solve(H, wrench[..., None])[..., 0]
+        return Forces(_drive_forces(H, link), link)
+    except np.linalg.LinAlgError:
+        regular = np.linalg.det(H) != 0.0
+    link, drive = np.full((len(pose), 6), np.inf), np.full((len(pose), 5), np.inf)
     link[regular] = np.linalg.solve(H[regular], wrench[regular][..., None])[..., 0]
-    drive = np.full((len(pose), 5), np.inf)
     drive[regular] = _drive_forces(H[regular], link[regular])
     return Forces(drive, link)
 
 
 def _drive_forces(H: FloatArray, link_n: FloatArray) -> FloatArray:
     """Forces of drives that keep carts still, for links' forces (n, 6): row 0 of H holds u_l . e_x. Shape (n, 5)."""
-    drive = np.zeros((len(H), 5))
-    np.add.at(drive.T, ARM_OF_LINK, (link_n * H[:, 0]).T)
-    drive[:, 3:] = link_n[:, TELESCOPES]
-    return drive
+    along_x = link_n * H[:, 0]
+    carts = [along_x[:, arm == ARM_OF_LINK].sum(axis=1) for arm in range(3)]
+    return np.column_stack([*carts, link_n[:, TELESCOPES]])
 
 
 def angular_motion(
