@@ -9,6 +9,7 @@ from rich.table import Table
 from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit
+from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
@@ -159,8 +160,10 @@ def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tupl
     if machine.masses is None:
         return
     forces = np.concatenate([end.samples.holding_forces_n for end in ends])
-    allowed = machine.holding_fraction * machine.force_n + machine.masses.friction_n
-    limits = np.append(allowed, machine.holding_fraction * machine.link_force_n)
+    limit = holding_limit(machine)
+    allowed = np.full(forces.shape[1], np.inf) if limit is None else limit.allowed_at_rest_n
     held = np.column_stack([forces[:, : len(ACTUATORS)], np.abs(forces[:, len(ACTUATORS) :]).max(axis=1)])
-    for name, column, limit in zip((*ACTUATORS, "any link"), held.T.tolist(), limits.tolist(), strict=True):
-        yield name, column, f"+/- {limit:g}" if np.isfinite(limit) else ""
+    for name, column, most in zip(
+        (*ACTUATORS, "any link"), held.T.tolist(), allowed[: len(ACTUATORS) + 1].tolist(), strict=True
+    ):
+        yield name, column, f"+/- {most:g}" if np.isfinite(most) else ""

@@ -142,7 +142,7 @@ def for_path(config: Config, machine: Machine) -> list[Limit]:
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     """Return rails that are longer at both ends, up to a metre."""
-    levels = np.array([k * _TRAVEL_STEP_M for k in range(_TRAVEL_COUNT + 1)]).round(9)
+    longer = np.array([k * _TRAVEL_STEP_M for k in range(1, _TRAVEL_COUNT + 1)]).round(9)
 
     def change(value: float) -> Config:
         rails = []
@@ -157,7 +157,7 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
         allowed = x_windows(machine, at_zero)
         return lambda value: _narrowed(windows_m, allowed + [-value, value])
 
-    return [Relaxation(TRAVEL_KEY, 0.0, levels, (len(levels),), change, prepare)]
+    return [Relaxation.of_one_table(TRAVEL_KEY, 0.0, longer, change, prepare)]
 
 
 def _narrowed(windows_m: FloatArray, allowed_m: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -131,18 +131,17 @@ def distance_relaxation(config: Config, key: str, distances_m: Callable[[PoseSam
     """Return distances below the configured `machine.clearance` key, down to zero, 0.1 mm apart."""
     configured = getattr(config.machine.clearance, key)
     count = int(np.ceil(configured / _STEP_M - _ROUNDING))
-    levels = np.array([configured, *(_STEP_M * np.arange(count - 1, -1, -1)).round(9)])
+    smaller = np.asarray(_STEP_M * np.arange(count - 1, -1, -1), dtype=float).round(9)
 
     def change(value: float) -> Config:
         clearance = config.machine.clearance.model_copy(update={key: value})
         return with_values(config, "machine", clearance=clearance)
 
     return [
-        Relaxation(
+        Relaxation.of_one_table(
             key=f"machine.clearance.{key}",
             configured=configured,
-            levels=levels,
-            segments=(len(levels),),
+            milder=smaller,
             change=change,
             prepare=lambda samples, windows_m: threshold_filter(
                 np.asarray(distances_m(samples).min(axis=1)), windows_m, at_most=False

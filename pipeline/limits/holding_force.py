@@ -103,12 +103,21 @@ class HoldingForce:
         return self.limit_n[self.column_subjects]
 
     @property
+    def resting_columns(self) -> int:
+        """Number of columns at rest, which come first."""
+        return int(np.count_nonzero(np.isfinite(self.limit_n)))
+
+    @property
+    def allowed_at_rest_n(self) -> FloatArray:
+        """Largest magnitude of each force at rest, where friction helps, shape (11,)."""
+        return self.fraction * self.limit_n + self.friction_n
+
+    @property
     def allowed_n(self) -> FloatArray:
         """Largest force of each column, friction counted in, shape (m,)."""
-        subjects, directed = self.column_subjects, 2 * len(self.moving)
-        sign = np.ones(len(subjects))
-        sign[len(subjects) - directed :] = -1.0
-        return self.fraction * self.limit_n[subjects] + sign * self.friction_n[subjects]
+        at_rest, in_motion = np.split(self.column_subjects, [self.resting_columns])
+        moved = self.fraction * self.limit_n[in_motion] - self.friction_n[in_motion]
+        return np.concatenate([self.allowed_at_rest_n[at_rest], moved])
 
     def _forces_n(self, samples: PoseSamples) -> FloatArray:
         """Forces of the columns, shape (n, m)."""
@@ -119,13 +128,13 @@ class HoldingForce:
     def applies(self, directions: FloatArray) -> BoolArray:
         """Tell which columns count for poses passed with actuators moving in `directions` (n, 5): signs. (n, m)."""
         moving = directions[:, self.moving]
-        at_rest = np.ones((len(directions), len(self.column_subjects) - 2 * len(self.moving)), dtype=bool)
+        at_rest = np.ones((len(directions), self.resting_columns), dtype=bool)
         return np.concatenate([at_rest, moving > 0.0, moving < 0.0], axis=1)
 
     def blocked(self, samples: PoseSamples) -> BoolArray:
         """Tell in which directions the actuators of `moving` cannot be moved. Shape (n, 5, 2)."""
         found = np.zeros((len(samples), len(ACTUATORS), 2), dtype=bool)
-        margins = self.margins(samples)[:, len(self.column_subjects) - 2 * len(self.moving) :]
+        margins = self.margins(samples)[:, self.resting_columns :]
         found[:, self.moving] = np.stack(np.split(margins < 0.0, 2, axis=1), axis=-1)
         return found
 
@@ -155,7 +164,7 @@ class HoldingForce:
         more = f", and {friction:g} N of dry friction" if friction > 0.0 else ""
         return (
             f"needs {force_n:.0f} N from {SUBJECTS[subject]} to hold the machine; at most "
-            f"{self.fraction * limit + friction:.4g} N is allowed ({part}its force limit of {limit:g} N{more})"
+            f"{self.allowed_at_rest_n[subject]:.4g} N is allowed ({part}its force limit of {limit:g} N{more})"
         )
 
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
@@ -164,18 +173,15 @@ class HoldingForce:
 
     def shares(self, samples: PoseSamples) -> FloatArray:
         """Compute |F| / allowed at rest for every subject with a limit, shape (n, subjects)."""
-        limited = np.flatnonzero(np.isfinite(self.limit_n))
-        allowed = self.fraction * self.limit_n[limited] + self.friction_n[limited]
-        return np.asarray(np.abs(samples.holding_forces_n[:, limited]) / allowed, dtype=float)
+        limited = np.isfinite(self.limit_n)
+        forces = np.abs(samples.holding_forces_n[:, limited])
+        return np.asarray(forces / self.allowed_at_rest_n[limited], dtype=float)
 
     @property
     def quantities(self) -> tuple[ProvenQuantity, ...]:
         """The forces of all drives and links, held at rest."""
-        allowed = self.fraction * self.limit_n + self.friction_n
-        return tuple(
-            ProvenQuantity(_FORCES, name, (-np.inf, most))
-            for name, most in zip(SUBJECTS, allowed.tolist(), strict=True)
-        )
+        allowed = zip(SUBJECTS, self.allowed_at_rest_n.tolist(), strict=True)
+        return tuple(ProvenQuantity(_FORCES, name, (-np.inf, most)) for name, most in allowed)
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the magnitudes of all forces over a proven box from above, shape (11, 2)."""
@@ -186,7 +192,7 @@ class HoldingForce:
 
     def unproven(self, bounds: FloatArray) -> str:
         """State the force that is not proven to be within its limit."""
-        allowed = self.fraction * self.limit_n + self.friction_n
+        allowed = self.allowed_at_rest_n
         limited = np.flatnonzero(np.isfinite(allowed))
         share = bounds[limited, 1] / allowed[limited]
         if (share <= 1.0).all():
@@ -205,7 +211,7 @@ class HoldingForce:
         return holding_part(self, _NODE_MARGIN, nodes)
 
 
-def _holding(machine: Machine, moving: Sequence[int]) -> HoldingForce | None:
+def holding_limit(machine: Machine, moving: Sequence[int] = ()) -> HoldingForce | None:
     """Build the limit with friction against the motion of some actuators; None without masses or force limits."""
     limit = np.concatenate([machine.force_n, np.full(len(LINKS), machine.link_force_n)])
     if machine.masses is None or np.isinf(limit).all():
@@ -216,7 +222,7 @@ def _holding(machine: Machine, moving: Sequence[int]) -> HoldingForce | None:
 
 
 def _limits(machine: Machine, moving: Sequence[int]) -> list[Limit]:
-    limit = _holding(machine, moving)
+    limit = holding_limit(machine, moving)
     return [] if limit is None else [limit]
 
 
@@ -237,7 +243,7 @@ def for_path(config: Config, machine: Machine) -> list[Limit]:
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     """Return larger fractions up to 1, and force limits that are all a hundredth or more higher."""
-    limit = _holding(machine, ())
+    limit = holding_limit(machine)
     if limit is None:
         return []
     configured, factor = machine.holding_fraction, machine.holding_fraction / _STEP
@@ -258,20 +264,9 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     fractions = np.asarray(_STEP * np.arange(int(np.floor(factor + 1e-9)) + 1, round(1.0 / _STEP) + 1), dtype=float)
     factors = np.asarray(_STEP * np.arange(round(1.0 / _STEP) + 1, round(_LARGEST_FACTOR / _STEP) + 1), dtype=float)
     return [
-        _relaxation(_KEY, configured, fractions, with_fraction, prepare(1.0)),
-        _relaxation(FORCES_KEY, 1.0, factors, with_forces, prepare(configured)),
+        Relaxation.of_one_table(_KEY, configured, fractions.round(9), with_fraction, prepare(1.0)),
+        Relaxation.of_one_table(FORCES_KEY, 1.0, factors.round(9), with_forces, prepare(configured)),
     ]
-
-
-def _relaxation(
-    key: str,
-    configured: float,
-    values: FloatArray,
-    change: Callable[[float], Config],
-    prepare: Callable[[PoseSamples, FloatArray], RegionFilter],
-) -> Relaxation:
-    levels = np.array([configured, *values.round(9)])
-    return Relaxation(key, configured, levels, (len(levels),), change, prepare)
 
 
 def _premises(config: Config) -> dict[str, Any]:
@@ -281,7 +276,7 @@ def _premises(config: Config) -> dict[str, Any]:
 
 def _largest_share(samples: PoseSamples) -> float:
     """Reduce to the largest share of what is allowed at rest; NaN if no forces are limited."""
-    limit = _holding(samples.machine, ())
+    limit = holding_limit(samples.machine)
     return np.nan if limit is None else float(limit.shares(samples).max())
 
 

@@ -43,7 +43,7 @@ def holding_part(limit: "HoldingForce", margin: float, nodes: Nodes) -> ProgramP
     # What is within the margin at the start or the goal, which are given, keeps what it has there.
     margins = np.clip(limit.values(nodes.guess.take(np.array([0, -1]))).min(axis=0), 0.0, margin)
     allowed = np.maximum(limit.allowed_n - margins * limit.column_limits_n, 0.0) / scale
-    at_rest = len(limit.column_subjects) - 2 * len(limit.moving)
+    at_rest = limit.resting_columns
     for column, subject in enumerate(limit.column_subjects.tolist()):
         counts = np.flatnonzero(applies[rows, column]).tolist()
         low, high = -allowed[column], allowed[column]

@@ -138,13 +138,12 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     whole = np.arange(np.floor(configured) + 1.0, _LARGEST_CAP + 0.5)
     top, bound = max(_LARGEST_CAP, configured), 10.0 * configured
     count = int(np.ceil(_CAPS_PER_DECADE * np.log10(max(bound / top, 1.0))))
-    levels = np.array([configured, *whole, *np.geomspace(top, max(bound, top), count + 1)[1:]])
+    higher = np.concatenate([whole, np.geomspace(top, max(bound, top), count + 1)[1:]])
     return [
-        Relaxation(
+        Relaxation.of_one_table(
             key="route.kappa_max",
             configured=configured,
-            levels=levels,
-            segments=(len(levels),),
+            milder=higher,
             change=lambda value: with_values(config, "route", kappa_max=value),
             prepare=lambda samples, windows_m: threshold_filter(samples.kappa, windows_m),
         )

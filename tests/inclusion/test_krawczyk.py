@@ -10,7 +10,7 @@ from pipeline.certify.guess import guess_box
 from pipeline.inclusion.closure import Geometry, closure, geometry, pose_series, second_derivatives, working_precision
 from pipeline.inclusion.krawczyk import Box, Inclusion, along, include
 from pipeline.inclusion.pieces import pieces
-from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine import Machine
 from pipeline.machine.kinematics import closure_jacobian, newton
 from pipeline.machine.statics import statics_matrix
@@ -24,7 +24,7 @@ def balls(machine: Machine) -> Geometry:
     return geometry(machine)
 
 
-def prove(balls: Geometry, path: Path, box: Box, uncertainty: Uncertainty = Uncertainty()) -> Inclusion | None:  # noqa: B008
+def prove(balls: Geometry, path: Path, box: Box, uncertainty: Uncertainty = CERTAIN) -> Inclusion | None:
     """Prove a box of a path on the piece that it is on."""
     (piece,) = (part for part in pieces(path.spline) if part.first <= box.first and box.last <= part.last)
     with working_precision(64):

@@ -53,7 +53,7 @@ class CallRecorder:
             return function()
         finally:
             sys.settrace(None)
-            threading.settrace(None)  # type: ignore[arg-type]
+            threading.settrace(None)  # type: ignore[arg-type]  # None ends it, which typeshed does not know
 
 
 def module_name(file: str) -> str:

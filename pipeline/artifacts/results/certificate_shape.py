@@ -122,7 +122,7 @@ def certificate_shape(keys: Iterable[CertificateKey]) -> type[CertificateShape]:
 def _shape_of(key: CertificateKey) -> Any:
     value = _VALUES[key.side]
     if key.subjects is None:
-        return dict[str, value]  # type: ignore[valid-type]
+        return dict[str, value]  # type: ignore[valid-type]  # a type chosen at run time
     if not key.subjects:
         return value
     subjects: dict[str, Any] = dict.fromkeys(key.subjects, (value, ...))

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
+
+import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
@@ -44,6 +46,19 @@ class Relaxation:
     change: Callable[[float], Config]
     prepare: Callable[[PoseSamples, FloatArray], RegionFilter]
     locked_axes: tuple[str, ...] | None = None
+
+    @classmethod
+    def of_one_table(
+        cls,
+        key: str,
+        configured: float,
+        milder: FloatArray,
+        change: Callable[[float], Config],
+        prepare: Callable[[PoseSamples, FloatArray], RegionFilter],
+    ) -> Self:
+        """Try values (n,) milder than the configured one, all on the table of the mildest."""
+        levels = np.array([configured, *milder])
+        return cls(key, configured, levels, (len(levels),), change, prepare)
 
 
 def threshold_filter(needed: FloatArray, windows_m: FloatArray, at_most: bool = True) -> RegionFilter:
