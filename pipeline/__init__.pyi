@@ -132,6 +132,7 @@ from .measured import (
     Reflectors as Reflectors,
     Measurement as Measurement,
     parse_measurement as parse_measurement,
+    read_measurement as read_measurement,
     MeasurementComparison as MeasurementComparison,
     compare_measurement as compare_measurement,
     ErrorRow as ErrorRow,

@@ -5,7 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray
+from pipeline.errors import UsageError
 from pipeline.machine.geometry import rotation
+
+_FARTHEST_M = 10.0
+"""Largest coordinate of a reflector: no platform is as large, but one given in millimetres may be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,13 +25,37 @@ class Reflectors:
         Both reflectors in the platform frame, from the TCP.
     noise_m : float
         Standard deviation of every measured coordinate; independent, zero mean.
+
+    Raises
+    ------
+    UsageError
+        When places or noise are not finite, not in metres, or of another shape, or noise is negative.
     """
 
     points_m: FloatArray
     noise_m: float
+
+    def __post_init__(self) -> None:
+        points = np.asarray(self.points_m)
+        if points.shape != (2, 3) or points.dtype.kind not in "iuf":
+            raise UsageError(f"two reflectors have three coordinates each as numbers, not an array {points.shape}")
+        for number, point in enumerate(points, 1):
+            if not np.isfinite(point).all():
+                raise UsageError(f"reflector {number} is at {_text(point)}: give three finite numbers in metres")
+            if np.abs(point).max() > _FARTHEST_M:
+                raise UsageError(
+                    f"reflector {number} is at {_text(point)} m, farther than {_FARTHEST_M:g} m from the TCP.\n"
+                    "  What to change: give metres; these look like millimetres."
+                )
+        if not (np.isfinite(self.noise_m) and self.noise_m >= 0.0):
+            raise UsageError(f"noise has to be a finite number of metres, 0 or more, not {self.noise_m:g}")
 
 
 def reflector_positions(points_m: FloatArray, pose: FloatArray) -> FloatArray:
     """Compute the positions P + R r_i of reflectors r_i (2, 3) for poses (n, 6). Shape (n, 2, 3)."""
     R = rotation(pose[:, 3], pose[:, 4], pose[:, 5])
     return np.asarray(pose[:, None, :3] + points_m @ np.swapaxes(R, 1, 2))
+
+
+def _text(point: FloatArray) -> str:
+    return f"({', '.join(f'{value:g}' for value in point)})"

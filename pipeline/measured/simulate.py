@@ -1,13 +1,17 @@
 """Simulated measurements: a machine that differs a little from its model drives, and a noisy tracker measures it."""
 
 from dataclasses import dataclass, replace
+from math import isfinite
+from numbers import Integral
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
+from pipeline.errors import UsageError
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.measured.reflectors import Reflectors, reflector_positions
+from pipeline.measured.rows import require_array
 
 
 @dataclass(frozen=True)
@@ -21,10 +25,21 @@ class SimulationSetting:
         link and of the zero of every telescope; independent, drawn once.
     seed : int
         The same seed gives the same measurement.
+
+    Raises
+    ------
+    UsageError
+        When the standard deviation is negative or not finite, or the seed negative or not a whole number.
     """
 
     geometry_std_m: float = 2e-4
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.geometry_std_m) and self.geometry_std_m >= 0.0):
+            raise UsageError(f"errors of geometry need a finite standard deviation >= 0, not {self.geometry_std_m:g} m")
+        if not isinstance(self.seed, Integral) or self.seed < 0:
+            raise UsageError(f"the seed has to be a whole number, 0 or more, not {self.seed}")
 
 
 def simulate_measurement(
@@ -38,7 +53,11 @@ def simulate_measurement(
     ------
     ForwardKinematicsError
         When the perturbed machine cannot follow.
+    UsageError
+        When actuators or poses have another shape, or are not finite.
     """
+    q_m = require_array("actuators", q_m, (-1, 5))
+    commanded = require_array("commanded poses", commanded, (len(q_m), 6))
     geometry, noise = (np.random.default_rng(seed) for seed in np.random.SeedSequence(setting.seed).spawn(2))
     real, zeros_m = perturbed(machine, setting.geometry_std_m, geometry)
     q = q_m.copy()
