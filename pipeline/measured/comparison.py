@@ -109,7 +109,7 @@ def compare_measurement(
     try:
         controlled, std = _controlled(measurement, commanded, reflectors)
     except RowError as error:
-        raise UsageError(f"{measurement.place(error.row)}: {error}") from None
+        raise UsageError(f"{measurement.place(error.row)}: {error.message}") from None
     return MeasurementComparison(measurement.t_s, commanded[:, CONTROLLED], controlled, std, measurement.account)
 
 

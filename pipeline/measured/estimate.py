@@ -70,7 +70,7 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
     if (weak := np.abs(lever) < _LEAST_LEVER * length).any():
         row = int(np.argmax(weak))
         raise RowError(
-            f"the reflectors do not determine rz at index {row}: they hardly move along X when the platform turns "
+            "the reflectors do not determine rz: they hardly move along X when the platform turns "
             "about z.\n  What to change: place them along the platform's y axis.",
             row,
         )
@@ -86,14 +86,14 @@ def _require_seen(reflectors: Reflectors, v: FloatArray, expected: FloatArray) -
     if (off := np.abs(distance - length) > allowed).any() or (off := ~(distance > 0.0)).any():
         row = int(np.argmax(off))
         raise RowError(
-            f"the measured reflectors are {distance[row]:g} m apart at index {row}, but {length[row]:g} m on the "
+            f"the measured reflectors are {distance[row]:g} m apart, but {length[row]:g} m on the "
             "platform.\n  What to change: give positions in metres, and the true places of the reflectors.",
             row,
         )
     if (turned := dot(v, expected) < 0.0).any():
         row = int(np.argmax(turned))
         raise RowError(
-            f"the vector from the first measured reflector to the second points the wrong way at index {row}.\n"
+            "the vector from the first measured reflector to the second points the wrong way.\n"
             "  What to change: swap the reflectors, or give positions in the frame of the machine.",
             row,
         )

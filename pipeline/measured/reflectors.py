@@ -11,6 +11,9 @@ from pipeline.machine.geometry import rotation
 _FARTHEST_M = 10.0
 """Largest coordinate of a reflector: no platform is as large, but one given in millimetres may be."""
 
+_LEAST_NOISE_M = 1e-12
+"""Least noise: dividing errors by less overflows."""
+
 
 @dataclass(frozen=True, eq=False)
 class Reflectors:
@@ -24,12 +27,12 @@ class Reflectors:
     points_m : (2, 3)
         Both reflectors in the platform frame, from the TCP.
     noise_m : float
-        Standard deviation of every measured coordinate; independent, zero mean.
+        Standard deviation of every measured coordinate; independent, zero mean. 0 if it is not known.
 
     Raises
     ------
     UsageError
-        When places or noise are not finite, not in metres, or of another shape, or noise is negative.
+        When places or noise are not finite, not in metres, or of another shape, or noise is negative or nearly 0.
     """
 
     points_m: FloatArray
@@ -47,8 +50,8 @@ class Reflectors:
                     f"reflector {number} is at {_text(point)} m, farther than {_FARTHEST_M:g} m from the TCP.\n"
                     "  What to change: give metres; these look like millimetres."
                 )
-        if not (np.isfinite(self.noise_m) and self.noise_m >= 0.0):
-            raise UsageError(f"noise has to be a finite number of metres, 0 or more, not {self.noise_m:g}")
+        if not (self.noise_m == 0.0 or _LEAST_NOISE_M <= self.noise_m < np.inf):
+            raise UsageError(f"noise has to be 0 m, or a number of at least {_LEAST_NOISE_M:g} m, not {self.noise_m:g}")
 
 
 def reflector_positions(points_m: FloatArray, pose: FloatArray) -> FloatArray:

@@ -8,7 +8,7 @@ from pipeline.errors import UsageError
 
 
 class RowError(UsageError):
-    """A measurement cannot be used because of a row, whose index is `row`."""
+    """A measurement cannot be used because of a row, whose index is `row`; `message` is the text without it."""
 
     def __init__(self, message: str, row: int) -> None:
         super().__init__(message, row)
@@ -16,7 +16,7 @@ class RowError(UsageError):
         self.row = row
 
     def __str__(self) -> str:
-        return self.message
+        return f"index {self.row}: {self.message}"
 
 
 def require_array(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
@@ -33,6 +33,6 @@ def require_array(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> F
         raise UsageError(f"{what} must have the shape ({expected}), not {array.shape}")
     if array.dtype.kind not in "iuf":
         raise UsageError(f"{what} must be real numbers, not of type {array.dtype}")
-    if not (finite := np.isfinite(array).reshape(len(array), -1).all(axis=1)).all():
+    if not (finite := np.isfinite(array).all(axis=tuple(range(1, array.ndim)))).all():
         raise UsageError(f"{what} are not finite at index {int(np.argmin(finite))}")
     return array.astype(float)

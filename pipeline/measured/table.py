@@ -152,7 +152,7 @@ def _check_order(measurement: Measurement) -> None:
     raise UsageError(
         f"{measurement.place(row)}: times in {TIME} must increase from row to row, but {t_s[row]:.9g} "
         f"{'is there twice' if repeated else f'follows {t_s[row - 1]:.9g}'} "
-        f"({np.count_nonzero(~later):,} such rows).\n  What to change: {advice}"
+        f"(so {np.count_nonzero(~later):,} times).\n  What to change: {advice}"
     )
 
 

@@ -39,7 +39,8 @@ def measured_figure(comparison: MeasurementComparison) -> Figure:
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     for column in panels.T:
         figure.align_ylabels(column)
-    figure.legend(handles=_handles(comparison), loc="outside lower center", ncols=3)
+    handles = _handles(comparison)
+    figure.legend(handles=handles, loc="outside lower center", ncols=3 if len(handles) < 4 else 2)
     return figure
 
 

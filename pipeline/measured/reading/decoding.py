@@ -68,16 +68,16 @@ def decode_lines(data: bytes, file: str) -> tuple[list[str], str]:
 
 
 def _decode(data: bytes, file: str) -> tuple[str, str]:
-    codec = _wide_codec(data)
+    codec, marked = _wide_codec(data), data.startswith(codecs.BOM_UTF8)
+    data = data.removeprefix(codecs.BOM_UTF8)
     try:
-        if codec:
-            return data.decode(codec), "UTF-16"
-        return data.decode("utf-8-sig"), "UTF-8"
+        return data.decode(codec or "utf-8"), "UTF-16" if codec else "UTF-8"
     except UnicodeDecodeError as error:
-        if not codec and not data.startswith(codecs.BOM_UTF8):
+        if not codec and not marked:
             return _decode_narrow(data, file), "Windows-1252"
         line = len(_LINE_END.split(data[: error.start].decode(codec or "utf-8", "replace")))
-        raise refusal(file, f"bytes that are not {error.encoding.upper()}.", f"{_SAVE}.", line) from None
+        name = "UTF-16" if codec else "UTF-8"
+        raise refusal(file, f"bytes that are not {name}.", f"{_SAVE}.", line) from None
 
 
 def _decode_narrow(data: bytes, file: str) -> str:

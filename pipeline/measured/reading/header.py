@@ -110,7 +110,7 @@ def _nearly(name: str, names: Sequence[str], choice: tuple[str, ...]) -> str | N
     others = {_normal(one): one for one in names if _normal(one) and _normal(one) not in choice}
     stem, unit = name.rsplit("_", 1)
     for normal, found in others.items():
-        if re.fullmatch(rf"{re.escape(stem)}(?:[\s_]*[\[(]?[\s_]*[^\W\d_]+\.?[\])]?)?", normal):
+        if re.fullmatch(rf"{re.escape(stem)}(?:[ \t_]*[\[(]?[ \t_]*[^\W\d_]+\.?[\])]?)?", normal):
             return f"{shown(found)} is not {name}: give values in {unit}, and name the column {name}"
     if near := difflib.get_close_matches(name, others, 1, _ALIKE):
         found = others[near[0]]
@@ -159,7 +159,7 @@ def _first_ragged(lines: list[str], index: int, count: int, separator: str) -> s
 def _separated_by_something_else(lines: list[str], choices: Choices) -> tuple[int, str] | None:
     """Find a line that names all columns, separated by blanks or bars: its number, and what separates them."""
     for number, line in enumerate(lines[:_SEARCHED], 1):
-        for what, parts in (("blanks", line.split()), ("bars", line.strip("| ").split("|"))):
+        for what, parts in (("bars", line.strip("| ").split("|")), ("blanks", line.split())):
             if _columns([part.lstrip("#%") for part in parts], choices):
                 return number, what
     return None
