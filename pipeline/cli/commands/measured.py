@@ -180,6 +180,8 @@ def simulate_measurement(
 
 def _check_output(output: Path, run: Path) -> None:
     """Refuse an output inside the run, and one beside which a file would be replaced that says something else."""
+    if not output.name:
+        raise UsageError(f"--output {output}: is a folder: give the name of a file")
     refuse_inside(output, run)
     facts = output.with_suffix(_FACTS)
     if output.suffix == _FACTS:

@@ -7,8 +7,11 @@ from pathlib import Path
 from pipeline.measured.reading.refusal import refusal
 
 MOST_BYTES = 2**28
-"""Largest file that is read: twice that of a million rows of two reflectors with twelve decimals."""
+"""Largest file that is read: more than twice that of a million rows of two reflectors with twelve decimals."""
+MOST_LINES, MOST_CHARACTERS = 1_200_000, 20_000
+"""Most lines of a file, and most characters of a line; a motion has at most a million rows."""
 _SAVE = "save it as CSV in UTF-8 (in Excel: Save As, CSV UTF-8)"
+_SHORTEN = "leave out rows before and after the motion, and columns that are not needed, or measure less often."
 _OTHER_FILES = {
     b"PK\x03\x04": "a workbook (.xlsx) or another zip archive",
     b"\xd0\xcf\x11\xe0": "a workbook (.xls)",
@@ -36,8 +39,8 @@ def read_bytes(file: Path) -> bytes:
     if len(data) > MOST_BYTES:
         raise refusal(
             str(file),
-            f"more than the {MOST_BYTES:,} bytes that a measurement may have",
-            "leave out rows before and after the motion, and columns that are not needed, or measure less often.",
+            f"more than the {MOST_BYTES:,} bytes that a measurement may have.",
+            _SHORTEN,
         )
     return data
 
@@ -50,7 +53,7 @@ def decode_lines(data: bytes, file: str) -> tuple[list[str], str]:
     Raises
     ------
     UsageError
-        When the data are empty, not a text, or in an encoding that cannot be told.
+        When the data are empty, not a text, in an encoding that cannot be told, or have too many or too long lines.
     """
     for magic, what in _OTHER_FILES.items():
         if data.startswith(magic):
@@ -58,10 +61,15 @@ def decode_lines(data: bytes, file: str) -> tuple[list[str], str]:
     text, encoding = _decode(data, file)
     if not text.strip():
         raise refusal(file, "the file is empty.", "give a file with a header and rows.")
+    if (count := text.count("\n") + text.count("\r") - text.count("\r\n")) > MOST_LINES:
+        raise refusal(file, f"{count:,} lines; a measurement may have {MOST_LINES:,}.", _SHORTEN)
     lines = _LINE_END.split(text)
     if "\0" in text:
         line = next(number for number, one in enumerate(lines, 1) if "\0" in one)
         raise refusal(file, "a zero byte, which no text has: the file is damaged, or not a text.", _SAVE + ".", line)
+    if len(longest := max(lines, key=len)) > MOST_CHARACTERS:
+        what = f"{len(longest):,} characters in a line; a table may have {MOST_CHARACTERS:,}."
+        raise refusal(file, what, f"leave out columns that are not needed; {_SAVE}.", lines.index(longest) + 1)
     if not lines[-1]:
         lines.pop()
     return lines, encoding

@@ -13,8 +13,8 @@ from pipeline.measured.reading.refusal import INVISIBLE, refusal, shown, strange
 Choices = Sequence[tuple[str, ...]]
 """Lists of column names, any of which will do; the first that is complete is taken."""
 
-_SEARCHED = 1000
-"""Number of lines that are searched for the line nearest to a header, for the message."""
+_SEARCHED, _COMPARED = 200, 200
+"""Numbers of lines, and of names in a line, that are searched for what is nearest to a header, for the message."""
 _LISTED = 20
 _ALIKE = 0.6
 
@@ -36,9 +36,9 @@ def find_header(lines: list[str], choices: Choices, file: str) -> Header:
     UsageError
         When there is none: says which line is nearest, what it lacks, and which of its names differ and how.
     """
-    common = set.intersection(*map(set, choices))
     for index, line in enumerate(lines):
-        if not all(name in INVISIBLE.sub("", line).casefold() for name in common):
+        folded = line.casefold() if line.isascii() else INVISIBLE.sub("", line).casefold()
+        if not any(all(name in folded for name in choice) for choice in choices):
             continue
         for separator in SEPARATORS:
             names = header_names(line, separator)
@@ -107,7 +107,7 @@ def _lacking(names: Sequence[str], choices: Choices) -> str:
 
 def _nearly(name: str, names: Sequence[str], choice: tuple[str, ...]) -> str | None:
     """Find the name most like one asked for, and say what differs."""
-    others = {_normal(one): one for one in names if _normal(one) and _normal(one) not in choice}
+    others = {_normal(one): one for one in names[:_COMPARED] if _normal(one) and _normal(one) not in choice}
     stem, unit = name.rsplit("_", 1)
     for normal, found in others.items():
         if re.fullmatch(rf"{re.escape(stem)}(?:[ \t_]*[\[(]?[ \t_]*[^\W\d_]+\.?[\])]?)?", normal):
@@ -122,13 +122,13 @@ def _nearly(name: str, names: Sequence[str], choice: tuple[str, ...]) -> str | N
 def _no_header(lines: list[str], choices: Choices, file: str) -> Exception:
     wanted = {name for choice in choices for name in choice}
     asked = "name " + " or ".join(", ".join(choice) for choice in choices) + " in one line above the rows"
-    candidates = [
-        (sum(_normal(name) in wanted for name in names), -index, names, separator)
+    candidates = (
+        (sum(_normal(name) in wanted for name in names[:_COMPARED]), -index, len(names), names, separator)
         for index, line in enumerate(lines[:_SEARCHED])
         for separator in SEPARATORS
         if (names := header_names(line, separator))
-    ]
-    known, index, names, separator = max(candidates, key=lambda one: (*one[:2], len(one[2])), default=(0, 0, [], ","))
+    )
+    known, index, _, names, separator = max(candidates, default=(0, 0, 0, [], ","))
     if blank := _separated_by_something_else(lines, choices):
         return refusal(file, f"names and values are separated by {blank[1]}.", f"use commas: {asked}.", blank[0])
     if not known:
@@ -149,7 +149,7 @@ def _what_else(lines: list[str]) -> str:
 
 
 def _first_ragged(lines: list[str], index: int, count: int, separator: str) -> str | None:
-    for number, line in enumerate(lines[index + 1 :], index + 2):
+    for number, line in enumerate(lines[index + 1 : index + 1 + _SEARCHED], index + 2):
         cells = header_names(line, separator)
         if cells and len(cells) != count:
             return f"line {number} has {len(cells)} {'value' if len(cells) == 1 else 'values'}, not {count}"

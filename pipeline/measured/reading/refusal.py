@@ -9,6 +9,7 @@ from pipeline.errors import UsageError
 INVISIBLE = re.compile("[\u00ad\u034f\u061c\u115f\u1160\u180e\u200b-\u200f\u202a-\u202e\u2060-\u206f\ufeff]")
 """Characters without width: left by editors, web pages and byte order marks in the middle of a file."""
 _LONGEST = 40
+_MOST_PROBLEMS = 1000
 
 
 def refusal(file: str, what: str, advice: str, line: int | None = None, column: str | None = None) -> UsageError:
@@ -42,9 +43,11 @@ class Problems:
     lines: set[int] = field(default_factory=set)
 
     def add(self, line: int, what: str, advice: str, column: str | None = None) -> None:
-        """Take note of what is wrong in a line, and what to do; the column by its name."""
+        """Take note of what is wrong in a line, and what to do; the column by its name. Raises when it is too much."""
         self.first = self.first or refusal(self.file, what, advice, line, column)
         self.lines.add(line)
+        if len(self.lines) > _MOST_PROBLEMS:
+            self.settle()
 
     def settle(self) -> None:
         """Raise the first problem, if there is one."""
@@ -52,5 +55,8 @@ class Problems:
             return
         more = len(self.lines) - 1
         if more:
-            raise UsageError(f"{self.first}\n  {more:,} more {'line' if more == 1 else 'lines'} cannot be read either.")
+            least = "At least " if more == _MOST_PROBLEMS else ""
+            raise UsageError(
+                f"{self.first}\n  {least}{more:,} more {'line' if more == 1 else 'lines'} cannot be read either."
+            )
         raise self.first

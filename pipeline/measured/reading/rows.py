@@ -32,7 +32,6 @@ class Rows:
 
     def __init__(self, file: str, header: Header) -> None:
         self.header = header
-        self.normal_names = [clean(name).casefold() for name in header.names]
         self.problems = Problems(file)
         self.decimal = DecimalMark()
         self.values, self.lines = array("d"), array("q")
@@ -57,6 +56,9 @@ class Rows:
 
     def add(self, number: int, line: str) -> None:
         """Read a line, skip it, or take note of what is wrong with it."""
+        if not clean(line.replace(self.header.separator, "")):
+            self.skipped[_BLANK].append(number)
+            return
         try:
             cells = split_line(line, self.header.separator)
         except csv.Error as error:
@@ -146,7 +148,7 @@ class Rows:
         texts = list(self._texts(cells))
         if all(NUMBER.fullmatch(text) for _, text in texts):
             self._add_numbers(number, texts)
-        elif [clean(cell).casefold() for cell in cells[: len(self.header.names)]] == self.normal_names:
+        elif all(text.casefold() == name for name, text in texts):
             what = "the header again: are these two measurements?"
             self.problems.add(number, what, "give one measurement per file, with one header.")
         else:

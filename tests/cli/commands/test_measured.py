@@ -175,6 +175,7 @@ def test_numbers_that_are_none_and_files_that_are_not_ours() -> None:
         (("simulate-measurement", "out", "--reflector-1", "inf", 0, 0), "reflector 1"),
         (("simulate-measurement", "out", "--geometry", "nan"), "--geometry"),
         (("simulate-measurement", "out", "--output", "mine.csv"), "mine.json"),
+        (("simulate-measurement", "out", "--output", ""), "is a folder"),
         (("measured", "out", "seen.csv", "--speed", "nan"), "speed"),
         (("measured", "out", "/dev/zero"), "bytes"),
     ):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.errors import UsageError
-from pipeline.measured.reading.decoding import MOST_BYTES, decode_lines, read_bytes
+from pipeline.measured.reading.decoding import MOST_BYTES, MOST_CHARACTERS, MOST_LINES, decode_lines, read_bytes
 
 TEXT = "t_s,größe\r\n1,\u2212\u00b5\n2,c\rd\x0be\u2028f\n"
 LINES = ["t_s,größe", "1,\u2212\u00b5", "2,c", "d\x0be\u2028f"]
@@ -52,6 +52,20 @@ def test_what_is_no_text(data: bytes, expected: str) -> None:
     with pytest.raises(UsageError, match=expected) as caught:
         decode_lines(data, "f")
     assert "What to change" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("data", "expected"),
+    [
+        (b"\n" * (MOST_LINES + 1), f"{MOST_LINES + 1:,} lines; a measurement may have {MOST_LINES:,}"),
+        (b"\r\n" * (MOST_LINES + 1), f"{MOST_LINES + 1:,} lines"),
+        (b"t_s,x_m\n" + b"," * (MOST_CHARACTERS), f"f, line 2: {MOST_CHARACTERS + 1:,} characters in a line"),
+    ],
+)
+def test_what_is_too_long(data: bytes, expected: str) -> None:
+    """Lines are counted before they are taken apart."""
+    with pytest.raises(UsageError, match=expected):
+        decode_lines(data + b"x", "f")
 
 
 def test_a_file_without_end_is_refused() -> None:

@@ -256,6 +256,7 @@ def test_the_account_in_words_and_as_json() -> None:
         ("s,mm,mm,mm,mm,mm,mm\n0,1,2,3,4,5,6", r"line 2, column x1_m: the unit is mm, but the name .* says m"),
         ("0,1,2,3,4,5,6\nEnd of data", r"line 3: 1 value.*\n.*put # before it"),
         ("0,1,2,3,4,5,a\n1,1,2,3,4,5,b\n2,1,2,3,4,5,c", r"2 more lines cannot be read either"),
+        ("0,1,2\n" * 5000, r"line 2: 3 values.*\n.*\n  At least 1,000 more lines cannot be read either"),
         ("---,1,2,3,4,5,6", r"no rows\n  skipped: 1 line with a gap in t_s \(2\)"),
         ("", r"the measurement has no rows"),
     ],
