@@ -44,9 +44,7 @@ def first_guess(
     changes quickly, at both ends and where the fastest time law switches, there are enough pieces whatever `count` is:
     in a slow motion these changes take only a small part of the time that a piece lasts elsewhere.
     """
-    machine = table.path.machine
-    finite = np.isfinite(machine.jerk_mps3)
-    ramp_s = float((machine.acceleration_mps2[finite] / machine.jerk_mps3[finite]).max())
+    ramp_s = build_up_s(table)
     # A motion too short for its accelerations to build up takes a time in proportion to the cube root of its travel.
     width_s = min(_WIDTHS * ramp_s, float(np.cbrt(ramp_s * fastest.motion_s**2)))
     t, s_of_t, width_s = _smoothed(fastest, width_s)
@@ -55,6 +53,20 @@ def first_guess(
     passed = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) * np.diff(t) / 2.0)])
     pieces = math.ceil(passed[-1] - _WHOLE)
     return _states(s_of_t, np.interp(np.linspace(0.0, passed[-1], pieces + 1), passed, t))
+
+
+def build_up_s(table: PathDynamicsTable) -> float:
+    """Compute the time in which the slowest actuator builds up its acceleration under its jerk limit.
+
+    The acceleration is what jerk allows it to reach at all: sqrt(v j) before it is at its top speed v, and
+    (D j^2 / 2)^(1/3) when it travels D from rest to rest.
+    """
+    machine = table.path.machine
+    finite = np.isfinite(machine.jerk_mps3)
+    v, a, j = (limits(machine)[name][finite] for name in ("velocity", "acceleration", JERK))
+    travel = np.ptp(table.path.q(table.grid.s), axis=0)[finite]
+    reached = np.minimum(a, np.minimum(np.sqrt(v * j), np.cbrt(travel * j**2 / 2.0)))
+    return float((reached / j).max())
 
 
 def _density(
