@@ -91,9 +91,14 @@ def fastest_trajectory(
     count_periods(fastest.motion_s / config.retime.speed, config.retime.period_s)
     if not _limits_jerk(config, table):
         return replace(fastest, timing=report)
-    from pipeline.retime.jerk.solve import limit_jerk
+    from pipeline.retime.jerk.smoothed import smoothed
+    from pipeline.retime.jerk.solve import JerkLimited, limit_jerk
 
-    found = limit_jerk(table, fastest, config.retime.jerk_pieces, monitor, options.jerk)
+    try:
+        found = limit_jerk(table, fastest, config.retime.jerk_pieces, monitor, options.jerk)
+    except NoSolutionError:
+        law = smoothed(table, fastest)
+        found = JerkLimited(law, len(law.time_law.x) - 1, 0, 0)
     trajectory = _within_limits(found.trajectory, measure_usage(found.trajectory, config.retime.period_s, table))
     report = replace(
         report,

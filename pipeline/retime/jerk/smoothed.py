@@ -10,6 +10,7 @@ import math
 import numpy as np
 from scipy.interpolate import BSpline, PPoly
 
+from pipeline.retime.jerk.first_guess import smooth_law
 from pipeline.retime.path_dynamics import PathDynamicsTable
 from pipeline.retime.result import Trajectory, stretched
 from pipeline.retime.usage import measure_usage
@@ -18,12 +19,13 @@ _DEGREE = 4
 _MOST_POINTS = 5_000
 """Most values of s(t) that are smoothed: what the shape of the fastest law needs."""
 _WIDTHS = (1.0, 4.0)
-"""Steps between control points that are tried, in units of the time in which accelerations build up."""
+"""Steps between control points that are tried, in units of the width that a first guess is averaged over."""
 
 
-def smoothed(table: PathDynamicsTable, fastest: Trajectory, ramp_s: float) -> Trajectory:
+def smoothed(table: PathDynamicsTable, fastest: Trajectory) -> Trajectory:
     """Smooth a time law over about the time in which accelerations build up, and slow it down to keep all limits."""
-    tried = [_smoothed(fastest, width * ramp_s) for width in _WIDTHS]
+    smooth = smooth_law(table, fastest)
+    tried = [_smoothed(smooth.begun, factor * smooth.width_s) for factor in _WIDTHS]
     kept = [stretched(law, law.motion_s * measure_usage(law, table=table).stretch) for law in tried]
     return min(kept, key=lambda law: law.motion_s)
 

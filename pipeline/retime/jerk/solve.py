@@ -64,7 +64,13 @@ def limit_jerk(
     checks = _midpoints(law)
     iterations, before = 0, np.inf
     for number in range(options.rounds):
-        law, took = _solve(table, law, checks, monitor, options)
+        try:
+            law, took = _solve(table, law, checks, monitor, options)
+        except NoSolutionError:
+            if number == 0:
+                raise
+            # The last law is slowed down to keep what this round would have mended.
+            break
         iterations += took
         largest, settled = _fractions(table, law), law.h.sum() > before * (1.0 - _SETTLED)
         if (largest.max() <= _HELD and settled) or iterations >= options.all_iterations:
