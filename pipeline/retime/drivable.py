@@ -8,9 +8,9 @@ from pipeline.refine.result import Path
 from pipeline.retime.holding_forces import pose_words
 
 _LEAST_RELATIVE_SPEED = 0.05
-"""Least |q'(s)| relative to its mean, in metres: a property of the path alone. Below, the path speed peaks too sharply for a piecewise constant path
-acceleration: on lines of known duration and 1,000 grid points, 0.02 came out up to 80 % too slow and 14 % above an
-acceleration limit."""
+"""Least |q'(s)| relative to its mean, in metres: a property of the path alone, whatever its limits. Below, the path
+speed peaks too sharply for a piecewise constant path acceleration: on lines of known duration and 1,000 grid points,
+0.02 came out up to 80 % too slow and 14 % above an acceleration limit."""
 _LEAST_TRAVEL_M = 1e-9
 _CHECK_POINTS = 20_001
 """Values of s at which the speed |q'(s)| is evaluated."""

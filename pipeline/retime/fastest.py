@@ -8,7 +8,6 @@ from pipeline.refine.result import Path
 from pipeline.retime.constraints import Rows, limit_rows
 from pipeline.retime.holding_forces import pose_words
 from pipeline.retime.path_dynamics import PathDynamicsTable, evaluate_dynamics, grid
-from pipeline.retime.quantities import quantity_named
 from pipeline.retime.result import Trajectory
 from pipeline.solvers.topp_ra import fastest_profile
 
@@ -56,7 +55,7 @@ def _require_rest(path: Path, s: FloatArray, rows: Rows) -> None:
     place = float(s[point])
     raise NoSolutionError(
         "retime",
-        f"{subject} needs {rows.c[point, row]:.1%} of its {quantity_named(name).words} limit at rest at "
+        f"{subject} needs {rows.c[point, row]:.1%} of its {name.replace('_', ' ')} limit at rest at "
         f"s = {place:.4f}, at {pose_words(path.pose(place))}",
         "Raise machine.limits, lighten machine.dynamics (load_kg, platform), or ask for another path.",
         {"s": place, "actuator": subject, "limit": name},

@@ -59,7 +59,7 @@ def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: T
     UnfitConfigError
         When the motion has more periods than a table may have rows.
     NoSolutionError
-        When the path does not move, has a corner or stops on its way, or when forces do not suffice to hold the machine.
+        When the path does not move, has a corner or nearly stops, or when forces do not suffice to hold the machine.
     """
     require_smooth(path)
     require_motion(path)
@@ -122,7 +122,7 @@ def _without_jerk_limits(
 
     Lost time shows in the gap to the lower bound, unless a finer grid gains nothing: then the bound is too low.
     """
-    # Solvers, and a plotting library that one of them imports, take a while to load.
+    # Solvers take a while to load.
     from pipeline.retime.duration_bound import duration_bound
     from pipeline.retime.fastest import plan
 

@@ -2,9 +2,9 @@
 
 In x = sd^2 and with a constant path acceleration u in a cell of width D, x at the end of the cell is y = x + 2 D u.
 Rows a u + b x + c <= 1 hold at both ends of each cell. A pass from the goal finds the largest x from which the goal can
-still be reached, a pass from the start the largest of these that can be reached. The linear programs of both passes have
-two unknowns and are solved in closed form, without a tolerance: there is a profile for all units and ratios of limits,
-as long as rest is within the limits (c < 1).
+still be reached, a pass from the start the largest of these that can be reached. The linear programs of both passes
+have two unknowns and are solved in closed form, without a tolerance: there is a profile for all units and ratios of
+limits, as long as rest is within the limits (c < 1).
 """
 
 from typing import NamedTuple
@@ -16,8 +16,8 @@ from pipeline.arrays import FloatArray
 _FREE = 1e150
 """Replaces a squared path speed without a limit."""
 _LEAST_TRADED = 0.25
-"""Rows with 0 < a < 2 D b trade y for x; this part of (1 - c) / b is always left to y, so that no motion is stopped by a
-fast beginning of a cell."""
+"""Rows with 0 < a < 2 D b trade y for x; this part of (1 - c) / b is always left to y, so that no motion is stopped by
+a fast beginning of a cell."""
 
 
 class _Cells(NamedTuple):
@@ -51,14 +51,15 @@ def fastest_profile(s: FloatArray, rows: tuple[FloatArray, FloatArray, FloatArra
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         cells = _cells(s, *rows)
         x = np.append(_largest(cells, _caps(cells, np.minimum(cap**2, _FREE))), 0.0)
-        return np.sqrt(_forward(cells, _backward(cells, x)))
+        return np.asarray(np.sqrt(_forward(cells, _backward(cells, x))))
 
 
 def _cells(s: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> _Cells:
     """Write the rows of both ends of each cell in u and x: a u + b (x + 2 D u) = (a + 2 D b) u + b x."""
     width, room = np.diff(s)[:, None], 1.0 - c
     both = ((a[:-1], a[1:] + 2.0 * width * b[1:]), (b[:-1], b[1:]), (room[:-1], room[1:]))
-    return _Cells(*(np.concatenate(ends, axis=1) for ends in both), width)
+    a, b, r = (np.concatenate(ends, axis=1) for ends in both)
+    return _Cells(a, b, r, width)
 
 
 def _caps(cells: _Cells, cap: FloatArray) -> FloatArray:
@@ -67,7 +68,7 @@ def _caps(cells: _Cells, cap: FloatArray) -> FloatArray:
     alone, steep = np.where(b > 0.0, r / b, np.inf), 2.0 * width * b
     traded = np.where((a > 0.0) & (a < steep), alone * (steep - _LEAST_TRADED * a) / (steep - a), np.inf)
     own = np.minimum(np.where(a == 0.0, alone, np.inf), traded).min(axis=1)
-    return np.minimum(cap, np.append(own, np.inf))
+    return np.asarray(np.minimum(cap, np.append(own, np.inf)))
 
 
 def _largest(cells: _Cells, cap: FloatArray) -> FloatArray:

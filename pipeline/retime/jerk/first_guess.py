@@ -75,7 +75,7 @@ def smooth_law(table: PathDynamicsTable, fastest: Trajectory) -> SmoothLaw:
     begun = fastest
     for _ in range(_SLOWDOWNS):
         ramp_s = build_up_s(table, begun.motion_s / fastest.motion_s)
-        # A motion too short for its accelerations to build up takes a time in proportion to the cube root of its travel.
+        # A motion too short for its accelerations to build up takes a time that grows as the cube root of its travel.
         width_s = min(_WIDTHS * ramp_s, float(np.cbrt(ramp_s * begun.motion_s**2)))
         smooth = SmoothLaw(*_smoothed(begun, width_s), begun)
         most = _jerks(table, smooth)[1].max()

@@ -34,7 +34,7 @@ def _smoothed(fastest: Trajectory, step_s: float) -> Trajectory:
     duration = fastest.motion_s
     count = min(max(1, math.ceil(duration / step_s)), _MOST_POINTS)
     step_s = max(step_s, duration / count)
-    inner = fastest.s(fastest.dwell_s[0] + duration / count * (np.arange(count) + 0.5))
+    inner = fastest.s(np.asarray(fastest.dwell_s[0] + duration / count * (np.arange(count) + 0.5), dtype=float))
     values = np.concatenate([np.zeros(_DEGREE), np.maximum.accumulate(inner), np.ones(_DEGREE)])
     knots = step_s * np.arange(-_DEGREE, len(values) + 1.0)
     whole = PPoly.from_spline(BSpline(knots, values, _DEGREE))
