@@ -69,8 +69,24 @@ def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: T
     period_s = config.retime.period_s
     start, goal = (math.ceil(wait / period_s - 1e-9) * period_s for wait in config.retime.dwell_s)
     waiting = replace(fastest, dwell_s=(start, goal))
-    trajectory = whole_periods(slowed(waiting, config.retime.speed), period_s)
-    require_limits(trajectory, period_s, table)
+    return fitted(slowed(waiting, config.retime.speed), period_s, table)
+
+
+def fitted(trajectory: Trajectory, period_s: float, table: PathDynamicsTable, backwards: bool = False) -> Trajectory:
+    """Stretch time to whole periods, and further where a limit is exceeded at an instant that no program looked at.
+
+    Raises
+    ------
+    UnfitConfigError
+        When that makes more rows than a table may have.
+    NoSolutionError
+        When a limit is still exceeded; s is that along the way there, for a trajectory driven backwards, too.
+    """
+    trajectory = whole_periods(trajectory, period_s)
+    usage = measure_usage(trajectory, period_s, table)
+    if usage.largest > ALLOWED_USAGE:
+        trajectory = whole_periods(_within_limits(trajectory, usage), period_s)
+        require_limits(trajectory, period_s, table, backwards)
     return trajectory
 
 
