@@ -74,7 +74,7 @@ import sys
 import pipeline
 assert not {"numpy", "pydantic"} & set(sys.modules)
 from pipeline import load_config
-assert not {"scipy", "casadi", "highspy", "toppra", "matplotlib", "flint"} & set(sys.modules)
+assert not {"scipy", "casadi", "highspy", "matplotlib", "flint"} & set(sys.modules)
 """
     subprocess.run([sys.executable, "-c", script], check=True)
 

@@ -132,7 +132,7 @@ def test_a_row_with_coefficients_is_planned_with(path: Path) -> None:
         "belt_force",
         "N",
         ACTUATORS,
-        limit=lambda machine: np.array([150.0, np.inf, np.inf, np.inf, np.inf]),
+        limit=lambda machine: np.array([170.0, np.inf, np.inf, np.inf, np.inf]),
         value=lambda path, t: path.a[:, :5] * t.sdd + path.b[:, :5] * t.sd**2 + path.c[:, :5],
         known=lambda machine: machine.masses is not None,
         linear=lambda path: (path.a[:, :5], path.b[:, :5], path.c[:, :5]),
