@@ -4,7 +4,7 @@ from pydantic import Field
 
 from pipeline.config.certify import CertifyConfig
 from pipeline.config.export import ExportConfig
-from pipeline.config.machine import MachineConfig
+from pipeline.config.machine.machine import MachineConfig
 from pipeline.config.refine import RefineConfig
 from pipeline.config.retime import RetimeConfig
 from pipeline.config.route import RouteConfig
