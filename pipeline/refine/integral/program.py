@@ -129,6 +129,8 @@ class ProgramData:
         The metric: largest moves per step of the route.
     directions : (2, 5)
         Unit vectors in which the actuators leave the start and reach the goal, NaN where they are free.
+    actuator_range_m : (5, 2)
+        Least and largest position of every actuator along the path.
     exponent : float
         Exponent of the smooth kappa, a Schatten condition number.
     evenness : float
@@ -143,6 +145,7 @@ class ProgramData:
     reach_m: float
     steps: FloatArray
     directions: FloatArray
+    actuator_range_m: FloatArray
     exponent: float
     evenness: float
 
@@ -208,7 +211,7 @@ def _unknowns(
 ) -> list[Unknowns]:
     """List all unknowns with guess and bounds; `own` are those of the limits."""
     nodes, count = guess.nodes, len(guess.coefficients)
-    low, high = (np.tile(bound, (count, 1)) for bound in nodes.machine.actuator_limits_m.T)
+    low, high = (np.tile(bound, (count, 1)) for bound in data.actuator_range_m.T)
     low[[0, -1]] = high[[0, -1]] = guess.coefficients[[0, -1]]
     free = np.full_like(nodes.q_m, np.inf)
     return [

@@ -8,6 +8,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config, PoseConfig
 from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.limits import pose_limits
+from pipeline.limits.actuator_margins import controlled_pose
 from pipeline.limits.actuators import cart_travel
 from pipeline.limits.avoid import boxes_to_avoid
 from pipeline.machine.geometry import MODES, Machine
@@ -43,11 +44,6 @@ class Endpoint:
     def det_sign(self) -> float:
         """Sign of det H."""
         return float(self.samples.det_sign[0])
-
-
-def controlled_pose(pose: PoseConfig) -> FloatArray:
-    """Read x, y, z in metres and rx, rz in radians. Shape (5,)."""
-    return np.array([pose.x_m, pose.y_m, pose.z_m, np.deg2rad(pose.rx_deg), np.deg2rad(pose.rz_deg)])
 
 
 def task_endpoints(config: Config, machine: Machine) -> tuple[Endpoint, Endpoint]:
