@@ -6,9 +6,11 @@ import numpy as np
 from rich.console import RenderableType
 from rich.table import Table
 
+from pipeline.cli.machine_notes import machine_notes
 from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
@@ -20,12 +22,13 @@ def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpo
     """Describe a machine and its task."""
     return [
         _degrees_of_freedom(config),
-        _actuators(machine),
+        _actuators(config, machine),
         _limits(machine),
         _links(machine),
         _reach(config, machine),
         _grid(config),
         _ends(config, machine, ends),
+        *machine_notes(config, machine, ends[0]),
     ]
 
 
@@ -44,11 +47,12 @@ def _table(title: str, *columns: str, text: int = 1) -> Table:
     return text_table(title, columns, (), range(text))
 
 
-def _actuators(machine: Machine) -> Table:
-    table = _table("Actuators", "actuator", "what", "least m", "largest m", text=2)
+def _actuators(config: Config, machine: Machine) -> Table:
+    table = _table("Actuators", "actuator", "what", "least m", "largest m", "path least m", "largest m", text=2)
     carts = [f"cart of arm {k + 1}, rail at y {y:g} m, z {z:g} m" for k, (y, z) in enumerate(machine.rails_m)]
     telescopes = [f"telescopic link {LINKS[link]}" for link in TELESCOPES]
-    for name, what, row in zip(ACTUATORS, carts + telescopes, machine.actuator_limits_m, strict=True):
+    ranges = np.hstack([machine.actuator_limits_m, planned_range_m(config, machine)])
+    for name, what, row in zip(ACTUATORS, carts + telescopes, ranges, strict=True):
         table.add_row(name, what, *(f"{value:g}" for value in row))
     return table
 

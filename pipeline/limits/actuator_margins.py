@@ -38,11 +38,17 @@ def planned_range_m(config: Config, machine: Machine) -> FloatArray:
 
 def given_positions_m(config: Config, machine: Machine) -> FloatArray:
     """Compute the actuators at the start, the goal and the poses to visit; NaN out of reach. Shape (n, 5)."""
-    task = config.task
-    poses = [task.start, task.goal, *(visit.pose for visit in task.visit if visit.pose is not None)]
+    poses = given_poses(config).values()
     controlled = np.array([controlled_pose(pose) for pose in poses])
     solution = inverse_kinematics(machine, controlled, np.array([MODES.index(pose.mode) for pose in poses]))
     return np.where(solution.reachable[:, None], solution.q_m, np.nan)
+
+
+def given_poses(config: Config) -> dict[str, PoseConfig]:
+    """Return the start, the goal and the poses to visit by their keys."""
+    visits = {f"task.visit[{k}].pose": visit.pose for k, visit in enumerate(config.task.visit)}
+    given = {key: pose for key, pose in visits.items() if pose is not None}
+    return {"task.start": config.task.start, "task.goal": config.task.goal, **given}
 
 
 def controlled_pose(pose: PoseConfig) -> FloatArray:

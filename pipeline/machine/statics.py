@@ -19,6 +19,12 @@ def statics_matrix(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> F
     return np.swapaxes(columns, -1, -2)
 
 
+def moment_unit(machine: Machine) -> str:
+    """Say what moments are measured in: "moments in m", or the machine's characteristic length."""
+    length_m = machine.characteristic_length_m
+    return "moments in m" if length_m == 1.0 else f"moments per {length_m:g} m"
+
+
 def condition_number(H: FloatArray) -> FloatArray:
     """Compute kappa = cond_2(H), infinite where H is singular. Shape (...)."""
     singular_values = np.linalg.svd(H, compute_uv=False)
