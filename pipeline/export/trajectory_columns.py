@@ -73,7 +73,7 @@ TRAJECTORY_COLUMNS = (
     TrajectoryColumn(
         "kappa",
         "1",
-        "condition number of the statics matrix H, moments divided by machine.characteristic_length_m",
+        "condition number of the statics matrix H, moments per machine.characteristic_length_m",
         lambda samples: samples.kappa,
     ),
 )

@@ -6,9 +6,8 @@ without friction, R for friction and L for the limit of the force, each in the d
     +/- F <= holding_fraction L + R     at rest, and necessary in motion
     +/- F <= holding_fraction L - R     while the actuator moves in that direction
 
-Carts are pushed (F > 0) along +X; a telescope or link that pushes is compressed. Limits of push and pull may differ.
-Links have no friction. Regions, start, goal and the workspace are judged at rest. Moves between regions leave the
-directions of the carts open, because x is still free: the strokes alone decide there; a path has all directions.
+Carts are pushed (F > 0) along +X; a telescope or link that pushes is compressed. Links have no friction. Regions, ends
+and the workspace are judged at rest. x is free in moves between regions, so that strokes alone have a direction there.
 """
 
 from collections.abc import Callable, Sequence
@@ -99,6 +98,11 @@ class HoldingForce:
         return np.flatnonzero(np.isfinite(self.limit_n).all(axis=0))
 
     @property
+    def resting_columns(self) -> int:
+        """Number of columns at rest, which come first."""
+        return 2 * len(self.limited)
+
+    @property
     def column_subjects(self) -> IntArray:
         """Number of the subject of each column, shape (m,)."""
         return np.concatenate([self.limited, self.limited, self.moving, self.moving])
@@ -112,11 +116,6 @@ class HoldingForce:
     def column_limits_n(self) -> FloatArray:
         """Force limit of each column, shape (m,)."""
         return self.limit_n[np.where(self.column_signs > 0, 0, 1), self.column_subjects]
-
-    @property
-    def resting_columns(self) -> int:
-        """Number of columns at rest, which come first."""
-        return 2 * len(self.limited)
 
     @property
     def allowed_at_rest_n(self) -> FloatArray:
@@ -169,14 +168,13 @@ class HoldingForce:
 
     def _violation(self, subject: int, force_n: float) -> str:
         side = 0 if force_n > 0.0 else 1
-        limit, friction = self.limit_n[side, subject], self.friction_n[subject]
-        which = "" if self.limit_n[0, subject] == self.limit_n[1, subject] else ("of push ", "of pull ")[side]
+        limit, friction = self.limit_n[:, subject], self.friction_n[subject]
+        which = "" if limit[0] == limit[1] else ("of push ", "of pull ")[side]
         part = f"{self.fraction:g} of " if self.fraction != 1.0 else ""
         more = f", and {friction:g} N of dry friction" if friction > 0.0 else ""
-        return (
-            f"needs {abs(force_n):.0f} N {which}from {SUBJECTS[subject]} to hold the machine; at most "
-            f"{self.allowed_at_rest_n[side, subject]:.4g} N is allowed ({part}its force limit of {limit:g} N{more})"
-        )
+        allowed = f"{self.allowed_at_rest_n[side, subject]:.4g} N is allowed"
+        needed = f"needs {abs(force_n):.0f} N {which}from {SUBJECTS[subject]} to hold the machine"
+        return f"{needed}; at most {allowed} ({part}its force limit of {limit[side]:g} N{more})"
 
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return the largest share that holding at rest takes of what is allowed there."""
@@ -208,7 +206,7 @@ class HoldingForce:
         if (shares <= 1.0).all():
             return ""
         row, side = np.unravel_index(shares.argmax(), shares.shape)
-        worst = int(self.limited[row])
+        worst = self.limited[row]
         return f"{SUBJECTS[worst]} is not proven to hold the machine (bound {abs(bounds[worst, side]):.4g} N)"
 
     def node_margin(self, clearance_margin_m: float) -> float:
@@ -233,8 +231,7 @@ def holding_limit(machine: Machine, moving: Sequence[int] = ()) -> HoldingForce 
 
 
 def _limits(machine: Machine, moving: Sequence[int]) -> list[Limit]:
-    limit = holding_limit(machine, moving)
-    return [] if limit is None else [limit]
+    return [limit for limit in [holding_limit(machine, moving)] if limit is not None]
 
 
 def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
@@ -257,14 +254,13 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     limit = holding_limit(machine)
     if limit is None:
         return []
-    configured, factor = machine.holding_fraction, machine.holding_fraction / _STEP
+    configured, given = machine.holding_fraction, config.machine.limits
 
     def with_fraction(value: float) -> Config:
-        limits = config.machine.limits.model_copy(update={"holding_fraction": value})
-        return with_values(config, "machine", limits=limits)
+        return with_values(config, "machine", limits=given.model_copy(update={"holding_fraction": value}))
 
     def with_forces(value: float) -> Config:
-        return with_values(config, "machine", limits=config.machine.limits.with_forces(value))
+        return with_values(config, "machine", limits=given.with_forces(value))
 
     def prepare(of_one: float) -> Callable[[PoseSamples, FloatArray], RegionFilter]:
         """Filter by what holding takes of the limits, where a value of 1 stands for the fraction `of_one`."""
@@ -272,8 +268,8 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
             (configured - limit.values(samples).min(axis=1)) / of_one, windows_m
         )
 
-    fractions = np.asarray(_STEP * np.arange(int(np.floor(factor + 1e-9)) + 1, round(1.0 / _STEP) + 1), dtype=float)
-    factors = np.asarray(_STEP * np.arange(round(1.0 / _STEP) + 1, round(_LARGEST_FACTOR / _STEP) + 1), dtype=float)
+    fractions = _STEP * np.arange(int(np.floor(configured / _STEP + 1e-9)) + 1.0, round(1.0 / _STEP) + 1)
+    factors = _STEP * np.arange(round(1.0 / _STEP) + 1.0, round(_LARGEST_FACTOR / _STEP) + 1)
     return [
         Relaxation.of_one_table(_KEY, configured, fractions.round(9), with_fraction, prepare(1.0)),
         Relaxation.of_one_table(FORCES_KEY, 1.0, factors.round(9), with_forces, prepare(configured)),
@@ -281,8 +277,7 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
 
 
 def _premises(config: Config) -> dict[str, Any]:
-    holding = config.machine.holding()
-    return {"holding": holding} if holding else {}
+    return {"holding": holding} if (holding := config.machine.holding()) else {}
 
 
 def _largest_share(samples: PoseSamples) -> float:

@@ -63,8 +63,8 @@ def test_a_pose_is_held_exactly_if_dynamics_at_rest_say_so(heavy: Machine, draw_
     drive, link = _resting(samples)
     for fraction in (1.0, 0.4):
         (limit,) = for_poses(replace(heavy, holding_fraction=fraction), 100.0)
-        held = (np.abs(drive) - heavy.masses.friction_n <= fraction * heavy.force_n).all(axis=1)
-        held &= (np.abs(link) <= fraction * heavy.link_force_n).all(axis=1)
+        held = (np.abs(drive) - heavy.masses.friction_n <= fraction * heavy.force_n[0]).all(axis=1)
+        held &= (np.abs(link) <= fraction * heavy.link_force_n[0]).all(axis=1)
         np.testing.assert_array_equal((limit.margins(samples) >= 0.0).all(axis=1), held)
 
 
@@ -78,8 +78,8 @@ def test_a_path_has_to_overcome_friction_in_the_direction_it_goes(rubbing: Machi
     assert isinstance(limit, HoldingForce)
     needed = np.abs(drive + directions * rubbing.masses.friction_n)
     needed = np.where(directions == 0.0, np.abs(drive) - rubbing.masses.friction_n, needed)
-    kept = (needed <= rubbing.holding_fraction * rubbing.force_n).all(axis=1) & (
-        np.abs(link) <= rubbing.holding_fraction * rubbing.link_force_n
+    kept = (needed <= rubbing.holding_fraction * rubbing.force_n[0]).all(axis=1) & (
+        np.abs(link) <= rubbing.holding_fraction * rubbing.link_force_n[0]
     ).all(axis=1)
     counted = (limit.margins(samples) >= 0.0) | ~limit.applies(directions)
     np.testing.assert_array_equal(counted.all(axis=1), kept)

@@ -75,7 +75,8 @@ def test_values_become_milder(config: Config) -> None:
     for relaxation in by_key(config).values():
         assert relaxation.levels[0] == relaxation.configured
         steps = np.diff(relaxation.levels)
-        assert (steps < 0.0).all() if "clearance" in relaxation.key else (steps > 0.0).all()
+        falls = "clearance" in relaxation.key or "margin" in relaxation.key
+        assert (steps < 0.0).all() if falls else (steps > 0.0).all()
         assert relaxation.segments[-1] == len(relaxation.levels)
         assert list(relaxation.segments) == sorted(set(relaxation.segments))
 
@@ -123,8 +124,10 @@ def test_values_of_kappa_are_whole_then_geometric(config: Config, vary, configur
 
 
 def test_what_refuses_nothing_is_left_out(config: Config, vary) -> None:
-    """No clearance asked for, rails unchecked, the largest tilt there is: these cannot be the reason."""
+    """No clearance or margin asked for, rails unchecked, the largest tilt there is: these cannot be the reason."""
     changes = {
+        "refine.travel_margin_m": 0.0,
+        "refine.stroke_margin_m": 0.0,
         "machine.clearance.link_link_m": 0.0,
         "machine.clearance.link_rail_m": None,
         "task.tilt_max_deg": 85.0,

@@ -104,8 +104,10 @@ class TcpLimitsConfig(Section):
 class LimitsConfig(Section):
     """Limits of the five actuators, of the links and of the TCP; null: not limited."""
 
-    carts: CartLimits = Field(description="of each cart, or a section for each: c1, c2, c3; a velocity of 0 locks it")
-    telescopes: TelescopeLimits = Field(description="of each telescope, or a section for each: l2b, l3b")
+    carts: CartLimits = Field(
+        description="of each cart, or a section for each (c1, c2, c3); force_n: a number, or {push: ..., pull: ...}"
+    )
+    telescopes: TelescopeLimits = Field(description="of each telescope, or a section for each (l2b, l3b)")
     link_force_n: ForceLimit | None = Field(
         None, description="axial force in any link, or {push: ..., pull: ...}; null: not limited"
     )

@@ -23,7 +23,7 @@ class MachineConfig(Section):
         TriangleBranch.NEGATIVE, description="sign of y_platform . (w x u_3c) that the assembled machine keeps"
     )
     characteristic_length_m: PositiveLength = Field(
-        1.0, description="moments are divided by it, so that kappa has no unit: about the size of the machine"
+        1.0, description="moments are divided by it for kappa: about the size of the machine"
     )
     clearance: ClearanceConfig
     limits: LimitsConfig

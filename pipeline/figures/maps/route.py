@@ -18,7 +18,6 @@ from pipeline.figures.maps.panels import add_kappa_bar, draw_map, map_handles, m
 from pipeline.figures.samples import corner_samples
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_COLUMNS
-from pipeline.machine.statics import moment_unit
 from pipeline.refine.measure import PathSamples
 from pipeline.route.result import Route
 
@@ -109,7 +108,7 @@ def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
     for axes in panels[len(steps) :]:
         axes.remove()
     style.label_yz_panels(panels[: len(steps)], columns)
-    add_kappa_bar(figure, panels[: len(steps)], canvas.norm, moment_unit(machine), extend="max")
+    add_kappa_bar(figure, panels[: len(steps)], canvas.norm, maps[0].moment_unit, extend="max")
     figure.legend(handles=_legend_handles(canvas), loc="outside lower center", ncols=3)
     return figure
 
