@@ -41,7 +41,7 @@ def _large_kappa(config: Config, machine: Machine, start: Endpoint) -> Iterator[
         f"machine.characteristic_length_m is {machine.characteristic_length_m:g}; with {length_m:g}, the mean length "
         f"of the links, kappa would be {kappa:.3g} there"
         if kappa <= _LARGE_SHARE * cap
-        else "the start is near a singularity: raise route.kappa_max, or give the task another start"
+        else "raise route.kappa_max, or give the task a start farther from singularities"
     )
     yield (
         f"Warning: kappa at the start is {start.kappa:.3g}, more than a third of route.kappa_max ({cap:g}): that "

@@ -14,7 +14,7 @@ from tests.scaling import scaled
 
 @pytest.mark.slow
 def test_refined_paths_are_the_same(light_config: Config, refinement: Refinement) -> None:
-    """The same kappa, up to the mesh, whose nodes are added where checks fail, and the solver's tolerances in metres."""
+    """The same kappa, up to the nodes that failed checks add, and to the solver's tolerances, which are in metres."""
     config = scaled(light_config, 0.3)
     machine = build_machine(config.machine)
     route = plan_route(config, machine, build_regions(config, machine))

@@ -1,7 +1,7 @@
 """Limits of motion and force: of actuators, links and the TCP."""
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag
@@ -128,6 +128,16 @@ class LimitsConfig(Section):
         """Keys, within this section, of the force limits that are given."""
         given = {f"{key}.force_n": limits.force_n for key, limits in self._sections().items()}
         return [key for key, limit in (given | {"link_force_n": self.link_force_n}).items() if limit is not None]
+
+    def holding(self) -> dict[str, Any]:
+        """Give the keys that say what holding the machine may take."""
+
+        def forces(given: Section) -> Any:
+            single = isinstance(given, ActuatorLimitsConfig)
+            return {"force_n"} if single else {name: {"force_n"} for name in type(given).model_fields}
+
+        drives = {"carts": forces(self.carts), "telescopes": forces(self.telescopes)}
+        return self.model_dump(mode="json", include={**drives, "link_force_n": True, "holding_fraction": True})
 
     def _sections(self) -> dict[str, ActuatorLimitsConfig]:
         """Limits of actuators, by the keys within this section under which they are given."""

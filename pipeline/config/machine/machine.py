@@ -35,10 +35,8 @@ class MachineConfig(Section):
         """Give the keys that holding forces and their limits follow from; none if no forces are limited."""
         if self.dynamics is None or not self.limits.of_forces():
             return {}
-        limits = self.limits.model_dump(mode="json", include={"link_force_n", "holding_fraction"})
-        drives = [drive.model_dump(mode="json", include={"force_n"}) for drive in self.limits.of_actuators()]
         return {
-            "limits": {"drives": drives, **limits},
+            "limits": self.limits.holding(),
             "dynamics": self.dynamics.model_dump(mode="json", exclude={"platform": {"inertia_kgm2"}}),
         }
 

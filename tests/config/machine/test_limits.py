@@ -117,6 +117,19 @@ def test_all_forces_are_multiplied(agder_config: Config) -> None:
     assert push_and_pull(more.carts.c3.force_n) == (750.0, 1250.0)
 
 
+def test_what_holding_depends_on(agder_config: Config) -> None:
+    """Forces, in the form in which they are given, and no other limits."""
+    assert agder_config.machine.limits.holding() == {
+        "carts": {"force_n": 400.0},
+        "telescopes": {"force_n": 1000.0},
+        "link_force_n": 2000.0,
+        "holding_fraction": 1.0,
+    }
+    config = parse_config(with_limits(carts=EACH_CART))
+    forces = {key: {"force_n": 400.0} for key in ("c1", "c2")}
+    assert config.machine.limits.holding()["carts"] == {**forces, "c3": {"force_n": {"push": 300.0, "pull": 500.0}}}
+
+
 def test_force_limits_of_single_drives_need_masses_too() -> None:
     """The key of the drive is named."""
     data = with_limits(carts=EACH_CART)
