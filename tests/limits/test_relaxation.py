@@ -26,6 +26,8 @@ def config(vary) -> Config:
         "task.goal.x_m": 0.75,
         "machine.clearance.link_rail_m": 0.01,
         "machine.limits.holding_fraction": 0.4,
+        "refine.travel_margin_m": 0.05,
+        "refine.stroke_margin_m": 0.12,
         "machine.dynamics.friction": {"carts_n": 20.0, "telescopes_n": 10.0},
     }
     rails = {f"machine.rails.{k}.travel_m": [0.25, 1.8] for k in range(3)}
@@ -47,6 +49,8 @@ def by_key(config: Config) -> dict[str, Relaxation]:
         ("machine.clearance.link_rail_m", 0.0, 0.45),
         ("machine.limits.holding_fraction", 1.0, 0.45),
         (FORCES_KEY, 10.0, 1.2),
+        ("refine.travel_margin_m", 0.0, 0.03),
+        ("refine.stroke_margin_m", 0.0, 0.1),
         (TRAVEL_KEY, 1.0, 0.05),
         (TRAVEL_KEY, 1.0, 0.0),
     ],
