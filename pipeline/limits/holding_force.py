@@ -34,7 +34,7 @@ _KEY = "machine.limits.holding_fraction"
 SUBJECTS = (*ACTUATORS, *(f"link {link}" for link in LINKS))
 _FORCES = CertificateKey("holding_force_n", Side.BOTH, SUBJECTS, "holding force of {}", "N", 1, optional=True)
 PROOF_SLACK = 1e-3
-"""Share that proven bounds are weakened by, so that other arithmetic can verify them."""
+"""Share of a force, and of five times its range, that bounds are weakened by: then other arithmetic verifies them."""
 _NODE_MARGIN = 0.005
 """Part of a force limit that nodes keep on top, for what happens between them."""
 FORCES_KEY = "force limits of machine.limits"
@@ -196,7 +196,7 @@ class HoldingForce:
         from pipeline.inclusion.forces import holding_force_ranges
 
         least, largest = holding_force_ranges(box, self.masses).T
-        slack = PROOF_SLACK * np.maximum(np.abs(least), np.abs(largest))
+        slack = PROOF_SLACK * (np.maximum(np.abs(least), np.abs(largest)) + 5.0 * (largest - least))
         return np.column_stack([least - slack, largest + slack])
 
     def unproven(self, bounds: FloatArray) -> str:
