@@ -6,9 +6,11 @@ import numpy as np
 from rich.console import RenderableType
 from rich.table import Table
 
+from pipeline.cli.machine_notes import machine_notes
 from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
@@ -20,12 +22,13 @@ def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpo
     """Describe a machine and its task."""
     return [
         _degrees_of_freedom(config),
-        _actuators(machine),
+        _actuators(config, machine),
         _limits(machine),
         _links(machine),
         _reach(config, machine),
         _grid(config),
         _ends(config, machine, ends),
+        *machine_notes(config, machine, ends[0]),
     ]
 
 
@@ -44,11 +47,12 @@ def _table(title: str, *columns: str, text: int = 1) -> Table:
     return text_table(title, columns, (), range(text))
 
 
-def _actuators(machine: Machine) -> Table:
-    table = _table("Actuators", "actuator", "what", "least m", "largest m", text=2)
+def _actuators(config: Config, machine: Machine) -> Table:
+    table = _table("Actuators", "actuator", "what", "least m", "largest m", "path least m", "largest m", text=2)
     carts = [f"cart of arm {k + 1}, rail at y {y:g} m, z {z:g} m" for k, (y, z) in enumerate(machine.rails_m)]
     telescopes = [f"telescopic link {LINKS[link]}" for link in TELESCOPES]
-    for name, what, row in zip(ACTUATORS, carts + telescopes, machine.actuator_limits_m, strict=True):
+    ranges = np.hstack([machine.actuator_limits_m, planned_range_m(config, machine)])
+    for name, what, row in zip(ACTUATORS, carts + telescopes, ranges, strict=True):
         table.add_row(name, what, *(f"{value:g}" for value in row))
     return table
 
@@ -57,14 +61,20 @@ def _limits(machine: Machine) -> Table:
     masses = "" if machine.masses is not None else "; no masses are given, so forces are not checked"
     units = ("velocity m/s", "acceleration m/s^2", "jerk m/s^3", "force N")
     table = _table(f"Limits of motion{masses}", "of", *units)
-    rows = np.column_stack([machine.velocity_mps, machine.acceleration_mps2, machine.jerk_mps3, machine.force_n])
-    others = {
-        "TCP": (machine.tcp_speed_mps, machine.tcp_acceleration_mps2, np.inf, np.inf),
-        "links": (np.inf, np.inf, np.inf, machine.link_force_n),
-    }
-    for name, row in (*zip(ACTUATORS, rows.tolist(), strict=True), *others.items()):
-        table.add_row(name, *(f"{value:g}" if np.isfinite(value) else "-" for value in row))
+    rows = np.column_stack([machine.velocity_mps, machine.acceleration_mps2, machine.jerk_mps3])
+    push_and_pull, count = machine.force_limits_n, len(ACTUATORS)
+    tcp = (machine.tcp_speed_mps, machine.tcp_acceleration_mps2, np.inf)
+    of = (*ACTUATORS, "TCP", "links")
+    forces = [*push_and_pull[:, :count].T, np.full(2, np.inf), push_and_pull[:, count]]
+    for name, row, force in zip(of, (*rows.tolist(), tcp, np.full(3, np.inf)), forces, strict=True):
+        table.add_row(name, *(f"{value:g}" if np.isfinite(value) else "-" for value in row), _force_words(*force))
     return table
+
+
+def _force_words(push: float, pull: float) -> str:
+    if push == pull:
+        return f"{push:g}" if np.isfinite(push) else "-"
+    return f"push {push:g}, pull {pull:g}"
 
 
 def _links(machine: Machine) -> Table:
@@ -161,9 +171,23 @@ def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tupl
         return
     forces = np.concatenate([end.samples.holding_forces_n for end in ends])
     limit = holding_limit(machine)
-    allowed = np.full(forces.shape[1], np.inf) if limit is None else limit.allowed_at_rest_n
-    held = np.column_stack([forces[:, : len(ACTUATORS)], np.abs(forces[:, len(ACTUATORS) :]).max(axis=1)])
-    for name, column, most in zip(
-        (*ACTUATORS, "any link"), held.T.tolist(), allowed[: len(ACTUATORS) + 1].tolist(), strict=True
-    ):
-        yield name, column, f"+/- {most:g}" if np.isfinite(most) else ""
+    count = len(ACTUATORS)
+    allowed = np.full((2, forces.shape[1]), np.inf) if limit is None else limit.allowed_at_rest_n
+    drives, links = forces[:, :count], forces[:, count:]
+    push, pull = allowed[:, count]
+    if push == pull:
+        groups = [("any link", np.abs(links).max(axis=1), push, pull)]
+    else:
+        groups = [
+            ("any link, pushed", links.max(axis=1), push, np.inf),
+            ("any link, pulled", links.min(axis=1), np.inf, pull),
+        ]
+    drive_rows = zip(ACTUATORS, drives.T, *allowed[:, :count], strict=True)
+    for name, column, push, pull in (*drive_rows, *groups):
+        yield name, column.tolist(), _range_words(-pull, push)
+
+
+def _range_words(least: float, largest: float) -> str:
+    if np.isinf([least, largest]).any():
+        return "" if np.isinf([least, largest]).all() else f">= {least:g}" if np.isinf(largest) else f"<= {largest:g}"
+    return f"+/- {largest:g}" if least == -largest else f"{least:g} to {largest:g}"

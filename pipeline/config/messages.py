@@ -3,6 +3,7 @@
 import difflib
 import json
 import re
+from functools import cache
 from typing import Any
 
 from pydantic_core import ErrorDetails
@@ -32,14 +33,16 @@ _UNITS = {
 def explain(error: ErrorDetails) -> ConfigIssue:
     """Turn one error of pydantic's into a key's path, the value found there and what is allowed."""
     location, kind, value = error["loc"], error["type"], error["input"]
-    path = key_path(location)
+    keys = _without_choices(location)
+    path = key_path(keys)
     if kind == "rule" and "key" not in error.get("ctx", {}):
         return ConfigIssue(path, error["msg"], value)
     if kind == "rule":
-        return ConfigIssue(key_path((*location, error["ctx"]["key"])), error["ctx"]["message"], value)
+        return ConfigIssue(key_path((*keys, error["ctx"]["key"])), error["ctx"]["message"], value)
     if kind in ("extra_forbidden", "invalid_key"):
         return ConfigIssue(path, f"is not a known key{_known_keys(location)}", value)
-    schema = _schema_at(location)
+    # Where one of several kinds of values is wrong, all of them are allowed.
+    schema = _schema_at(location[:-1] if location and _is_choice(location[:-1]) else location)
     if kind == "missing":
         return ConfigIssue(path, f"is missing; allowed is {_allowed(schema)}")
     hint = _unit_hint(location, value, schema)
@@ -54,12 +57,24 @@ def key_path(location: tuple[int | str, ...]) -> str:
     return path
 
 
+def _without_choices(location: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Leave out of a location what only names one of several kinds of values of a key."""
+    return tuple(part for k, part in enumerate(location) if not _is_choice(location[:k]))
+
+
+def _is_choice(location: tuple[int | str, ...]) -> bool:
+    """Check whether the part after a location names a kind of value, rather than a key."""
+    return "oneOf" in _given(_schema_at(location))
+
+
 def _schema_at(location: tuple[int | str, ...]) -> _Schema:
     """Find the JSON schema of a key by its location."""
-    schema: _Schema = Config.model_json_schema()
+    schema = _config_schema()
     for part in location:
         schema = _given(schema)
-        if isinstance(part, str):
+        if "oneOf" in schema:
+            schema = next(choice for choice in schema["oneOf"] if part in (choice.get("type"), _referred(choice)))
+        elif isinstance(part, str):
             schema = schema["properties"][part]
         else:
             schema = schema["prefixItems"][part] if "prefixItems" in schema else schema["items"]
@@ -73,15 +88,24 @@ def _given(schema: _Schema) -> _Schema:
 
 def _resolved(schema: _Schema) -> _Schema:
     """Look up what a reference refers to."""
-    definitions: _Schema = Config.model_json_schema()["$defs"]
-    return definitions[schema["$ref"].rsplit("/", 1)[-1]] if "$ref" in schema else schema
+    definitions: _Schema = _config_schema()["$defs"]
+    return definitions[_referred(schema)] if "$ref" in schema else schema
+
+
+def _referred(schema: _Schema) -> str:
+    return str(schema.get("$ref", "")).rsplit("/", 1)[-1]
+
+
+@cache
+def _config_schema() -> _Schema:
+    return Config.model_json_schema()
 
 
 def _allowed(schema: _Schema) -> str:
     """Say what a schema allows."""
     schema = _resolved(schema)
-    if "anyOf" in schema:
-        return " or ".join(_allowed(choice) for choice in schema["anyOf"])
+    if choices := schema.get("anyOf", schema.get("oneOf")):
+        return " or ".join(_allowed(choice) for choice in choices)
     if "enum" in schema:
         return " or ".join(schema["enum"])
     if "pattern" in schema:

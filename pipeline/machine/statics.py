@@ -7,15 +7,22 @@ from pipeline.machine.geometry import Machine, cross, dot, link_vectors, platfor
 
 
 def statics_matrix(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
-    """H of (1)-(2) for poses (..., 6) and carts (..., 3): column l is [u_l ; A'_l x u_l]. Shape (..., 6, 6).
+    """H of (1)-(2) for poses (..., 6) and carts (..., 3): column l is [u_l ; A'_l x u_l / L]. Shape (..., 6, 6).
 
-    u_l is the unit vector along link l, from cart to platform; moments are about the TCP, in metres, so that
-    kappa depends on the metre.
+    u_l is the unit vector along link l, from cart to platform; moments are about the TCP, divided by the machine's
+    characteristic length L, so that all entries are plain numbers and kappa does not depend on the size of a machine.
     """
     vectors = link_vectors(machine, pose, carts_m)
     u = vectors / np.sqrt(dot(vectors, vectors))[..., None]
-    columns = np.concatenate([u, cross(platform_arms(machine, pose), u)], axis=-1)
+    moments = cross(platform_arms(machine, pose), u) / machine.characteristic_length_m
+    columns = np.concatenate([u, moments], axis=-1)
     return np.swapaxes(columns, -1, -2)
+
+
+def moment_unit(machine: Machine) -> str:
+    """Say what moments are measured in: "moments in m", or the machine's characteristic length."""
+    length_m = machine.characteristic_length_m
+    return "moments in m" if length_m == 1.0 else f"moments per {length_m:g} m"
 
 
 def condition_number(H: FloatArray) -> FloatArray:

@@ -125,12 +125,15 @@ class Scene:
         Triangles between the TCP (0) and the platform's joints (1 to 6).
     q_limits_m, qd_limits_mps : (5, 2), (5,)
         Least and largest actuator position; largest speed.
+    moment_unit : str
+        What the moments in kappa are measured in.
     """
 
     rails_m: FloatArray
     platform_faces: IntArray
     q_limits_m: FloatArray
     qd_limits_mps: FloatArray
+    moment_unit: str
 
 
 @dataclass(frozen=True, eq=False)

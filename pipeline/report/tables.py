@@ -95,7 +95,7 @@ def _bound_texts(key: CertificateKey, proven: list[float], allowed: tuple[float,
     form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}", Side.LEAST: "at least {0}"}[key.side]
     texts = ([format(value, spec) for value in pair] for pair, spec in ((proven, f".{key.decimals}f"), (allowed, "g")))
     one, other = (form.format(*pair) + unit for pair in texts)
-    return one, other
+    return one, "not limited" if np.isinf(allowed).all() else other
 
 
 def _power(value: float) -> str:

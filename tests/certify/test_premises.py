@@ -33,6 +33,11 @@ READ: tuple[tuple[str, Any], ...] = (
     ("machine.dynamics.load_kg", 1.0),
     ("machine.limits.telescopes.force_n", 900.0),
     ("machine.limits.holding_fraction", 0.9),
+    ("machine.limits.link_force_n", {"push": 2000.0, "pull": 1900.0}),
+    ("machine.characteristic_length_m", 0.9),
+    ("refine.travel_margin_m", 0.004),
+    ("refine.stroke_margin_m", 0.001),
+    ("task.visit", [{"pose": {"x_m": 1.0, "y_m": 0.3, "z_m": 0.9, "mode": "LLL"}}]),
 )
 UNREAD: tuple[tuple[str, Any], ...] = (
     ("name", "other"),

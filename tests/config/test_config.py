@@ -210,7 +210,8 @@ def test_a_rule_between_keys_names_the_key_to_look_at(data: dict[str, Any], mess
         ("machine.links.l2b.stroke_m", "is missing; allowed is a list of 2 numbers above 0, at most 20"),
         (
             "machine",
-            "is missing; allowed is a section with the keys rails, links, triangle_branch, clearance, limits, dynamics",
+            "is missing; allowed is a section with the keys rails, links, triangle_branch, characteristic_length_m, "
+            "clearance, limits, dynamics",
         ),
     ],
 )
@@ -349,7 +350,11 @@ def test_a_switch_takes_nothing_but_on_and_off(value: object) -> None:
     ("path", "value", "message"),
     [
         ("machine.limits.carts.jerk_mps3", -40.0, "is -40.0; allowed is a number above 0, at most 100000 or null"),
-        ("machine.limits.carts.force_n", 0, "is 0; allowed is a number above 0, at most 1e+06 or null"),
+        (
+            "machine.limits.carts.force_n",
+            0,
+            "is 0; allowed is a number above 0, at most 1e+06 or a section with the keys push, pull or null",
+        ),
         ("machine.limits.tcp.speed_mps", -1, "is -1; allowed is a number above 0, at most 20 or null"),
         ("machine.dynamics.platform.inertia_kgm2", [0.1, 0.1, 0.3], "allowed is none larger than the sum of the other"),
         ("machine.dynamics.platform.mass_kg", 0, "is 0; allowed is a number above 0"),

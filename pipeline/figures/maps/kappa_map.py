@@ -10,7 +10,7 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import GridConfig
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import inverse_kinematics
-from pipeline.machine.statics import condition_number, statics_matrix
+from pipeline.machine.statics import condition_number, moment_unit, statics_matrix
 
 _COARSE_POINTS = 40
 _MARGIN_M = 0.05
@@ -34,13 +34,16 @@ class KappaMap:
     y_m, z_m : (ny,), (nz,)
         Grid values.
     kappa, det : (nz, ny)
-        Condition number and determinant of H, moments in metres.
+        Condition number and determinant of H.
+    moment_unit : str
+        What moments are measured in.
     """
 
     y_m: FloatArray
     z_m: FloatArray
     kappa: FloatArray
     det: FloatArray
+    moment_unit: str = "moments in m"
 
     @property
     def has_singularities(self) -> bool:
@@ -67,7 +70,7 @@ def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tupl
     H = statics_matrix(machine, solution.pose[rows], solution.q_m[rows, :3])
     kappa, det = np.full(y.size, np.nan), np.full(y.size, np.nan)
     kappa[rows], det[rows] = condition_number(H), np.linalg.det(H)
-    return KappaMap(y_m, z_m, kappa.reshape(y.shape), det.reshape(y.shape))
+    return KappaMap(y_m, z_m, kappa.reshape(y.shape), det.reshape(y.shape), moment_unit(machine))
 
 
 def seen_window(

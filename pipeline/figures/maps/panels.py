@@ -40,7 +40,7 @@ def kappa_map_figure(maps: Mapping[str, KappaMap], kappa_max: float = 100.0) -> 
     for axes in panels[len(maps) :]:
         axes.remove()
     style.label_yz_panels(panels[: len(maps)], columns)
-    add_kappa_bar(figure, panels[: len(maps)], norm, extend="max")
+    add_kappa_bar(figure, panels[: len(maps)], norm, first.moment_unit, extend="max")
     figure.legend(handles=map_handles(), loc="outside lower center", ncols=2)
     return figure
 
@@ -84,13 +84,13 @@ def _extent(a_map: KappaMap) -> tuple[float, float, float, float]:
 
 
 def add_kappa_bar(
-    figure: Figure, panels: list[Axes], norm: LogNorm, extend: Literal["neither", "max"] = "neither"
+    figure: Figure, panels: list[Axes], norm: LogNorm, unit: str, extend: Literal["neither", "max"] = "neither"
 ) -> None:
-    """Add the colour bar of kappa below the panels."""
+    """Add the colour bar of kappa below the panels; `unit` is that of its moments."""
     bar = figure.colorbar(
         ScalarMappable(norm, COLORMAP), ax=panels, location="bottom", extend=extend, aspect=35, pad=0.02, shrink=0.9
     )
-    bar.set_label("κ, the condition number of H (moments in m)")
+    bar.set_label(f"κ, the condition number of H ({unit})")
     bar.ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
     bar.ax.xaxis.set_minor_locator(NullLocator())
     bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -4,6 +4,7 @@ from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
 from pipeline.limits import node_limits
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
@@ -72,6 +73,7 @@ def program_data(problem: Problem, initial: MeshSolution, exponent: float, evenn
         reach_m=float(problem.steps[:3].max()),
         steps=problem.steps,
         directions=problem.directions,
+        actuator_range_m=planned_range_m(config, problem.machine),
         exponent=exponent,
         evenness=evenness,
     )

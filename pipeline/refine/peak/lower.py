@@ -7,6 +7,7 @@ from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
 from pipeline.limits import counting, node_limits
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.kappa import path_cap
 from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.mesh import midpoints
@@ -81,7 +82,8 @@ def peak_problem(problem: Problem, initial: MeshSolution) -> tuple[PeakProblem, 
         ],
     )
     one_way = one_way_legs(limits, iterate.samples, s, initial.mesh.knots)
-    return PeakProblem(points, required, problem.directions, machine.actuator_limits_m, one_way), iterate
+    range_m = planned_range_m(config, machine)
+    return PeakProblem(points, required, problem.directions, range_m, one_way), iterate
 
 
 def _target_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:

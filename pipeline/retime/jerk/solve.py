@@ -12,7 +12,7 @@ from pipeline.retime.jerk.options import DEFAULTS, JerkOptions
 from pipeline.retime.jerk.program import Checks, build_program, solve_program
 from pipeline.retime.jerk.quartic_law import QuarticLaw, halved, slowed
 from pipeline.retime.path_dynamics import PathDynamicsTable
-from pipeline.retime.quantities import evaluate, limited, limits, moving_shares
+from pipeline.retime.quantities import evaluate, fractions, limited, limits, moving_shares
 from pipeline.retime.result import Trajectory
 from pipeline.solvers import interrupts_noted
 
@@ -147,7 +147,7 @@ def _fractions(table: PathDynamicsTable, law: QuarticLaw) -> FloatArray:
     s, *state = law.state(np.repeat(np.arange(count), len(_PARTS)), np.tile(_PARTS, count))
     dynamics = table.at(s.clip(0.0, 1.0))
     values, allowed = evaluate(dynamics, *state), limits(machine)
-    parts = [np.abs(values[name]) / allowed[name] for name in limited(machine)]
+    parts = [fractions(values[name], allowed[name]) for name in limited(machine)]
     # Where rest takes nearly all of a force, a small part of the limit is most of what is left for motion.
     parts += moving_shares(dynamics, values).values()
     return np.asarray(np.max([part.max(axis=1) for part in parts], axis=0).reshape(count, -1))

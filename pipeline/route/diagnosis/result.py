@@ -40,7 +40,7 @@ class Finding:
         That proof needed no more than the graph: no way over the admitted moves.
     exact : bool
         `refused` and `value` are neighbours among the values looked at: tilts of the grid, positions, 1 of kappa
-        (above 1,000 a quarter of a percent), 0.1 mm of clearance or 1 mm of travel apart.
+        (above 1,000 a quarter of a percent), 0.1 mm of clearance or of a margin, or 1 mm of travel apart.
     verdict : Verdict
     locked_axes : tuple of str or None
         Tilt axes still locked, where the change is to unlock others.

@@ -12,6 +12,7 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits import admitted, pose_limits
+from pipeline.limits.actuator_margins import within_margins
 from pipeline.limits.actuators import x_windows
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import discriminants, inverse_kinematics
@@ -56,9 +57,10 @@ def build_regions(
 def grid_regions(config: Config, machine: Machine, monitor: Monitor = QUIET) -> RegionTable:
     """Compute the regions of grid and gates, which know nothing of start, goal and visits.
 
-    What they depend on is `machine` (not its limits), `task.tilt_max_deg`, `task.locked_axes`, `route.grid` and
-    `route.kappa_max`.
+    They keep the margins at the ends of rails and strokes. What they depend on is `machine` (not its limits of motion),
+    `task.tilt_max_deg`, `task.locked_axes`, `route.grid`, `route.kappa_max` and both margins of `refine`.
     """
+    machine = within_margins(config, machine)
     lattice = grid_points(config)
     monitor.progress("regions: gates", 0.0)
     controlled, modes, arms = find_gates(config, machine, lattice)

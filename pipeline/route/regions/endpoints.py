@@ -8,6 +8,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config, PoseConfig
 from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.limits import pose_limits
+from pipeline.limits.actuator_margins import controlled_pose, given_poses
 from pipeline.limits.actuators import cart_travel
 from pipeline.limits.avoid import boxes_to_avoid
 from pipeline.machine.geometry import MODES, Machine
@@ -45,11 +46,6 @@ class Endpoint:
         return float(self.samples.det_sign[0])
 
 
-def controlled_pose(pose: PoseConfig) -> FloatArray:
-    """Read x, y, z in metres and rx, rz in radians. Shape (5,)."""
-    return np.array([pose.x_m, pose.y_m, pose.z_m, np.deg2rad(pose.rx_deg), np.deg2rad(pose.rz_deg)])
-
-
 def task_endpoints(config: Config, machine: Machine) -> tuple[Endpoint, Endpoint]:
     """Place the machine at start and goal.
 
@@ -61,12 +57,10 @@ def task_endpoints(config: Config, machine: Machine) -> tuple[Endpoint, Endpoint
     """
     issues: list[ConfigIssue] = []
     ends = []
-    visits = ((f"task.visit[{k}].pose", visit.pose) for k, visit in enumerate(config.task.visit))
-    for key, pose in (("task.start", config.task.start), ("task.goal", config.task.goal), *visits):
-        if pose is not None:
-            end, found = _place(config, machine, key, pose)
-            issues += found
-            ends.append(end)
+    for key, pose in given_poses(config).items():
+        end, found = _place(config, machine, key, pose)
+        issues += found
+        ends.append(end)
     if not issues and ends[0].mode == ends[1].mode and np.array_equal(ends[0].pose, ends[1].pose):
         issues.append(
             ConfigIssue("task.goal", "is the start itself, in the same working mode: there is nothing to plan")

@@ -145,7 +145,12 @@ class TestFindings:
 
     @pytest.mark.parametrize(
         ("key", "limit", "wanted"),
-        [("route.kappa_max", 24.0, "more"), ("machine.clearance.link_link_m", 0.083, "less")],
+        [
+            ("route.kappa_max", 24.0, "more"),
+            ("machine.clearance.link_link_m", 0.083, "less"),
+            ("refine.travel_margin_m", 0.4, "less"),
+            ("refine.stroke_margin_m", 0.14, "less"),
+        ],
     )
     def test_threshold_of_the_graph(
         self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch, key: str, limit: float, wanted: str

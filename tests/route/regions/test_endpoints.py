@@ -8,9 +8,10 @@ import pytest
 from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.errors import ConfigError
+from pipeline.limits.actuator_margins import controlled_pose
 from pipeline.machine import Machine, build_machine, inverse_kinematics
 from pipeline.machine.clearance import link_rail_distances
-from pipeline.route.regions.endpoints import controlled_pose, task_endpoints
+from pipeline.route.regions.endpoints import task_endpoints
 
 
 def changed(config: Config, changes: dict[str, Any]) -> Config:

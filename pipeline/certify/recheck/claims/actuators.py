@@ -9,6 +9,7 @@ from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.actuators import PROOF_ROUNDING_M, PROOF_SLACK_M
 from pipeline.machine.geometry import ACTUATORS
 
@@ -24,7 +25,7 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the ranges of all actuators for every s."""
     least, largest = polynomial_ranges(evidence.chain.boxes.q, evidence.chain.boxes.half)
     ranges = np.column_stack([least.min(axis=1), largest.max(axis=1)])
-    limits = evidence.machine.actuator_limits_m
+    limits = planned_range_m(evidence.config, evidence.machine)
     rows = zip(ACTUATORS, ranges, stated.actuators_m, limits, strict=True)
     yield Claim(
         RANGES,

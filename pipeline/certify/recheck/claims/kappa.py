@@ -74,5 +74,6 @@ def statics_change(machine: Machine, boxes: Boxes, deviation: FloatArray) -> Flo
     by_vector = joint_shift(machine, deviation)
     size = norm(np.moveaxis(boxes.over.vectors[0].magnitude, 1, 0))
     by_moment = total(arm * by_vector, arm * turn * size, arm * turn * by_vector)
+    by_moment = total(by_moment / machine.characteristic_length_m)
     length = boxes.over.lengths[0].lower
     return root(total(*(total(by_vector**2, by_moment**2) / length**2)))
