@@ -1,6 +1,7 @@
 """What can go wrong, reported so that a user can act on it; every class has its exit code."""
 
 from dataclasses import dataclass
+from typing import Self
 
 
 class PipelineError(Exception):
@@ -47,6 +48,13 @@ class NoSolutionError(PipelineError):
         self.advice = advice
         self.diagnosis = dict(diagnosis or {})
         super().__init__(f"{stage}: {reason}\n  What to change: {advice}")
+
+    def with_advice(self, advice: str) -> Self:
+        """Give the same error with other advice; notes are kept."""
+        changed = type(self)(self.stage, self.reason, advice, self.diagnosis)
+        for note in getattr(self, "__notes__", []):
+            changed.add_note(note)
+        return changed
 
 
 class InfeasibleError(NoSolutionError):

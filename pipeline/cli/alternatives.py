@@ -25,11 +25,12 @@ def plan_alternatives(config: Config, folder: Path, count: int, options: "RunOpt
     Raises
     ------
     NoSolutionError
-        When there are fewer; those that exist are shown and kept.
+        When there are fewer, or some are not proven optimal; those that were found are shown and kept.
     UsageError
         When one of the folders beside `folder` holds another run; nothing was changed.
     """
     from pipeline.run import open_results, run_pipeline
+    from pipeline.summary.route import unproven_route
 
     runs = [_of_rank(config, folder, rank) for rank in range(1, count + 1)]
     _refuse_other_runs(runs[1:])
@@ -39,11 +40,11 @@ def plan_alternatives(config: Config, folder: Path, count: int, options: "RunOpt
         why_not = options.why_not and rank == 1
         try:
             with make_reporter(messages_console(), options.verbose) as reporter:
-                run_pipeline(chosen, target, replace(options, why_not=why_not), reporter, specs)
+                report = run_pipeline(chosen, target, replace(options, why_not=why_not, unproven=True), reporter, specs)
         except NoSolutionError as error:
             missing = error
             break
-        last = target
+        last, missing = target, unproven_route(report.outcomes[-1].section) or missing
         route = open_results(target, Stage.ROUTE).route
         modes = " ".join(name for name, _ in itertools.groupby(route.mode_names))
         table.add_row(str(rank), f"{route.objective:.3f}", f"{route.kappa_max:.2f}", str(len(route)), modes, str(last))

@@ -29,11 +29,17 @@ SpeedOption = Annotated[
     float | None,
     typer.Option("--speed", metavar="PART", help="Part of the full speed, above 0, at most 1: for a slow first run."),
 ]
+UnprovenOption = Annotated[
+    bool,
+    typer.Option(
+        "--unproven", help="Go on with a route whose search ended at route.time_limit_s: valid, perhaps not the best."
+    ),
+]
 VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the solvers' logs.")]
 
 
 def load_task(path: Path) -> "Config":
-    """Read a configuration, and check that the machine can be at its start and goal.
+    """Read a configuration, and check that the machine can be at its start and goal, and what counting excludes.
 
     Raises
     ------
@@ -42,11 +48,11 @@ def load_task(path: Path) -> "Config":
     """
     from pipeline.config.file import load_config
     from pipeline.machine.geometry import build_machine
-    from pipeline.route.regions.endpoints import task_endpoints
+    from pipeline.route.regions.counting import require_possible_task
 
     config = load_config(path)
     try:
-        task_endpoints(config, build_machine(config.machine))
+        require_possible_task(config, build_machine(config.machine))
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
     return config

@@ -74,7 +74,9 @@ class RouteConfig(Section):
         Formulation.CORE,
         description="the program that is solved; compact, paper: over all regions, for small grids",
     )
-    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
+    time_limit_s: float = Field(
+        300.0, gt=0.0, description="for the whole search; then the best route so far counts as not proven optimal"
+    )
     memory_gb: float = Field(
         4.0, gt=0.0, le=10_000.0, description="memory that regions, moves and shortest paths may take up"
     )

@@ -7,6 +7,7 @@ from typing import Any
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
 from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
+from pipeline.status import Status
 
 CERTIFIED, SKIPPED = "certified", "skipped"
 _ROUNDING = 1e-6
@@ -130,7 +131,8 @@ def _route(section: Mapping[str, Any]) -> Verdict:
         f"Gap {_per_cent(section['gap'], 2)}; {section['steps']} positions, {section['mode_changes']} changes of "
         f"working mode, sum of κ {section['objective']:.1f}."
     )
-    return Verdict("Route", str(section["status"]).capitalize(), detail, "good")
+    mood: Mood = "good" if section["status"] == Status.OPTIMAL else "open"
+    return Verdict("Route", str(section["status"]).capitalize(), detail, mood)
 
 
 def _path(section: Mapping[str, Any]) -> Verdict:

@@ -7,6 +7,7 @@ from pipeline.config import Config, RouteConfig
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.budgets import Budget, task_budgets
+from pipeline.route.deadline import Deadline
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.table import RegionTable
@@ -27,6 +28,8 @@ class RouteProblem:
         Those of `task.budget`.
     monitor : Monitor
         Receives progress and decides whether solvers write their logs.
+    deadline : Deadline
+        When the search ends.
     """
 
     config: Config
@@ -36,13 +39,15 @@ class RouteProblem:
     steps: FloatArray
     budgets: tuple[Budget, ...]
     monitor: Monitor
+    deadline: Deadline
 
     @classmethod
     def of(
         cls, config: Config, machine: Machine, regions: RegionTable, moves: Moves, monitor: Monitor = QUIET
     ) -> "RouteProblem":
-        """Derive steps and budgets from the configuration."""
-        return cls(config, machine, regions, moves, step_sizes(config.route), task_budgets(config), monitor)
+        """Derive steps and budgets from the configuration, and start the clock of `route.time_limit_s`."""
+        deadline = Deadline.after(config.route.time_limit_s)
+        return cls(config, machine, regions, moves, step_sizes(config.route), task_budgets(config), monitor, deadline)
 
     @property
     def options(self) -> RouteConfig:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pipeline.cli.console import results_console
-from pipeline.cli.options import ForceOption, OutOption, VerboseOption, load_task, specs_of
+from pipeline.cli.options import ForceOption, OutOption, UnprovenOption, VerboseOption, load_task, specs_of
 from pipeline.cli.output import text_table
 from pipeline.cli.run_stages import run_stages
 from pipeline.errors import NoSolutionError, UsageError
@@ -23,6 +23,7 @@ def certify(
     out: OutOption = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,
+    unproven: UnprovenOption = False,
     tolerance: Annotated[
         bool,
         typer.Option("--tolerance", help="Also search the calibration errors the path is proven to bear."),
@@ -41,7 +42,7 @@ def certify(
     certify.what: tolerances in CONFIG every run searches them.
     """
     if check is not None:
-        if config is not None or out is not None or force or tolerance:
+        if config is not None or out is not None or force or tolerance or unproven:
             raise UsageError("--check FILE excludes other options: the configuration is the one beside the certificate")
         verify_file(check)
         return
@@ -49,7 +50,7 @@ def certify(
         raise UsageError("certify needs a CONFIG, or --check FILE")
     from pipeline.run import RunOptions
 
-    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, tolerances=tolerance)
+    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, unproven=unproven, tolerances=tolerance)
     run_stages(config, load_task(config), out, options, specs_of(context))
 
 

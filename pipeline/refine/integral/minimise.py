@@ -47,7 +47,7 @@ def solve_on_mesh(
         If IPOPT does not converge; its last path is in the `diagnosis`.
     """
     mesh = initial.mesh
-    label = f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
+    label = f"refine: {len(mesh.s)} nodes, {mesh.coefficients} coefficients"
     problem.monitor.progress(f"{label}: building the program")
     # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
     with interrupts_noted():

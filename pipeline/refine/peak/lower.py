@@ -46,7 +46,7 @@ def lower_peak(problem: Problem, initial: MeshSolution) -> MeshSolution:
     row, most = problem.objective, problem.config.refine.max_iterations
     objective = PeakObjective(row.mean_weight, row.peak_weight, target, cap, problem.length)
     problem.monitor.progress(
-        f"refine ({len(initial.mesh.s)} nodes): lowering the largest kappa, now {iterate.kappa.max():.2f}"
+        f"refine: {len(initial.mesh.s)} nodes: lowering the largest kappa, now {iterate.kappa.max():.2f}"
     )
     solution = initial
     if iterate.kappa.max() > cap:

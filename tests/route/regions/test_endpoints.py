@@ -83,9 +83,10 @@ def test_a_triangle_that_cannot_close_is_named(agder_config: Config):
 
 
 def test_carts_off_their_rails_are_named(agder_config: Config):
-    """Each cart beyond its travel is told with its position and what is allowed."""
+    """Each cart beyond its travel is told with its position and what is allowed, and then the x that would do."""
     messages = refusal(agder_config, {"task.start.x_m": 0.1})
-    assert len(messages) == 3
+    assert len(messages) == 4
+    assert messages[3].startswith("task.start.x_m: is 0.1; all carts are on their rails for 0.9999 to ")
     assert messages[0] == "task.start: needs c1 at -0.8998 m; allowed are 0 to 2.1 m"
 
 
