@@ -4,24 +4,32 @@ A pipe where a file of a run is expected would wait for ever, and a device would
 """
 
 import errno
+import io
 import os
 import stat
 from pathlib import Path
 from typing import BinaryIO
 
-_KINDS = (
-    (stat.S_ISDIR, errno.EISDIR, "a folder"),
-    (stat.S_ISFIFO, errno.EINVAL, "a pipe"),
-    (stat.S_ISSOCK, errno.EINVAL, "a socket"),
-    (stat.S_ISCHR, errno.EINVAL, "a device"),
-    (stat.S_ISBLK, errno.EINVAL, "a device"),
-)
-"""What is not a regular file: how to tell, the error it is, and its name."""
+_KINDS = {
+    stat.S_IFREG: "a regular file",
+    stat.S_IFDIR: "a folder",
+    stat.S_IFLNK: "a link",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+"""What there is in a file system, in words."""
 _PART = 2**20
 """Bytes read at a time."""
 
 
-def open_regular_file(path: Path, most_bytes: int) -> BinaryIO:
+def file_kind(mode: int) -> str:
+    """Say in words what a file is, from its `st_mode`."""
+    return _KINDS.get(stat.S_IFMT(mode), "something else")
+
+
+def open_regular_file(path: Path, most_bytes: int) -> io.BufferedReader:
     """Open a regular file, or a link to one, for reading; nothing else is even opened.
 
     Raises
@@ -79,9 +87,9 @@ def _read_whole(path: Path, file: BinaryIO, most_bytes: int) -> bytes:
 
 
 def _require_regular(path: Path, mode: int) -> None:
-    for is_kind, code, kind in _KINDS:
-        if is_kind(mode):
-            raise OSError(code, f"is {kind}, not a regular file", str(path))
+    if not stat.S_ISREG(mode):
+        code = errno.EISDIR if stat.S_ISDIR(mode) else errno.EINVAL
+        raise OSError(code, f"is {file_kind(mode)}, not a regular file", str(path))
 
 
 def _too_large(path: Path, size: str, most_bytes: int) -> OSError:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pipeline.artifacts import Record, RunFolder, State, existing_files, jsonable, open_run_folder, read_state
-from pipeline.artifacts.layout import failure_names, failure_picture, failure_report
+from pipeline.artifacts.layout import failure_names, failure_picture, failure_report, own_files
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config
 from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageError
@@ -54,7 +54,8 @@ def run_pipeline(
     ConfigError
         When the machine cannot be at the start or goal; nothing was changed.
     UsageError
-        When the stages asked for are not a range, or results they need are missing or outdated.
+        When the stages asked for are not a range, results they need are missing or outdated, or the folder is not one
+        that a run may write to.
     NoSolutionError
         When a stage has no solution; the run folder keeps the reason.
     """
@@ -185,7 +186,11 @@ class _Run:
         self._commit({**self._records, stage: record}, files, self._existing(stage))
 
     def _existing(self, stage: Stage) -> list[str]:
-        return existing_files(self._folder.path, spec_of(self._specs, stage).patterns)
+        path, patterns = self._folder.path, spec_of(self._specs, stage).patterns
+        if self._folder.damaged:
+            return existing_files(path, patterns)
+        recorded = self._records[stage].files if stage in self._records else ()
+        return own_files(path, patterns, recorded)
 
     def _commit(
         self, records: Mapping[Stage, Record], files: Mapping[str, bytes], superseded: list[str]
@@ -212,5 +217,6 @@ def _record(fingerprint: str, status: Literal["done", "failed"], seconds: float,
         status=status,
         seconds=seconds,
         files={name: sha256(content).hexdigest() for name, content in product.files.items()},
+        sizes={name: len(content) for name, content in product.files.items()},
         summary=jsonable({**product.section, "seconds": seconds}),
     )
