@@ -5,6 +5,11 @@ used, with the libraries it needs; type checkers and editors read the stub itsel
 say otherwise (`load_`, `save_`, `open_`, `run_`): they neither print nor write.
 """
 
-import lazy_loader
+from pipeline.startup import end_at_interrupts, is_command_line
+
+if is_command_line():
+    end_at_interrupts()
+
+import lazy_loader  # it takes longer than all before
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -56,7 +56,7 @@ def output_folder(path: Path) -> Path | None:
     return None if is_written_through(path) else _target(path).parent
 
 
-def check_output(path: Path) -> None:
+def check_writable(path: Path) -> None:
     """Refuse a file that cannot be written for what is there already, before anything is computed.
 
     Raises

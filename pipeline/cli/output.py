@@ -1,6 +1,7 @@
 """Results as a command was asked for them: tables, files and pictures."""
 
 import io
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,35 +27,61 @@ def text_table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]],
     return table
 
 
-def refuse_inside(output: Path | None, run: Path) -> None:
-    """Refuse to write into the folder of a run.
+def check_output(path: Path | None, option: str = "--output") -> None:
+    """Refuse a file that must not or cannot be written, before anything is computed.
 
     Raises
     ------
     UsageError
-        When the file would be inside.
+        When it is inside a run folder.
+    OSError
+        When it is a folder, or may not be written.
     """
-    if output is not None and output.resolve().is_relative_to(run.resolve()):
-        raise UsageError(f"{output} is inside {run}, whose files are not overwritten: give another --output")
+    if path is None:
+        return
+    from pipeline.artifacts.output import check_writable, is_written_through
+    from pipeline.artifacts.state import is_of_a_run
+
+    check_writable(path)
+    if is_written_through(path):
+        return
+    for folder in Path(os.path.realpath(path)).parents:
+        if is_of_a_run(folder):
+            raise UsageError(f"{path} is inside {folder}, whose files are not overwritten: give another {option}")
 
 
 def check_picture(path: Path | None, option: str = "--picture") -> None:
-    """Refuse a picture whose name has no known ending, before anything is computed.
+    """Refuse a picture whose name has no known ending, or that must not or cannot be written.
 
     Raises
     ------
     UsageError
-        When the ending is none of `PICTURES`.
+        When the ending is none of `PICTURES`, or the file is inside a run folder.
+    OSError
+        When it is a folder, or may not be written.
     """
     if path is not None and path.suffix.lower().lstrip(".") not in PICTURES:
         endings = ", ".join(f".{name}" for name in PICTURES)
         raise UsageError(f"{option} {path}: the name of the file must end in one of {endings}")
+    check_output(path, option)
+
+
+def refuse_same(one: Path | None, other: Path | None, options: str) -> None:
+    """Refuse two files that are one: the second would overwrite the first.
+
+    Raises
+    ------
+    UsageError
+        When they are the same file.
+    """
+    if one is not None and other is not None and os.path.realpath(one) == os.path.realpath(other):
+        raise UsageError(f"{options} are the same file, {one}: give two")
 
 
 def save_picture(figure: "Figure", path: Path) -> None:
     """Write a figure completely or not at all."""
-    from pipeline.artifacts import write_whole
+    from pipeline.artifacts.output import write_output
 
     buffer = io.BytesIO()
     figure.savefig(buffer, format=path.suffix.lower().lstrip("."))
-    write_whole(path, buffer.getvalue())
+    write_output(path, buffer.getvalue())
