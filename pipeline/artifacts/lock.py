@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from pipeline.artifacts.files import naming
 from pipeline.artifacts.layout import LOCK, STATE
 from pipeline.errors import UsageError
 
@@ -51,7 +52,8 @@ def locked(folder: Path, new: bool) -> Iterator[None]:
 
 def _hold(folder: Path, descriptor: int) -> None:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        with naming(folder / LOCK):
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         process = os.pread(descriptor, 64, 0).decode(errors="replace").strip()
         raise UsageError(

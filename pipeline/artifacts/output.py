@@ -89,7 +89,8 @@ def _target(path: Path) -> Path:
         pass
     else:
         if not stat.S_ISREG(mode):
-            raise OSError(errno.EISDIR, f"is {file_kind(mode)}, not a file that can be written")
+            kind = "a directory" if stat.S_ISDIR(mode) else file_kind(mode)
+            raise OSError(errno.EISDIR, f"Is {kind}, not a file")
         if not os.access(target, os.W_OK):
             raise PermissionError(errno.EACCES, "may not be written")
     folder = next(folder for folder in target.parents if folder.exists())

@@ -3,6 +3,7 @@
 import contextlib
 import sys
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -10,13 +11,15 @@ from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
 from pipeline.cli.commands import certify, check, compare, export, measured, report, run, workspace
-from pipeline.cli.console import discard_unwritten, print_error, print_message
+from pipeline.cli.console import discard_output, print_error, print_message
 from pipeline.cli.interrupts import ignore_interrupts
-from pipeline.errors import PipelineError
+from pipeline.errors import PipelineError, UsageError
 
 _USAGE = 2
 _INTERRUPTED = 130
 _BROKEN_PIPE = 141
+_OF_PATHS = ("FILE", "DIR")
+"""What stands in the help for the values of options that name files or folders."""
 
 _HELP = """Reconfigure a 5-DOF Gantry-Tau from one working mode to another without meeting a singularity.
 
@@ -41,8 +44,12 @@ class _Group(TyperGroup):
     def main(self, *arguments: Any, **options: Any) -> Any:
         """Run the command line, and report if what it printed last could not be written."""
         try:
-            return super().main(*arguments, **options)
-        except SystemExit:
+            with _errors_reported(leave=sys.exit):
+                return super().main(*arguments, **options)
+        except SystemExit as ended:
+            # Help and usage errors are printed by consoles that end the process themselves.
+            if isinstance(ended.__context__, BrokenPipeError):
+                sys.exit(_BROKEN_PIPE)
             with _errors_reported(leave=sys.exit):
                 sys.stdout.flush()
             raise
@@ -59,17 +66,18 @@ class _Group(TyperGroup):
 
 
 class _Command(TyperCommand):
-    """A command that takes no empty text for a value: as a path, it would be the working directory."""
+    """A command that takes no empty text for a path: it would be the working directory."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments of the command."""
-        rest = super().parse_args(ctx, args)
-        parameters: list[Any] = self.params
-        for parameter in parameters:
-            value = ctx.params.get(parameter.name)
-            if value == "" or (isinstance(value, list | tuple) and "" in value):
-                raise typer.BadParameter("is empty", ctx=ctx, param=parameter)
-        return rest
+        options = {name for one in self.params if getattr(one, "metavar", None) in _OF_PATHS for name in one.opts}
+        for before, argument in pairwise(["", *args]):
+            option = argument.removesuffix("=") if argument else before
+            if option in options and (not argument or argument.endswith("=")):
+                raise UsageError(f"{option} is empty: give the name of a file or folder, or omit it")
+            if not argument and not before.startswith("-"):
+                raise UsageError("an argument is empty: give the name of a file or folder")
+        return super().parse_args(ctx, args)
 
 
 def _leave(code: int) -> NoReturn:
@@ -94,17 +102,14 @@ def _errors_reported(leave: Callable[[int], NoReturn] = _leave) -> Iterator[None
 
 def _report_system_error(error: OSError) -> int:
     """Report an error of the system with its file; return the exit code."""
-    unwritten = discard_unwritten()
-    if unwritten is not None:
-        if isinstance(unwritten, BrokenPipeError):
+    file = error.filename2 or error.filename
+    if file is None and error.errno is not None:
+        # Whatever reads or writes files names them: what cannot be written is output.
+        discard_output()
+        if isinstance(error, BrokenPipeError):
             return _BROKEN_PIPE
-        print_error(f"standard output: {unwritten.strerror}")
-    elif file := error.filename2 or error.filename:
-        print_error(f"{file}: {error.strerror}")
-    elif isinstance(error, BrokenPipeError):
-        return _BROKEN_PIPE
-    else:
-        print_error(str(error))
+        file = "standard output"
+    print_error(f"{file}: {error.strerror}" if file else str(error))
     return _USAGE
 
 

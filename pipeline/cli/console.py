@@ -50,14 +50,12 @@ def print_message(message: Text | str) -> None:
         _discard(sys.stderr)
 
 
-def discard_unwritten() -> OSError | None:
-    """Try to write what is left to be written to stdout; if that fails, discard it, and return the error."""
+def discard_output() -> None:
+    """Discard what is still to be written to stdout if it cannot be written."""
     try:
         sys.stdout.flush()
-    except OSError as error:
+    except OSError:
         _discard(sys.stdout)
-        return error
-    return None
 
 
 def _discard(stream: TextIO) -> None:

@@ -3,6 +3,7 @@
 import io
 import os
 from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,43 +28,60 @@ def text_table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]],
     return table
 
 
-def check_output(path: Path | None, option: str = "--output") -> None:
+def check_output(output: Path | None, run: Path | None = None, option: str = "--output") -> None:
     """Refuse a file that must not or cannot be written, before anything is computed.
+
+    Parameters
+    ----------
+    run : Path, optional
+        The run folder that a command reads: nothing is written into it.
 
     Raises
     ------
     UsageError
-        When it is inside a run folder.
+        When it is inside that folder, or a result of another run.
     OSError
-        When it is a folder, or may not be written.
+        When it is a folder, or may not be written; names it.
     """
-    if path is None:
+    if output is None:
         return
     from pipeline.artifacts.output import check_writable, is_written_through
-    from pipeline.artifacts.state import is_of_a_run
 
-    check_writable(path)
-    if is_written_through(path):
+    check_writable(output)
+    if is_written_through(output):
         return
-    for folder in Path(os.path.realpath(path)).parents:
-        if is_of_a_run(folder):
-            raise UsageError(f"{path} is inside {folder}, whose files are not overwritten: give another {option}")
+    target = Path(os.path.realpath(output))
+    if run is not None and target.is_relative_to(os.path.realpath(run)):
+        raise UsageError(f"{output} is inside {run}, whose files are not overwritten: give another {option}")
+    for folder in target.parents:
+        if _is_result(target.relative_to(folder).as_posix(), folder):
+            raise UsageError(f"{output} is a result of the run in {folder}, and not overwritten: give another {option}")
 
 
-def check_picture(path: Path | None, option: str = "--picture") -> None:
+def _is_result(name: str, folder: Path) -> bool:
+    """Check whether a name, relative to a folder, is that of a result of a run there."""
+    from pipeline.artifacts.layout import BOOKS, SUPERSEDED
+    from pipeline.artifacts.state import is_of_a_run
+    from pipeline.run.stage_specs import SPECS
+
+    names = (*BOOKS, f"{SUPERSEDED}/*", *(pattern for spec in SPECS for pattern in spec.patterns))
+    return any(fnmatchcase(name, pattern) for pattern in names) and is_of_a_run(folder)
+
+
+def check_picture(path: Path | None, run: Path | None = None, option: str = "--picture") -> None:
     """Refuse a picture whose name has no known ending, or that must not or cannot be written.
 
     Raises
     ------
     UsageError
-        When the ending is none of `PICTURES`, or the file is inside a run folder.
+        When the ending is none of `PICTURES`, or the file must not be written, see `check_output`.
     OSError
         When it is a folder, or may not be written.
     """
     if path is not None and path.suffix.lower().lstrip(".") not in PICTURES:
         endings = ", ".join(f".{name}" for name in PICTURES)
         raise UsageError(f"{option} {path}: the name of the file must end in one of {endings}")
-    check_output(path, option)
+    check_output(path, run, option)
 
 
 def refuse_same(one: Path | None, other: Path | None, options: str) -> None:

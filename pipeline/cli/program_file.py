@@ -73,4 +73,4 @@ def _check(config: Config, target: Path) -> None:
         raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} needs the better routes first")
     if target.suffix not in (".mps", ".lp"):
         raise UsageError(f"--write-mps {target}: the name of the file must end in .mps (or .lp)")
-    check_output(target, "--write-mps")
+    check_output(target, option="--write-mps")

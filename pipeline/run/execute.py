@@ -24,6 +24,7 @@ from pipeline.run.run_report import Outcome, RunReport
 from pipeline.run.stage_specs import SPECS, Specs, report_of, spec_of
 from pipeline.run.up_to_date.check import expected_fingerprint, matching_records, why_outdated
 from pipeline.stage import Stage
+from pipeline.summary.section import failed_part
 from pipeline.summary.whole import summarise
 
 _DEFAULT = RunOptions()
@@ -70,6 +71,7 @@ def run_pipeline(
         if options.first is not None:
             run.require_earlier(options.first)
         outcomes = [run.run(stage) for stage in (*options.last.earlier, options.last)]
+        run.report_missing_part(outcomes[-1])
         return RunReport(out, tuple(outcomes), run.prune_outdated())
 
 
@@ -115,6 +117,11 @@ class _Run:
             return Outcome(stage, "unchanged", record.seconds, record.summary)
         record = self._make(stage)
         return Outcome(stage, "done", record.seconds, record.summary)
+
+    def report_missing_part(self, last: Outcome) -> None:
+        """Write a report of a run that ends with a result of which a part is missing; a whole run has one anyway."""
+        if failed_part(last.section) is not None and (page := self._failure_page()):
+            self._commit(self._records, {failure_report(last.stage): page}, [])
 
     def prune_outdated(self) -> dict[str, Any]:
         """Move away what does not belong to this configuration; return the summary."""

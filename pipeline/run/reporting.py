@@ -29,25 +29,26 @@ def write_report(folder: Path, output: Path | None = None, specs: Specs = SPECS)
             # Figures are not part of the report, and may have been removed.
             if stage is not Stage.FIGURES:
                 refuse_damage(folder, record)
-            if not record.fingerprint:
-                raise UsageError(
-                    f"{folder} was written by an earlier version, whose summary says other things.\n"
-                    "  What to change: run the pipeline again."
-                )
         results = Results(config, build_machine(config.machine), folder, specs)
         try:
             page = report_of(specs)(results, opened.state)
         except KeyError as error:
-            raise UsageError(
-                f"{folder} was written by another version: the summary has no {error}.\n"
-                "  What to change: run the pipeline again."
-            ) from None
+            raise _of_another_version(folder, f"the summary has no {error}") from None
+        except (TypeError, ValueError, AttributeError, IndexError) as error:
+            # Only what was sealed is known to be what this program wrote.
+            if all(record.fingerprint for record in opened.state.stages.values()):
+                raise
+            raise _of_another_version(folder, f"the summary cannot be read ({error})") from None
         if output is not None:
             write_output(output, page)
             return output
         target = folder / _name(opened.state)
         write_whole(target, page)
         return target
+
+
+def _of_another_version(folder: Path, why: str) -> UsageError:
+    return UsageError(f"{folder} was written by another version: {why}.\n  What to change: run the pipeline again.")
 
 
 def _name(state: State) -> str:

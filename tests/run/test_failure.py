@@ -73,7 +73,7 @@ class TestFailure:
                 again.require_complete()
             assert caught.value.exit_code == 1
         told = summary(tmp_path)["trajectory"]
-        assert (told["status"], told["back"]["status"]) == ("done", "failed")
+        assert (told["status"], told["back"]["status"]) == ("done in part", "failed")
         assert (told["back"]["reason"], told["back"]["advice"]) == ("on the way back, c2 is too weak", "a stronger one")
         kept = files(tmp_path)
         assert {"trajectory.csv", "trajectory.npz", "figures/route.png"} <= kept

@@ -50,7 +50,7 @@ def export(
     is stretched to the next whole number of periods, so that limits still
     hold and the last row is the goal at rest.
     """
-    check_output(output)
+    check_output(output, run)
     from pipeline.artifacts.output import write_output
     from pipeline.export import CsvOptions, format_samples
     from pipeline.retime import sample_trajectory, slowed, way_back

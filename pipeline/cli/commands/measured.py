@@ -73,7 +73,7 @@ def measured(
     commas, semicolons or tabs. If the motion was exported with --speed or
     --period, give them here too.
     """
-    check_picture(picture)
+    check_picture(picture, run)
     from pipeline.measured import compare_measurement, parse_measurement
 
     trajectory, _ = _driven(run, speed, period_s)
@@ -154,7 +154,7 @@ def simulate_measurement(
     from pipeline.measured import simulate_measurement as simulate
     from pipeline.retime import sample_trajectory
 
-    beside = None if output is None else _check_output(output)
+    beside = None if output is None else _check_output(output, run)
     trajectory, period_s = _driven(run, speed, period_s)
     samples = sample_trajectory(trajectory, period_s)
     reflectors = _reflectors(first, second, noise_m)
@@ -180,11 +180,11 @@ def simulate_measurement(
     messages_console().print(made, soft_wrap=True)
 
 
-def _check_output(output: Path) -> Path | None:
+def _check_output(output: Path, run: Path) -> Path | None:
     """Check where the table goes; give the name of the file beside it that says how it was made, if there is one."""
     from pipeline.artifacts.output import is_written_through
 
-    check_output(output)
+    check_output(output, run)
     if is_written_through(output):
         return None
     if output.suffix == _FACTS:

@@ -25,7 +25,7 @@ def report(
     """
     from pipeline.run.reporting import write_report
 
-    check_output(output)
+    check_output(output, run)
     with messages_console().status("writing the report"):
         target = write_report(run, output, specs_of(context))
     size = f": {target.stat().st_size / 1e3:,.0f} kB" if target.is_file() else ""

@@ -39,7 +39,7 @@ def workspace(
     step, to show how far they have converged.
     """
     check_picture(picture)
-    check_picture(volume, "--picture-3d")
+    check_picture(volume, option="--picture-3d")
     refuse_same(picture, volume, "--picture and --picture-3d")
     from pipeline.artifacts import json_bytes
     from pipeline.config.file import load_config
