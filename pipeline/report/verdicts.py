@@ -175,7 +175,8 @@ def _limits(section: Mapping[str, Any]) -> Verdict:
         return Verdict("Limits", "None", "Nothing in motion has a limit.", "open")
     most = max(used, key=lambda one: one.part)
     kept = most.part <= 1.0 + _ROUNDING
-    detail = f"Most used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
+    where = "On the way there, most" if failed_part(section) else "Most"
+    detail = f"{where} used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
     return Verdict("Limits", "Kept" if kept else "Exceeded", detail, "good" if kept else "bad")
 
 
