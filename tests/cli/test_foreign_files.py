@@ -91,13 +91,15 @@ COMMANDS = {
 }
 
 
-def _plant(path: Path, kind: str) -> None:
-    """Put something at a path, and take away what is in the way; only if its parent is a folder."""
+def _plant(path: Path, kind: str) -> bool:
+    """Put something at a path, in the place of a file, but not of a folder; return whether it is there now."""
+    parents = [parent for parent in path.parents if os.path.lexists(parent)]
+    if path.is_dir() or any(parent.is_symlink() or not parent.is_dir() for parent in parents):
+        return False
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.is_dir() and not path.is_symlink():
-        return
     path.unlink(missing_ok=True)
     KINDS[kind](path)
+    return True
 
 
 def _look(path: Path) -> object:
@@ -158,15 +160,12 @@ def _try(fast_config: Config, is_run: bool, planted: dict[str, str], commands: l
     run.mkdir(parents=True)
     if is_run:
         assert invoke(*COMMANDS["run"], specs=stages.specs).exit_code == 0
-    for name in sorted(planted):
-        path = run / name
-        if all(parent.is_dir() and not parent.is_symlink() for parent in path.parents if parent.exists()):
-            _plant(Path(os.path.normpath(path)), planted[name])
+    paths = {name: Path(os.path.normpath(run / name)) for name in sorted(planted)}
+    there = {name: path for name, path in paths.items() if _plant(path, planted[name])}
     elsewhere = _everything(Path("elsewhere"))
     foreign = {path: look for path, look in _everything(Path.cwd()).items() if not (is_run and _is_of_run(path))}
-    replaceable = {run / name for name in planted if is_run and planted[name] == "file" and name in OWN}
-    others = {Path(os.path.normpath(run / name)) for name in planted} - replaceable
-    foreign |= {path: _look(path) for path in others if os.path.lexists(path)}
+    replaceable = {path for name, path in there.items() if is_run and planted[name] == "file" and name in OWN}
+    foreign |= {path: _look(path) for path in there.values() if path not in replaceable}
     for command in commands:
         assert invoke(*COMMANDS[command], specs=stages.specs).exit_code in (0, 1, 2)
     assert _everything(Path("elsewhere")) == elsewhere
