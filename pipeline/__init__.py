@@ -5,11 +5,9 @@ used, with the libraries it needs; type checkers and editors read the stub itsel
 say otherwise (`load_`, `save_`, `open_`, `run_`): they neither print nor write.
 """
 
-from pipeline.startup import end_at_interrupts, is_command_line
+from . import startup as _startup  # noqa: F401  # first, since the next one takes longer
 
-if is_command_line():
-    end_at_interrupts()
-
-import lazy_loader  # it takes longer than all before
+# isort: split
+import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

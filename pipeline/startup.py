@@ -1,4 +1,7 @@
-"""Ctrl-C while the command line starts: it ends the process, before anything that loads slowly is imported."""
+"""Ctrl-C while the command line starts: it ends the process, before anything that loads slowly is imported.
+
+The package imports this module first. In other programs that changes nothing.
+"""
 
 import os
 import signal
@@ -29,3 +32,7 @@ def end_at_interrupts() -> bool:
 def _end(_signal: int, _frame: object) -> None:
     os.write(2, _MESSAGE)
     os._exit(_INTERRUPTED)
+
+
+if is_command_line():
+    end_at_interrupts()

@@ -1,6 +1,8 @@
-"""Ctrl-C as an exception that is raised once, and never within an import."""
+"""Ctrl-C as an exception that is raised once, never within an import, and not lost."""
 
+import math
 import signal
+import sys
 import time
 from types import FrameType
 
@@ -23,7 +25,8 @@ class _Handler:
     """Raises interrupts in the main thread."""
 
     def __init__(self) -> None:
-        self._raised = -_AGAIN_S
+        self._raised = -math.inf
+        self._report_lost = sys.unraisablehook
 
     def __call__(self, _signal: int, frame: FrameType | None) -> None:
         """Raise an interrupt, unless one was raised just now; within an import, later.
@@ -40,10 +43,19 @@ class _Handler:
             self._raised = time.monotonic()
             raise Interrupt
 
+    def raise_lost(self, lost: "sys.UnraisableHookArgs") -> None:
+        """Raise an interrupt again that came where no exception can be raised, such as a finaliser."""
+        if issubclass(lost.exc_type, Interrupt):
+            self._raised = -math.inf
+            signal.setitimer(signal.ITIMER_REAL, _RETRY_S)
+        else:
+            self._report_lost(lost)
+
 
 def raise_interrupts() -> None:
     """Raise Ctrl-C as an exception from now on."""
     handler = _Handler()
+    sys.unraisablehook = handler.raise_lost
     signal.signal(signal.SIGALRM, handler)
     signal.signal(signal.SIGINT, handler)
 
@@ -51,6 +63,7 @@ def raise_interrupts() -> None:
 def ignore_interrupts() -> None:
     """Ignore Ctrl-C from now on, if it was raised as an exception: the process is ending because of one."""
     if isinstance(signal.getsignal(signal.SIGINT), _Handler):
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

@@ -133,7 +133,7 @@ def _is_kept(path: Path, run: Path) -> bool:
     return any(copy.is_file() and copy.read_bytes() == b"mine: " + path.name.encode() for copy in copies)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(
     is_run=st.booleans(),
     planted=st.dictionaries(st.sampled_from(NAMES), st.sampled_from(sorted(KINDS)), max_size=4),

@@ -23,8 +23,10 @@ whole = True
 def raised() -> Iterator[None]:
     """Raise interrupts, and restore how the tests handle them."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGALRM)}
+    hook = sys.unraisablehook
     raise_interrupts()
     yield
+    sys.unraisablehook = hook
     for number, handler in before.items():
         signal.signal(number, handler)
 
@@ -49,6 +51,20 @@ def _import_and_wait() -> None:
     import interrupted_module  # type: ignore[import-not-found]  # noqa: F401
 
     time.sleep(10.0)
+
+
+def test_it_is_not_lost(capsys: pytest.CaptureFixture[str]) -> None:
+    """Where no exception can be raised it waits, too, and nothing is printed."""
+
+    class Finalised:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    one = Finalised()
+    del one
+    with pytest.raises(Interrupt):
+        time.sleep(10.0)
+    assert capsys.readouterr() == ("", "")
 
 
 def test_it_is_noted_where_that_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
