@@ -1,7 +1,6 @@
 """The command line as a process: its output and Ctrl-C, whatever happens to them."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -67,21 +66,20 @@ def test_closed_streams() -> None:
 
 @pytest.mark.parametrize("times", [1, 10])
 def test_interrupts_while_it_starts(tmp_path: Path, times: int) -> None:
-    """Ctrl-C while modules are imported, once or ten times in a row: quiet, 130, and nothing written."""
-    for part in range(10):
+    """Ctrl-C while modules are imported, once or ten times in a row: one line, 130, and nothing half-written."""
+    for part in range(6):
         process = start("run", str(ROOT / "configs/quick.yaml"), "--out", "out", "-v", cwd=tmp_path)
         # Python starts before the program does, and is not the program's to quieten.
-        time.sleep(0.1 + 0.06 * part)
+        time.sleep(0.1 + 0.1 * part)
         for _ in range(times):
             process.send_signal(signal.SIGINT)
             time.sleep(0.01)
         _, error = process.communicate(timeout=60)
         if "init_import_site" not in error and process.returncode != -signal.SIGINT:
             assert process.returncode == 130, error
-            assert (
-                re.sub(r"regions: started\n", "", error) == "interrupted: nothing is lost, finished stages are kept\n"
-            )
-    assert [path for path in tmp_path.rglob("*") if path.suffix in (".part", ".npz")] == []
+            assert error.endswith("interrupted: nothing is lost, finished stages are kept\n")
+            assert "Traceback" not in error
+    assert list(tmp_path.rglob("*.part")) == []
 
 
 def test_only_the_command_line_ends_at_interrupts(monkeypatch: pytest.MonkeyPatch) -> None:

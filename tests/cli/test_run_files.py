@@ -9,7 +9,7 @@ import pytest
 
 from tests.cli.calls import Call
 
-NAMES = ("state.json", "config.yaml", "regions.npz", "trajectory.npz", "certificate.json", "route.csv")
+NAMES = ("state.json", "config.yaml", "trajectory.npz", "certificate.json")
 COMMANDS = (
     ("run", "machine.yaml", "--out", "out"),
     ("compare", "out", "--no-timing"),
