@@ -1,6 +1,7 @@
 """The best routes side by side: a run folder for each, and a table to choose from."""
 
 import itertools
+import os
 import shlex
 from dataclasses import replace
 from pathlib import Path
@@ -33,7 +34,7 @@ def plan_alternatives(config: Config, folder: Path, count: int, options: "RunOpt
     from pipeline.summary.route import unproven_route
 
     runs = [_of_rank(config, folder, rank) for rank in range(1, count + 1)]
-    _refuse_other_runs(runs[1:])
+    _refuse_other_runs(runs, specs)
     last, table = folder, Table("route", "sum of kappa", "largest kappa", "steps", "working modes", "folder", box=None)
     missing: NoSolutionError | None = None
     for rank, (chosen, target) in enumerate(runs, start=1):
@@ -65,20 +66,22 @@ def _of_rank(config: Config, folder: Path, rank: int) -> tuple[Config, Path]:
     if rank == 1:
         return config.model_copy(update={"route": route}), folder
     # Folders such as . and .. have no name of their own to which a number can be added.
-    named = folder if folder.name.strip(".") else folder.resolve()
+    named = folder if folder.name.strip(".") else Path(os.path.realpath(folder))
     beside = named.parent / f"{named.name}-{rank}"
     return config.model_copy(update={"route": route, "name": f"{config.name}-{rank}"}), beside
 
 
-def _refuse_other_runs(runs: list[tuple[Config, Path]]) -> None:
-    """Refuse folders that the user did not name if they hold anything but an alternative of the same rank."""
+def _refuse_other_runs(runs: list[tuple[Config, Path]], specs: "Specs") -> None:
+    """Refuse folders that no run may write to, and beside the named one those of anything but an equal alternative."""
+    from pipeline.artifacts.folder import require_usable
     from pipeline.artifacts.layout import CONFIG
     from pipeline.config.file import load_config
 
     for config, folder in runs:
-        there = folder / CONFIG
-        if there.exists() and load_config(there).route.alternative != config.route.alternative:
+        require_usable(folder, [pattern for spec in specs for pattern in spec.patterns])
+        there, rank = folder / CONFIG, config.route.alternative
+        if rank > 1 and there.exists() and load_config(there).route.alternative != rank:
             raise UsageError(
-                f"{folder} already holds another run, not alternative number {config.route.alternative}: nothing was "
-                "changed.\n  What to change: give another folder with --out, or move that one away."
+                f"{folder} already holds another run, not alternative number {rank}: nothing was changed.\n"
+                "  What to change: give another folder with --out, or move that one away."
             )

@@ -1,6 +1,8 @@
 """Where the command line writes: results to stdout, progress and errors to stderr."""
 
 import os
+import sys
+from typing import TextIO
 
 from rich.console import Console
 from rich.text import Text
@@ -37,5 +39,27 @@ def _console(stderr: bool) -> Console:
 
 def print_error(message: str) -> None:
     """Write an error message to stderr, with its lines as they are."""
-    console = messages_console()
-    console.print(Text.assemble(("error: ", "bold red"), message), soft_wrap=True)
+    print_message(Text.assemble(("error: ", "bold red"), message))
+
+
+def print_message(message: Text | str) -> None:
+    """Write a last message to stderr; if that fails, there is nobody to tell."""
+    try:
+        messages_console().print(message, soft_wrap=True)
+    except OSError:
+        _discard(sys.stderr)
+
+
+def discard_output() -> None:
+    """Discard what is still to be written to stdout if it cannot be written."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        _discard(sys.stdout)
+
+
+def _discard(stream: TextIO) -> None:
+    """Discard further output: it cannot be written, and Python would complain at exit."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)

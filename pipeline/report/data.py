@@ -22,13 +22,14 @@ class Verdict:
 
 @dataclass(frozen=True)
 class StageRow:
-    """How a stage ended: its status, and its figures or the reason in words."""
+    """How a stage ended: its status, its figures or the reason in words, what to change, and what prevents a result."""
 
     name: str
     status: str
     mood: Mood
     words: str
     advice: str = ""
+    why_not: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pipeline.artifacts import Record, RunFolder, State, existing_files, jsonable, open_run_folder, read_state
-from pipeline.artifacts.layout import failure_names, failure_picture, failure_report
+from pipeline.artifacts.layout import failure_names, failure_picture, failure_report, own_files
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config
 from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageError
@@ -24,6 +24,7 @@ from pipeline.run.run_report import Outcome, RunReport
 from pipeline.run.stage_specs import SPECS, Specs, report_of, spec_of
 from pipeline.run.up_to_date.check import expected_fingerprint, matching_records, why_outdated
 from pipeline.stage import Stage
+from pipeline.summary.section import failed_part
 from pipeline.summary.whole import summarise
 
 _DEFAULT = RunOptions()
@@ -54,7 +55,8 @@ def run_pipeline(
     ConfigError
         When the machine cannot be at the start or goal, or the task is impossible by counting; nothing was changed.
     UsageError
-        When the stages asked for are not a range, or results they need are missing or outdated.
+        When the stages asked for are not a range, results they need are missing or outdated, or the folder is not one
+        that a run may write to.
     NoSolutionError
         When a stage has no solution, and the run folder keeps the reason; or when the route is not proven optimal,
         and `options.unproven` is not set: it is kept like any result, but no later stage runs.
@@ -70,6 +72,7 @@ def run_pipeline(
         if options.first is not None:
             run.require_earlier(options.first)
         outcomes = [run.run(stage) for stage in (*options.last.earlier, options.last)]
+        run.report_missing_part(outcomes[-1])
         return RunReport(out, tuple(outcomes), run.prune_outdated())
 
 
@@ -121,6 +124,11 @@ class _Run:
             error.add_note(f"What was found is kept, marked as {record.summary['status']}: {files}")
             raise error
         return Outcome(stage, outcome, record.seconds, record.summary)
+
+    def report_missing_part(self, last: Outcome) -> None:
+        """Write a report of a run that ends with a result of which a part is missing; a whole run has one anyway."""
+        if failed_part(last.section) is not None and (page := self._failure_page()):
+            self._commit(self._records, {failure_report(last.stage): page}, [])
 
     def prune_outdated(self) -> dict[str, Any]:
         """Move away what does not belong to this configuration; return the summary."""
@@ -199,7 +207,11 @@ class _Run:
         self._commit({**self._records, stage: record}, files, self._existing(stage))
 
     def _existing(self, stage: Stage) -> list[str]:
-        return existing_files(self._folder.path, spec_of(self._specs, stage).patterns)
+        path, patterns = self._folder.path, spec_of(self._specs, stage).patterns
+        if self._folder.damaged:
+            return existing_files(path, patterns)
+        recorded = self._records[stage].files if stage in self._records else ()
+        return own_files(path, patterns, recorded)
 
     def _commit(
         self, records: Mapping[Stage, Record], files: Mapping[str, bytes], superseded: list[str]
@@ -226,5 +238,6 @@ def _record(fingerprint: str, status: Literal["done", "failed"], seconds: float,
         status=status,
         seconds=seconds,
         files={name: sha256(content).hexdigest() for name, content in product.files.items()},
+        sizes={name: len(content) for name, content in product.files.items()},
         summary=jsonable({**product.section, "seconds": seconds}),
     )

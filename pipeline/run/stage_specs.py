@@ -23,7 +23,7 @@ from pipeline.artifacts.layout import (
     TRAJECTORY_CSV,
     TRAJECTORY_JSON,
     TRAJECTORY_NPZ,
-    failure_pattern,
+    failure_files_of,
 )
 from pipeline.config import Config
 from pipeline.run.config_parts import (
@@ -129,7 +129,7 @@ class StageSpec:
     @property
     def patterns(self) -> tuple[str, ...]:
         """All files of the stage, those of a failure included."""
-        return (*self.files, failure_pattern(self.stage))
+        return (*self.files, *failure_files_of(self.stage))
 
 
 Specs = tuple[StageSpec, ...]

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from markupsafe import escape
 from typer.testing import CliRunner
 
 from pipeline.artifacts import read_state
@@ -67,6 +68,10 @@ def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
     (opening,) = (finding for finding in told["findings"] if finding["verdict"] == "a route exists")
     assert (opening["key"], opening["configured"], opening["value"], opening["refused"]) == (KEY, 5, 8, 7)
     assert opening["sentence"] in note
+    listed = json.loads((tmp_path / "out" / "summary.json").read_text())["route"]["why_not"]
+    assert f"- {opening['sentence']}" in listed
+    page = (tmp_path / "out" / "failed" / "route.html").read_text()
+    assert f"<li>{escape(listed[-1])}</li>" in page
     assert (tmp_path / "out" / "failed" / "route.png").read_bytes().startswith(b"\x89PNG")
     assert not (tmp_path / "out" / "superseded").exists()
 

@@ -5,9 +5,9 @@ import pathlib
 import numpy as np
 from scipy.interpolate import BSpline
 
-from pipeline.artifacts.files import write_whole
 from pipeline.artifacts.layout import PATH_CSV, PATH_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
+from pipeline.artifacts.output import write_output
 from pipeline.artifacts.results.columns import Q_COLUMNS, split_columns
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.export.csv import format_csv
@@ -40,7 +40,7 @@ def load_refinement(run: SavedRun) -> Refinement:
 
 def save_path(file: pathlib.Path | str, path: Path) -> None:
     """Write degree, knots, coefficients and node poses of a path as an .npz file."""
-    write_whole(pathlib.Path(file), npz_bytes(pack_path(path, "")))
+    write_output(pathlib.Path(file), npz_bytes(pack_path(path, "")))
 
 
 def load_path(file: pathlib.Path | str, machine: Machine) -> Path:

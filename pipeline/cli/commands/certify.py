@@ -1,5 +1,6 @@
 """The command that proves a path, or verifies a certificate again."""
 
+import contextlib
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ from pipeline.cli.options import ForceOption, OutOption, UnprovenOption, Verbose
 from pipeline.cli.output import text_table
 from pipeline.cli.run_stages import run_stages
 from pipeline.errors import NoSolutionError, UsageError
+from pipeline.regular_file import open_regular_file
 from pipeline.stage import Stage
 
 
@@ -64,6 +66,7 @@ def verify_file(file: Path) -> None:
     NoSolutionError
         When a claim is not verified; the table shows every claim.
     """
+    from pipeline.artifacts.files import MOST_BYTES
     from pipeline.artifacts.layout import CERTIFICATE_JSON
     from pipeline.artifacts.results.certificate import read_certificate
     from pipeline.certify.recheck import verify
@@ -71,6 +74,8 @@ def verify_file(file: Path) -> None:
     from pipeline.run.reading import open_results
 
     file = file / CERTIFICATE_JSON if file.is_dir() else file
+    with contextlib.suppress(FileNotFoundError):
+        open_regular_file(file, MOST_BYTES).close()
     stated = read_certificate(file)
     results = open_results(file.parent)
     config, machine, path = results.config, results.machine, results.refinement.path

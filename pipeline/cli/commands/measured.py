@@ -1,6 +1,7 @@
 """Commands for measurements: compare a measured motion with the commanded one, and simulate a measurement."""
 
 import json
+import os
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -10,8 +11,9 @@ import typer
 
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.options import RunArgument
-from pipeline.cli.output import check_picture, refuse_inside, save_picture, text_table
+from pipeline.cli.output import check_output, check_picture, save_picture, text_table
 from pipeline.errors import UsageError
+from pipeline.regular_file import read_regular_file
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
@@ -44,6 +46,7 @@ _FIRST: _Point = (0.0, 0.10, 0.05)
 _SECOND: _Point = (0.0, 0.40, 0.05)
 _NOISE_M = 5e-5
 _FACTS = ".json"
+_MOST_FACTS_BYTES = 2**20
 
 
 def measured(
@@ -74,7 +77,7 @@ def measured(
     rows with gaps (empty, ---, NaN, #N/A) are skipped, and counted on stderr
     and in the JSON with their lines; anything else is refused.
     """
-    check_picture(picture)
+    check_picture(picture, run)
     from pipeline.measured import compare_measurement, read_measurement
 
     reflectors = _reflectors(first, second, noise_m)
@@ -146,13 +149,13 @@ def simulate_measurement(
     the same file, with one row per period.
     """
     from pipeline.artifacts import json_bytes, write_whole
+    from pipeline.artifacts.output import write_output
     from pipeline.export.csv import format_csv
     from pipeline.measured import SimulationSetting, measurement_columns
     from pipeline.measured import simulate_measurement as simulate
     from pipeline.retime import sample_trajectory
 
-    if output is not None:
-        _check_output(output, run)
+    beside = None if output is None else _check_output(output, run)
     reflectors, setting = _reflectors(first, second, noise_m), SimulationSetting(geometry_m, seed)
     trajectory, period_s = _driven(run, speed, period_s, back)
     samples = sample_trajectory(trajectory, period_s)
@@ -161,44 +164,50 @@ def simulate_measurement(
     if output is None:
         typer.echo(text, nl=False)
         return
-    write_whole(output, text.encode())
-    facts: dict[str, Any] = {
-        "simulated": True,
-        "run": str(run),
-        "speed": 1.0 if speed is None else speed,
-        "period_s": period_s,
-        "back": back,
-        "reflectors": reflectors,
-        "setting": setting,
-    }
-    write_whole(output.with_suffix(_FACTS), json_bytes(facts))
-    messages_console().print(
-        f"{output}: {len(samples):,} rows of a simulated measurement; {output.with_suffix(_FACTS)}: how it was made",
-        soft_wrap=True,
-    )
+    write_output(output, text.encode())
+    made = f"{output}: {len(samples):,} rows of a simulated measurement"
+    if beside is not None:
+        facts: dict[str, Any] = {
+            "simulated": True,
+            "run": str(run),
+            "speed": 1.0 if speed is None else speed,
+            "period_s": period_s,
+            "back": back,
+            "reflectors": reflectors,
+            "setting": setting,
+        }
+        write_whole(beside, json_bytes(facts))
+        made += f"; {beside}: how it was made"
+    messages_console().print(made, soft_wrap=True)
 
 
-def _check_output(output: Path, run: Path) -> None:
-    """Refuse an output inside the run, and one beside which a file would be replaced that says something else."""
-    if not output.name:
-        raise UsageError(f"--output {output}: is a folder: give the name of a file")
-    refuse_inside(output, run)
-    facts = output.with_suffix(_FACTS)
+def _check_output(output: Path, run: Path) -> Path | None:
+    """Check where the table goes; give the name of the file beside it that says how it was made, if there is one."""
+    from pipeline.artifacts.output import is_written_through
+
+    check_output(output, run)
+    if is_written_through(output):
+        return None
     if output.suffix == _FACTS:
         raise UsageError(
             f"--output {output}: a {_FACTS} file beside the table says how it was made: give another ending"
         )
-    if facts.exists() and not _is_facts(facts):
-        raise UsageError(f"--output {output}: {facts} would say how it was made, but there is another file: rename one")
+    facts = output.with_suffix(_FACTS)
+    if os.path.lexists(facts) and not _is_simulated(facts):
+        raise UsageError(
+            f"--output {output}: {facts} would say how the table was made, but is there already, and says something "
+            "else: give another name"
+        )
+    return facts
 
 
-def _is_facts(file: Path) -> bool:
-    """Recognise a file that this command wrote beside a table."""
+def _is_simulated(facts: Path) -> bool:
+    """Check whether a file says of a table that it is simulated."""
     try:
-        facts = json.loads(file.read_bytes())
+        value = {} if facts.is_symlink() else json.loads(read_regular_file(facts, _MOST_FACTS_BYTES))
     except (OSError, ValueError, RecursionError):
         return False
-    return isinstance(facts, dict) and facts.get("simulated") is True
+    return isinstance(value, dict) and value.get("simulated") is True and "setting" in value
 
 
 def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":
