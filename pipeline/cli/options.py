@@ -33,7 +33,7 @@ VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the s
 
 
 def load_task(path: Path) -> "Config":
-    """Read a configuration, and check that the machine can be at its start and goal.
+    """Read a configuration, and check that its grid fits and the machine can be at its start and goal.
 
     Raises
     ------
@@ -43,9 +43,11 @@ def load_task(path: Path) -> "Config":
     from pipeline.config.file import load_config
     from pipeline.machine.geometry import build_machine
     from pipeline.route.regions.endpoints import task_endpoints
+    from pipeline.route.regions.size import require_grid_fits
 
     config = load_config(path)
     try:
+        require_grid_fits(config)
         task_endpoints(config, build_machine(config.machine))
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None

@@ -15,7 +15,9 @@ from pipeline.config.task import TaskConfig
 class Config(Section):
     """The whole configuration of one run."""
 
-    name: str = Field("", pattern=NAME_PATTERN, max_length=MOST_NAME, description="name of the run; default: the file's name")
+    name: str = Field(
+        "", pattern=NAME_PATTERN, max_length=MOST_NAME, description="name of the run; default: the file's name"
+    )
     machine: MachineConfig
     task: TaskConfig
     route: RouteConfig

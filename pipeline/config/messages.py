@@ -46,6 +46,8 @@ def explain(error: ErrorDetails) -> ConfigIssue:
     schema = _schema_at(location)
     if kind == "missing":
         return ConfigIssue(path, f"is missing; allowed is {_allowed(schema)}")
+    if kind == "too_long" and isinstance(value, list) and "items" in _given(schema):
+        return ConfigIssue(path, f"has {len(value):,} entries; allowed are at most {_given(schema)['maxItems']}", value)
     if kind == "truth_value" and isinstance(value, list):
         # The one entry of the list that is at fault, if the list has so many.
         entry = next(k for k, item in enumerate(value) if isinstance(item, bool))
@@ -116,8 +118,7 @@ def _allowed(schema: _Schema) -> str:
 
 def _allowed_list(schema: _Schema) -> str:
     if "prefixItems" not in schema:
-        most = f"at most {schema['maxItems']:,} times " if "maxItems" in schema else ""
-        return f"a list of {most}{_allowed(schema['items'])}"
+        return f"a list of {_allowed(schema['items'])}"
     length, item = schema["minItems"], schema["prefixItems"][0]
     kind = "sections" if "$ref" in item else f"words ({_allowed(item)})" if "pattern" in item else ""
     return f"a list of {length} {kind or f'numbers{_range(item)}'}"

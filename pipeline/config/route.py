@@ -76,6 +76,9 @@ class RouteConfig(Section):
     )
     time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
     memory_gb: float = Field(
-        4.0, gt=0.0, le=10_000.0, description="memory that regions, moves and shortest paths may take up"
+        4.0,
+        gt=0.0,
+        le=10_000.0,
+        description="memory that stage one may take up, beside the 0.2 GB of the program itself",
     )
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())

@@ -60,14 +60,14 @@ class _BoundedLoader(yaml.SafeLoader):
         super().__init__(stream)
         self._count = 0
         self._level = 0
-        self._sizes: dict[str, int] = {}
+        self._sizes: dict[str | None, int] = {}
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        event = self.peek_event()
+        event: Any = self.peek_event()  # type: ignore[no-untyped-call]
         before = self._count
         if isinstance(event, yaml.AliasEvent):
             if event.anchor in self.anchors and event.anchor not in self._sizes:
-                raise _error(event.start_mark, f"cannot be read: *{_cut(event.anchor)} is a part of itself")
+                raise _error(event.start_mark, f"cannot be read: *{_cut(str(event.anchor))} is a part of itself")
             self._grow(self._sizes.get(event.anchor, 0), event)
             return super().compose_node(parent, index)
         self._grow(1, event)
@@ -105,7 +105,7 @@ class _BoundedLoader(yaml.SafeLoader):
             problem = f"cannot be read: a number of {len(node.value):,} characters; allowed are {_MOST_DIGITS}"
             raise _error(node.start_mark, problem)
         try:
-            return super().construct_object(node, deep)  # type: ignore[no-untyped-call]  # PyYAML has no types here
+            return super().construct_object(node, deep)
         # What PyYAML lets through where a text is no value of its kind: it computes with what is not there.
         except (ValueError, LookupError, AttributeError, TypeError, ArithmeticError) as error:
             why = str(error) if kind == "timestamp" and isinstance(error, ValueError) else ""

@@ -44,7 +44,10 @@ def write(folder: Path, text: str | bytes) -> Path:
         ("machine: !!python/object:os.system {}\n", "line 1, column 10: is not valid YAML: could not determine a "),
         ("? [a, b]\n: 1\n", "line 1, column 3: cannot be read: a list or section cannot be a key"),
         ("machine: 1\nname: \x07\n", "line 2: has a control character, which YAML does not allow"),
-        ("name: 2024-13-45\n", "line 1, column 7: cannot be read: '2024-13-45' is not a value of the type timestamp (month"),
+        (
+            "name: 2024-13-45\n",
+            "line 1, column 7: cannot be read: '2024-13-45' is not a value of the type timestamp (month",
+        ),
         (b"name: caf\xe9\n", "(file): is not a UTF-8 text file"),
         ("", "(top level): must be a section with the keys machine, task and route"),
         ("- machine\n", "(top level): must be a section with the keys machine, task and route"),

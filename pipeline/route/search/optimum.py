@@ -14,10 +14,11 @@ from pipeline.arrays import IntArray
 from pipeline.errors import NoSolutionError
 from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves
 from pipeline.route.cost import region_costs
+from pipeline.route.memory import require_memory
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import build_core
+from pipeline.route.programs.core import build_core, core_bytes
 from pipeline.route.programs.core_program import build_core_program, read_core
 from pipeline.route.programs.exclusions import excluded_pairs
 from pipeline.route.programs.solution import StepSequence, solve_steps
@@ -119,6 +120,9 @@ def solve_whole(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> Pro
     whole = WHOLE_PROGRAMS[options.formulation]
     problem.monitor.progress(f"route: writing the {options.formulation} program")
     excluded = excluded_pairs(problem.config, regions, graph.moves)
+    size = whole.size(len(regions), N, len(excluded), len(np.unique(excluded.source)), problem.budgets)
+    what = f"the {options.formulation} program of {size.entries:,} matrix entries"
+    require_memory(options, size.solved_bytes, what, "set route.formulation to core")
     program = whole.build(regions, excluded, problem.steps, N, problem.budgets)
     found = solve_steps(program, lambda values: whole.read(values, regions, N), options.time_limit_s, problem.monitor)
     if found.outcome.status is Status.INFEASIBLE:
@@ -154,6 +158,9 @@ def prove_on_core(
         if threshold > reach:
             reach = _AHEAD * threshold
             part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
+        what = f"a core of at most {options.step_budget} steps below the threshold {threshold:.2f}"
+        needed = core_bytes(bounds, threshold, options.step_budget)
+        require_memory(options, needed, what, "lower route.step_budget, or coarsen route.grid")
         core = build_core(regions, part, bounds, threshold, options.step_budget, options.x_step_m)
         problem.monitor.progress(
             f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}"
