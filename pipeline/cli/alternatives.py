@@ -12,6 +12,7 @@ from rich.table import Table
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.reporter import make_reporter
 from pipeline.config import Config
+from pipeline.config.section import MOST_NAME
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
 
@@ -67,7 +68,7 @@ def _of_rank(config: Config, folder: Path, rank: int) -> tuple[Config, Path]:
     # Folders such as . and .. have no name of their own to which a number can be added.
     named = folder if folder.name.strip(".") else Path(os.path.realpath(folder))
     beside = named.parent / f"{named.name}-{rank}"
-    return config.model_copy(update={"route": route, "name": f"{config.name}-{rank}"}), beside
+    return config.model_copy(update={"route": route, "name": f"{config.name[: MOST_NAME - 3]}-{rank}"}), beside
 
 
 def _refuse_other_runs(runs: list[tuple[Config, Path]], specs: "Specs") -> None:

@@ -1,5 +1,6 @@
 """Arguments and options that several commands have, and what they stand for."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -52,6 +53,11 @@ def load_task(path: Path) -> "Config":
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
     return config
+
+
+def results_folder(config: "Config") -> Path:
+    """Name the folder of a run that is given none, in UTF-8 whatever the locale."""
+    return RESULTS / os.fsdecode(config.name.encode())
 
 
 def specs_of(context: typer.Context) -> "Specs":
