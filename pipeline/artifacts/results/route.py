@@ -1,7 +1,8 @@
 """The route as files: `route.npz` to load it back, `route.csv` for people and programs."""
 
+from collections.abc import Callable
 from dataclasses import fields
-from typing import get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def unpack_route(arrays: Arrays) -> Route:
         When an array is missing, or is not one of a route.
     """
     checked = CheckedArrays(arrays)
-    read = {str: checked.text, int: checked.count, float: checked.number}
+    read: dict[type, Callable[[str], Any]] = {str: checked.text, int: checked.count, float: checked.number}
     return Route(
         region=checked.whole("region", "n"),
         modes=checked.whole("mode", "n", most=len(MODES) - 1),

@@ -1,6 +1,6 @@
 """The trajectory as files: `trajectory.npz` to load it back, tables with their sidecars for controllers."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields
 from typing import Any, get_type_hints
 
@@ -80,7 +80,7 @@ def unpack_trajectory(arrays: Arrays, path: Path) -> Trajectory:
 def _timing(checked: CheckedArrays) -> TimingReport | None:
     if not any(f"quality_{field.name}" in checked for field in fields(TimingReport)):
         return None
-    read = {bool: checked.flag, int: checked.count, float: checked.number}
+    read: dict[type, Callable[[str], Any]] = {bool: checked.flag, int: checked.count, float: checked.number}
     return TimingReport(**{name: read[kind](f"quality_{name}") for name, kind in get_type_hints(TimingReport).items()})
 
 
