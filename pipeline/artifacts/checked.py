@@ -33,9 +33,8 @@ class CheckedArrays:
         """Give an array of whole numbers within bounds."""
         array = self._array(name, _WHOLE, "whole numbers", shape)
         if array.size and (int(array.min()) < least or (most is not None and int(array.max()) > most)):
-            raise ValueError(
-                f"{name} has values from {array.min()} to {array.max()}, not from {least} to {most or '...'}"
-            )
+            allowed = f"at least {least}" if most is None else f"from {least} to {most}"
+            raise ValueError(f"{name} has values from {array.min()} to {array.max()}; expected {allowed}")
         return array
 
     def count(self, name: str) -> int:
@@ -68,7 +67,6 @@ class CheckedArrays:
         for length, wanted in zip(array.shape, shape, strict=True):
             needed, by = self._lengths.setdefault(wanted, (length, name)) if isinstance(wanted, str) else (wanted, "")
             if length != needed:
-                raise ValueError(
-                    f"{name} has the shape {array.shape}, of which {needed} are needed{by and f' for {by}'}"
-                )
+                of = f", as many as {by}" if by else ""
+                raise ValueError(f"{name} has the shape {array.shape}, with {length} where {needed} is expected{of}")
         return array

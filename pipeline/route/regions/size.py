@@ -96,7 +96,7 @@ def expected_size(config: Config, machine: Machine) -> TableSize:
     some = points_at(config, numbers.astype(np.int64))
     gates = admissible_regions(config, machine, *gates_beside(config, machine, some))
     sample = RegionTable.concatenate([regions_at(config, machine, some), gates])
-    cut = cut_windows(grown_boxes(config), sample, step_sizes(config.route))
+    cut = cut_windows(grown_boxes(config), sample, step_sizes(config.route)) if config.task.avoid else sample
     visits = [len(rows_to_visit(cut, visit)) for visit in config.task.visit if visit.box is not None]
     scale = points / count
     rows = scale * (len(cut) + sum(visits))
