@@ -5,11 +5,10 @@ instead, and so is what the terminal's encoding does not have.
 """
 
 import os
-import sys
-from typing import TextIO
 import re
+import sys
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, TextIO
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment

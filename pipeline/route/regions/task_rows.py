@@ -30,7 +30,7 @@ def add_task_rows(config: Config, machine: Machine, grid: RegionTable) -> Region
         When no region lies in a box to visit, or the rows would take up more than `route.memory_gb`.
     """
     start, goal = task_endpoints(config, machine)
-    for box in grown_boxes(config):
+    for box in grown_boxes(config) if config.task.avoid else []:
         grid = cut_windows([box], grid, step_sizes(config.route))
         _require_rows(config, len(grid), "avoid")
     visits, rows = [], len(grid)
