@@ -20,8 +20,8 @@ Read = Callable[[Path, int], bytes]
 """Reads a file of at most so many bytes."""
 
 
-_MOST_ISSUES = 20
-"""Faults that are named: a file of another kind has thousands."""
+_MOST_ISSUES = 100
+"""Faults that are explained: a file of another kind has thousands."""
 
 
 def load_config(path: Path | str, read: Read = read_named_file) -> Config:

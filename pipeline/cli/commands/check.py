@@ -24,7 +24,8 @@ def check(
 ) -> None:
     """Check a configuration, and show the machine: degrees of freedom, reach, grid, start and goal.
 
-    Exits with 2 if a key is wrong, or the machine cannot be at the start or goal within its limits.
+    Exits with 2 if a key is wrong, the grid takes more memory than allowed,
+    or the machine cannot be at the start or goal within its limits.
     """
     if schema:
         from pipeline.config import Config
@@ -43,10 +44,12 @@ def check(
     from pipeline.limits.kappa import require_ends_below_cap
     from pipeline.machine.geometry import build_machine
     from pipeline.route.regions.endpoints import task_endpoints
+    from pipeline.route.regions.size import require_table_fits
 
     loaded = load_task(config)
     machine = build_machine(loaded.machine)
     ends = task_endpoints(loaded, machine)
+    require_table_fits(loaded, machine)
     require_ends_below_cap(loaded, [end.kappa for end in ends])
     console = results_console()
     for part in machine_report(loaded, machine, ends):

@@ -31,6 +31,8 @@ _LOW = 0xFFFF
 _SHIFT = 16
 _BLOCK = 2_048
 """Batch size of the neighbour search, in regions."""
+_CANDIDATES = 1_000_000
+"""Candidates of a batch at most, in about 60 bytes each."""
 _CODES_BLOCK = 8_192
 """Batch size of the passing codes, in regions."""
 _SAMPLE = 4_096
@@ -145,7 +147,7 @@ class MoveSearch:
 
     def collect(self, progress: Progress) -> Moves:
         """Find the moves of all origins, block by block."""
-        tasks = [partial(self.moves_from, block) for block in blocks(len(self.origins), _BLOCK)]
+        tasks = [partial(self.moves_from, block) for block in blocks(len(self.origins), self._batch)]
         sources, targets = [], []
         for count, (source, target) in enumerate(in_parallel(tasks), start=1):
             progress("moves", count / len(tasks))
@@ -159,7 +161,13 @@ class MoveSearch:
         """Estimate the number of moves from a sample of origins, all of them where they are few."""
         count = len(self.origins)
         rows = np.linspace(0, count - 1, min(count, sample)).astype(np.int64)
-        return round(len(self.moves_from(rows)[0]) * count / max(len(rows), 1))
+        found = sum(len(self.moves_from(rows[block])[0]) for block in blocks(len(rows), self._batch))
+        return round(found * count / max(len(rows), 1))
+
+    @property
+    def _batch(self) -> int:
+        """Batch size in regions: fewer where many rows share a cell, of which each is a candidate for each."""
+        return int(np.clip(_CANDIDATES / self.cells.candidates, 1, _BLOCK))
 
     def moves_from(self, block: slice | IntArray) -> tuple[IntArray, IntArray]:
         """Find the moves of a block of the origins: rows (m,) they leave and rows they arrive at."""
