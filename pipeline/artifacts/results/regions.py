@@ -12,7 +12,7 @@ from pipeline.artifacts.results.saved import SavedRun
 from pipeline.machine.geometry import MODES
 from pipeline.route.regions.table import RegionTable
 
-_ARMS = 3
+_ARMS, _ENDS = 3, 2
 
 
 def regions_files(table: RegionTable) -> dict[str, bytes]:
@@ -53,6 +53,8 @@ def unpack_regions(arrays: Arrays) -> RegionTable:
         When one is missing, or is not a column of such a table.
     """
     checked = CheckedArrays(arrays)
+    if len(checked.whole("mode", "n")) < _ENDS:
+        raise ValueError("it has no rows for start and goal")
     same_name = ("ry_rad", "kappa", "det_sign", "link_distance_m")
     return RegionTable(
         controlled=stack_columns(checked, CONTROLLED_COLUMNS),

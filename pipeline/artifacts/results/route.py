@@ -17,7 +17,7 @@ from pipeline.machine.geometry import MODES
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
 
-_ARMS = 3
+_ARMS, _ENDS = 3, 2
 
 
 def route_files(route: Route) -> dict[str, bytes]:
@@ -66,6 +66,8 @@ def unpack_route(arrays: Arrays) -> Route:
         When an array is missing, or is not one of a route.
     """
     checked = CheckedArrays(arrays)
+    if len(checked.whole("region", "n")) < _ENDS:
+        raise ValueError("it has no rows for start and goal")
     read: dict[type, Callable[[str], Any]] = {str: checked.text, int: checked.count, float: checked.number}
     return Route(
         region=checked.whole("region", "n"),

@@ -21,6 +21,7 @@ from pipeline.refine.result import Path
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples
 
 _MOST_COEFFICIENTS = 10
+_ROUNDING = 1e-6
 
 
 def trajectory_files(
@@ -74,7 +75,10 @@ def unpack_trajectory(arrays: Arrays, path: Path) -> Trajectory:
     coefficients = checked.floats("coefficients", "d", len(t_s) - 1)
     if not 1 <= len(coefficients) <= _MOST_COEFFICIENTS:
         raise ValueError(f"coefficients has the shape {coefficients.shape}")
-    return Trajectory(path, PPoly(coefficients, t_s), (start, goal), _timing(checked))
+    time_law = PPoly(coefficients, t_s)
+    if not np.allclose(time_law(t_s[[0, -1]]), [0.0, 1.0], rtol=0.0, atol=_ROUNDING):
+        raise ValueError("s does not run from 0 to 1")
+    return Trajectory(path, time_law, (start, goal), _timing(checked))
 
 
 def _timing(checked: CheckedArrays) -> TimingReport | None:
