@@ -14,6 +14,7 @@ from pipeline.cli.reporter import make_reporter
 from pipeline.config import Config
 from pipeline.config.section import MOST_NAME
 from pipeline.errors import NoSolutionError, UsageError
+from pipeline.regular_file import read_regular_file
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ def _refuse_other_runs(runs: list[tuple[Config, Path]], specs: "Specs") -> None:
     for config, folder in runs:
         require_usable(folder, [pattern for spec in specs for pattern in spec.patterns])
         there, rank = folder / CONFIG, config.route.alternative
-        if rank > 1 and there.exists() and load_config(there).route.alternative != rank:
+        if rank > 1 and there.exists() and load_config(there, read_regular_file).route.alternative != rank:
             raise UsageError(
                 f"{folder} already holds another run, not alternative number {rank}: nothing was changed.\n"
                 "  What to change: give another folder with --out, or move that one away."

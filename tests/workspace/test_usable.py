@@ -193,6 +193,6 @@ def test_the_rim_shrinks_with_the_step(machine: Machine) -> None:
 
 def test_more_cells_than_memory_are_not_computed(machine: Machine) -> None:
     """They are counted first, and the message has a step that would do."""
-    with pytest.raises(UsageError, match=r"a step of 0\.0001 m makes 186,\d{3},\d{3} cells .* \(--step\)") as caught:
+    with pytest.raises(UsageError, match=r"a step of 0\.0001 m makes 185,\d{3},\d{3} cells .* \(--step\)") as caught:
         usable_workspace(machine, WorkspaceSetting(step_m=1e-4))
     assert "at least 0.00064 m" in str(caught.value)
