@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Self
 
+_MOST_SHOWN = 20
+"""Faults of a configuration that are shown: a file of another kind has thousands."""
+
 
 class PipelineError(Exception):
     """Base of all errors meant for users; the command line prints them without a traceback."""
@@ -30,7 +33,10 @@ class ConfigError(PipelineError):
     def __init__(self, issues: list[ConfigIssue], source: str = "configuration") -> None:
         self.issues = tuple(issues)
         self.source = source
-        super().__init__("\n".join([f"{source} cannot be used:", *(f"  {issue}" for issue in issues)]))
+        rest = len(issues) - _MOST_SHOWN
+        more = [f"  and {rest:,} more"] if rest > 0 else []
+        shown = [f"  {issue}" for issue in issues[:_MOST_SHOWN]]
+        super().__init__("\n".join([f"{source} cannot be used:", *shown, *more]))
 
 
 class UsageError(PipelineError):

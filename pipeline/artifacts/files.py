@@ -130,7 +130,9 @@ def _make_alike(path: Path, old: os.stat_result | None) -> None:
 
 def json_bytes(value: object) -> bytes:
     """Write a value as indented JSON, ending with a newline; `jsonable` says how values are converted."""
-    return (json.dumps(jsonable(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    return (json.dumps(jsonable(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode(
+        errors="backslashreplace"
+    )
 
 
 def jsonable(value: object) -> Any:

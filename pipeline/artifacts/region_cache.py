@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pipeline.artifacts.files import write_whole
-from pipeline.artifacts.npz import npz_bytes, read_npz, readable
+from pipeline.artifacts.npz import MOST_BYTES, npz_bytes, read_npz, readable
 from pipeline.artifacts.results.regions import pack_regions, unpack_regions
 from pipeline.errors import UsageError
 from pipeline.route.regions.table import RegionTable
@@ -21,7 +21,7 @@ _OWN = re.compile(r"[0-9a-f]{64}\.npz|\.[0-9a-f]{1,64}\.[0-9a-f]+\.part")
 """Names of tables, and of what a killed process left of one; all else in the folder is somebody else's."""
 
 
-def load_grid(runs: Path, key: str) -> RegionTable | None:
+def load_grid(runs: Path, key: str, most_bytes: float = MOST_BYTES) -> RegionTable | None:
     """Load the table cached under a key; None if there is none, or it cannot be read.
 
     Parameters
@@ -30,13 +30,15 @@ def load_grid(runs: Path, key: str) -> RegionTable | None:
         The folder that holds the run folders.
     key : str
         Hash of everything the table depends on.
+    most_bytes : float
+        A larger file is not read.
     """
     path = _path(runs, key)
     if not _is_own(path):
         return None
     try:
         with readable(path):
-            table = unpack_regions(read_npz(path))
+            table = unpack_regions(read_npz(path, most_bytes))
         os.utime(path)
     except (UsageError, OSError):
         return None

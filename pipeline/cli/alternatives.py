@@ -12,7 +12,9 @@ from rich.table import Table
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.reporter import make_reporter
 from pipeline.config import Config
+from pipeline.config.section import MOST_NAME
 from pipeline.errors import NoSolutionError, UsageError
+from pipeline.regular_file import read_regular_file
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
@@ -68,7 +70,7 @@ def _of_rank(config: Config, folder: Path, rank: int) -> tuple[Config, Path]:
     # Folders such as . and .. have no name of their own to which a number can be added.
     named = folder if folder.name.strip(".") else Path(os.path.realpath(folder))
     beside = named.parent / f"{named.name}-{rank}"
-    return config.model_copy(update={"route": route, "name": f"{config.name}-{rank}"}), beside
+    return config.model_copy(update={"route": route, "name": f"{config.name[: MOST_NAME - 3]}-{rank}"}), beside
 
 
 def _refuse_other_runs(runs: list[tuple[Config, Path]], specs: "Specs") -> None:
@@ -80,7 +82,7 @@ def _refuse_other_runs(runs: list[tuple[Config, Path]], specs: "Specs") -> None:
     for config, folder in runs:
         require_usable(folder, [pattern for spec in specs for pattern in spec.patterns])
         there, rank = folder / CONFIG, config.route.alternative
-        if rank > 1 and there.exists() and load_config(there).route.alternative != rank:
+        if rank > 1 and there.exists() and load_config(there, read_regular_file).route.alternative != rank:
             raise UsageError(
                 f"{folder} already holds another run, not alternative number {rank}: nothing was changed.\n"
                 "  What to change: give another folder with --out, or move that one away."

@@ -1,6 +1,7 @@
 """The application: its name, its version, and how errors are reported."""
 
 import contextlib
+import math
 import sys
 from collections.abc import Callable, Iterator
 from itertools import pairwise
@@ -15,6 +16,7 @@ from pipeline.cli.console import discard_output, print_error, print_message
 from pipeline.cli.interrupts import ignore_interrupts
 from pipeline.errors import PipelineError, UsageError
 
+_NO_SOLUTION = 1
 _USAGE = 2
 _INTERRUPTED = 130
 _BROKEN_PIPE = 141
@@ -66,7 +68,10 @@ class _Group(TyperGroup):
 
 
 class _Command(TyperCommand):
-    """A command that takes no empty text for a path: it would be the working directory."""
+    """A command that takes no empty text for a path, and no NaN or infinity for a number.
+
+    An empty path would be the working directory; a NaN passes every bound, as all comparisons with it are false.
+    """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments of the command."""
@@ -77,7 +82,18 @@ class _Command(TyperCommand):
                 raise UsageError(f"{option} is empty: give the name of a file or folder, or omit it")
             if not argument and not before.startswith("-"):
                 raise UsageError("an argument is empty: give the name of a file or folder")
-        return super().parse_args(ctx, args)
+        rest = super().parse_args(ctx, args)
+        parameters: list[Any] = self.params
+        for parameter in parameters:
+            _require_finite(ctx, parameter)
+        return rest
+
+
+def _require_finite(ctx: Any, parameter: Any) -> None:
+    value = ctx.params.get(parameter.name)
+    for number in value if isinstance(value, list | tuple) else (value,):
+        if isinstance(number, float) and not math.isfinite(number):
+            raise typer.BadParameter(f"{number} is not a finite number", ctx=ctx, param=parameter)
 
 
 def _leave(code: int) -> NoReturn:
@@ -98,6 +114,12 @@ def _errors_reported(leave: Callable[[int], NoReturn] = _leave) -> Iterator[None
         leave(_INTERRUPTED)
     except OSError as error:
         leave(_report_system_error(error))
+    except MemoryError:
+        print_error(
+            "there is not enough memory.\n"
+            "  What to change: lower route.memory_gb to what there is, or coarsen route.grid."
+        )
+        leave(_NO_SOLUTION)
 
 
 def _report_system_error(error: OSError) -> int:

@@ -1,5 +1,6 @@
 """A machine and its task as tables: geometry, reach, grid, start and goal."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -15,7 +16,8 @@ from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
-from pipeline.workspace.reach import STEP_M, usable_reach
+from pipeline.route.regions.size import expected_size
+from pipeline.workspace.reach import reach_step, usable_reach
 
 
 def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> list[RenderableType]:
@@ -26,7 +28,7 @@ def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpo
         _limits(machine),
         _links(machine),
         _reach(config, machine),
-        _grid(config),
+        _grid(config, machine),
         _ends(config, machine, ends),
         *machine_notes(config, machine, ends[0]),
     ]
@@ -89,9 +91,9 @@ def _links(machine: Machine) -> Table:
 
 
 def _reach(config: Config, machine: Machine) -> Table:
-    cap = config.route.kappa_max
+    cap, step = config.route.kappa_max, reach_step(machine)
     table = _table(
-        f"Reach without tilt (kappa up to {cap:g}, strokes, carts and clearance kept; to {STEP_M:g} m)",
+        f"Reach without tilt (kappa up to {cap:g}, strokes, carts and clearance kept; to {step:.2g} m)",
         "working mode",
         "x m",
         "y m",
@@ -99,7 +101,7 @@ def _reach(config: Config, machine: Machine) -> Table:
         "area m^2",
     )
     for mode in dict.fromkeys((config.task.start.mode, config.task.goal.mode)):
-        reach = usable_reach(machine, MODES.index(mode), cap)
+        reach = usable_reach(machine, MODES.index(mode), cap, step)
         spans = [
             "none" if span is None else f"{span[0]:.2f} to {span[1]:.2f}" for span in (reach.x_m, reach.y_m, reach.z_m)
         ]
@@ -107,11 +109,14 @@ def _reach(config: Config, machine: Machine) -> Table:
     return table
 
 
-def _grid(config: Config) -> Table:
+def _grid(config: Config, machine: Machine) -> Table:
     axes = grid_axes(config)
-    count = len(MODES) * int(np.prod([len(axis) for axis in axes]))
+    count = len(MODES) * math.prod(len(axis) for axis in axes)
+    size = expected_size(config, machine)
     table = _table(
-        f"Grid: {count:,} candidates in {len(MODES)} working modes, plus gates",
+        f"Grid: {count:,} candidates in {len(MODES)} working modes, plus gates; about {_rounded(size.regions)} regions "
+        f"and {_rounded(size.moves)} moves in {_rounded(size.memory_gb)} GB of memory, "
+        f"allowed {config.route.memory_gb:g}",
         "axis",
         "least",
         "largest",
@@ -124,6 +129,11 @@ def _grid(config: Config) -> Table:
         values = np.rad2deg(axis) if name.endswith("deg") else axis
         table.add_row(name, f"{values[0]:.4g}", f"{values[-1]:.4g}", f"{step:g}", str(len(axis)))
     return table
+
+
+def _rounded(value: float) -> str:
+    """Give two digits: an estimate has no more."""
+    return f"{float(f'{value:.2g}'):,g}" if value < 1e6 else f"{float(f'{value:.2g}') / 1e6:,g} million"
 
 
 def _ends(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Table:

@@ -1,5 +1,6 @@
 """Arguments and options that several commands have, and what they stand for."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -39,7 +40,7 @@ VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the s
 
 
 def load_task(path: Path) -> "Config":
-    """Read a configuration, and check that the machine can be at its start and goal, and what counting excludes.
+    """Read a configuration; check that its grid fits, that the machine can be at its ends, and what counting excludes.
 
     Raises
     ------
@@ -49,13 +50,20 @@ def load_task(path: Path) -> "Config":
     from pipeline.config.file import load_config
     from pipeline.machine.geometry import build_machine
     from pipeline.route.regions.counting import require_possible_task
+    from pipeline.route.regions.size import require_grid_fits
 
     config = load_config(path)
     try:
+        require_grid_fits(config)
         require_possible_task(config, build_machine(config.machine))
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
     return config
+
+
+def results_folder(config: "Config") -> Path:
+    """Name the folder of a run that is given none, in UTF-8 whatever the locale."""
+    return RESULTS / os.fsdecode(config.name.encode())
 
 
 def specs_of(context: typer.Context) -> "Specs":

@@ -1,5 +1,6 @@
 """The process of the command line: what has to be settled before anything that loads slowly is imported."""
 
+import io
 import os
 import sys
 
@@ -15,6 +16,9 @@ def main() -> None:
 
     if interruptible:
         raise_interrupts()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # A locale without umlauts must not end the program after its work is done.
+        sys.stdout.reconfigure(errors="backslashreplace")
     app()
 
 

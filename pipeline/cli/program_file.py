@@ -25,6 +25,7 @@ def write_program(config: Config, target: Path, console: Console) -> None:
     _check(config, target)
     from pipeline.artifacts.files import naming
     from pipeline.artifacts.output import output_folder, place_output
+    from pipeline.route.memory import require_memory
     from pipeline.route.moves.candidates import find_moves
     from pipeline.route.problem import RouteProblem
     from pipeline.route.programs.exclusions import excluded_pairs
@@ -37,7 +38,7 @@ def write_program(config: Config, target: Path, console: Console) -> None:
     with console.status("regions and moves"):
         regions = build_regions(config, machine)
         problem = RouteProblem.of(config, machine, regions, find_moves(config, machine, regions))
-        graph = expand_states(regions, problem.moves, np.zeros((0, len(regions)), dtype=bool))
+        graph = expand_states(regions, problem.moves, np.zeros((0, len(regions)), dtype=bool), config.route)
         exclusions = excluded_pairs(config, graph.regions, graph.moves)
     name, N, count = config.route.formulation, config.route.step_budget, len(graph.regions)
     whole = WHOLE_PROGRAMS[name]
@@ -46,6 +47,7 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         f"{count:,} regions, N = {N}; the {name} program: {size.columns:,} variables ({size.booleans:,} "
         f"of them boolean), {size.rows:,} rows, {size.entries:,} entries"
     )
+    require_memory(config.route, size.built_bytes, "the program", "coarsen route.grid, or lower route.step_budget")
     with console.status(f"writing {target}"):
         program = whole.build(graph.regions, exclusions, problem.steps, N, problem.budgets)
         # Written beside the target and renamed, so that the target is always complete.

@@ -11,14 +11,16 @@ from pipeline.config.machine.machine import MachineConfig
 from pipeline.config.refine import RefineConfig
 from pipeline.config.retime import RetimeConfig
 from pipeline.config.route import RouteConfig
-from pipeline.config.section import NAME_PATTERN, Section, wrong
+from pipeline.config.section import MOST_NAME, NAME_PATTERN, Section, wrong
 from pipeline.config.task import TaskConfig
 
 
 class Config(Section):
     """The whole configuration of one run."""
 
-    name: str = Field("", pattern=NAME_PATTERN, description="name of the run; default: the file's name")
+    name: str = Field(
+        "", pattern=NAME_PATTERN, max_length=MOST_NAME, description="name of the run; default: the file's name"
+    )
     machine: MachineConfig
     task: TaskConfig
     route: RouteConfig

@@ -78,6 +78,9 @@ class RouteConfig(Section):
         300.0, gt=0.0, description="for the whole search; then the best route so far counts as not proven optimal"
     )
     memory_gb: float = Field(
-        4.0, gt=0.0, le=10_000.0, description="memory that regions, moves and shortest paths may take up"
+        4.0,
+        gt=0.0,
+        le=10_000.0,
+        description="memory that stage one may take up, beside the 0.2 GB of the program itself",
     )
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())

@@ -134,7 +134,7 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
     """Find the best route that strays from the better ones: solve, follow, forbid what fails, solve again."""
     options, regions, progress = problem.options, problem.regions, problem.monitor.progress
     near = [near_route(regions, problem.steps, route.region, options.alternative_distance) for route in better]
-    graph = expand_states(regions, problem.moves, np.array(near, dtype=bool).reshape(-1, len(regions)))
+    graph = expand_states(regions, problem.moves, np.array(near, dtype=bool).reshape(-1, len(regions)), options)
     progress("route: shortest paths")
     bounds = priced_bounds(graph.regions, graph.moves, problem.budgets, progress)
     require_route(problem, graph, bounds)

@@ -14,6 +14,7 @@ from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageEr
 from pipeline.machine.geometry import build_machine
 from pipeline.progress import Monitor
 from pipeline.route.regions.counting import require_possible_task
+from pipeline.route.regions.size import require_grid_fits
 from pipeline.run.diagnosis import Diagnosis
 from pipeline.run.failure import failure_product, is_proven_infeasible
 from pipeline.run.options import RunOptions
@@ -53,7 +54,8 @@ def run_pipeline(
     Raises
     ------
     ConfigError
-        When the machine cannot be at the start or goal, or the task is impossible by counting; nothing was changed.
+        When the machine cannot be at the start or goal, the task is impossible by counting, or the grid takes up more
+        memory than allowed; nothing was changed.
     UsageError
         When the stages asked for are not a range, results they need are missing or outdated, or the folder is not one
         that a run may write to.
@@ -63,6 +65,7 @@ def run_pipeline(
     """
     out = Path(out)
     machine = build_machine(config.machine)
+    require_grid_fits(config)
     require_possible_task(config, machine)
     _check_range(out, options.first, options.last)
     with open_run_folder(out, [pattern for spec in specs for pattern in spec.patterns]) as folder:

@@ -31,7 +31,7 @@ def make_regions(machine: Machine, count: int = 5) -> RegionTable:
     return RegionTable(
         controlled=pose[:, [0, 1, 2, 3, 5]],
         ry_rad=pose[:, 4],
-        modes=np.arange(count),
+        modes=np.arange(count) % 8,
         gates=np.arange(count) % 4,
         q_m=q,
         kappa=np.geomspace(20.0, 30.0, count),

@@ -8,7 +8,6 @@ import typer
 
 from pipeline.cli.console import messages_console
 from pipeline.cli.options import (
-    RESULTS,
     ConfigArgument,
     ForceOption,
     NoWhyNotOption,
@@ -17,6 +16,7 @@ from pipeline.cli.options import (
     UnprovenOption,
     VerboseOption,
     load_task,
+    results_folder,
     specs_of,
 )
 from pipeline.cli.run_stages import run_stages
@@ -101,7 +101,7 @@ def route(
     if alternatives > 1:
         from pipeline.cli.alternatives import plan_alternatives
 
-        plan_alternatives(chosen, out or RESULTS / chosen.name, alternatives, options, specs_of(context))
+        plan_alternatives(chosen, out or results_folder(chosen), alternatives, options, specs_of(context))
         return
     run_stages(config, chosen, out, options, specs_of(context))
 

@@ -18,6 +18,9 @@ from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.table import RegionTable
 
+_NODE_BYTES = 80
+"""A region at a step: cost and two ends of x, swept from both ends, and what is kept of the sweeps."""
+
 
 @dataclass(frozen=True, eq=False)
 class Core:
@@ -78,7 +81,7 @@ def build_core(
     regions: RegionTable, moves: Moves, bounds: Bounds, threshold: float, step_budget: int, x_step_m: float
 ) -> Core:
     """Expand all routes of cost at most `threshold` with at most `step_budget` positions, within the budgets."""
-    limit = threshold * (1.0 + ROUNDING) + bounds.credit
+    limit = _limit(bounds, threshold)
     arcs = _Arcs.within(regions, moves, bounds, limit)
     left = np.array([budget.left(regions) + ROUNDING for budget in bounds.prices.budgets]).reshape(-1, 1)
     everywhere = _Windows.of_regions(arcs.window_m, step_budget)
@@ -124,6 +127,16 @@ def build_core(
         x_step_m=x_step_m,
         budgets=bounds.prices.budgets,
     )
+
+
+def core_bytes(bounds: Bounds, threshold: float, step_budget: int) -> float:
+    """Count the memory that the sweeps of a core take up: costs, x and use of budgets, per step and region."""
+    inside = int(np.count_nonzero(bounds.forward + bounds.backward <= _limit(bounds, threshold)))
+    return float(step_budget * inside * (_NODE_BYTES + 16 * len(bounds.prices.budgets)))
+
+
+def _limit(bounds: Bounds, threshold: float) -> float:
+    return threshold * (1.0 + ROUNDING) + bounds.credit
 
 
 @dataclass(frozen=True, eq=False)

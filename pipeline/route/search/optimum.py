@@ -15,10 +15,11 @@ from pipeline.progress import Monitor
 from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves
 from pipeline.route.cost import region_costs
 from pipeline.route.deadline import Deadline, OutOfTimeError
+from pipeline.route.memory import require_memory
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import Core, build_core
+from pipeline.route.programs.core import Core, build_core, core_bytes
 from pipeline.route.programs.core_program import build_core_program, read_core
 from pipeline.route.programs.exclusions import excluded_pairs
 from pipeline.route.programs.solution import StepSequence, solve_steps
@@ -123,6 +124,9 @@ def solve_whole(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> Opt
     whole = WHOLE_PROGRAMS[options.formulation]
     problem.monitor.progress(f"route: writing the {options.formulation} program")
     excluded = excluded_pairs(problem.config, regions, graph.moves)
+    size = whole.size(len(regions), N, len(excluded), len(np.unique(excluded.source)), problem.budgets)
+    what = f"the {options.formulation} program of {size.entries:,} matrix entries"
+    require_memory(options, size.solved_bytes, what, "set route.formulation to core")
     program = whole.build(regions, excluded, problem.steps, N, problem.budgets)
     deadline = problem.deadline
     found = solve_steps(
@@ -183,6 +187,9 @@ def _raise_threshold(
         if threshold > reach:
             reach = _AHEAD * threshold
             part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
+        what = f"a core of at most {options.step_budget} steps below the threshold {threshold:.2f}"
+        needed = core_bytes(bounds, threshold, options.step_budget)
+        require_memory(options, needed, what, "lower route.step_budget, or coarsen route.grid")
         core = build_core(regions, part, bounds, threshold, options.step_budget, options.x_step_m)
         problem.monitor.progress(
             f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}"
