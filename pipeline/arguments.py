@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.errors import ArgumentError
 
 Shape = tuple[int | str, ...]
@@ -86,6 +86,20 @@ def require_whole(name: str, value: object, least: int, largest: int) -> int:
     if number != int(number):
         raise ArgumentError(f"{name}: expected a whole number, not {number:g}")
     return int(number)
+
+
+def require_whole_numbers(name: str, value: object, least: int, largest: int) -> IntArray:
+    """Return whole numbers between two others as an array of any shape.
+
+    Raises
+    ------
+    ArgumentError
+        If the argument is something else.
+    """
+    array = require_array(name, value, ("...",), least=least, largest=largest)
+    if (array != np.floor(array)).any():
+        raise _wrong(name, array, array != np.floor(array), "whole numbers")
+    return array.astype(np.int64)
 
 
 def require_one_length(**arrays: Any) -> None:

@@ -9,12 +9,12 @@ import pytest
 from pipeline.certify import Certificate, Ranges
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
 from pipeline.certify.recheck.claims.evidence import Evidence
-from pipeline.certify.recheck.claims.holding_force import check, holding_force_bounds
+from pipeline.certify.recheck.claims.holding_force import check, holding_force_bounds, measure
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from pipeline.refine.measure import sample_path
-from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, ends_of, pose_path
+from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, pose_path
 
 KEY = "holding_force_n"
 
@@ -28,8 +28,8 @@ def held(machine: Machine, line: Path, prove: Callable[..., Certificate]) -> Cer
 @pytest.fixture(scope="module")
 def evidence(agder_config: Config, machine: Machine, line: Path, held: Certificate) -> Evidence:
     """Evaluate the boxes of the short path again."""
-    chain = evaluate_chain(machine, line, held.chain)
-    return Evidence(agder_config, machine, ends_of(machine, line, (0, 0)), chain)
+    (segment,) = evaluate_chain(machine, line, held.chain)
+    return Evidence(agder_config, machine, measure(machine, segment))
 
 
 def _stating(certificate: Certificate, largest_n: np.ndarray) -> object:
@@ -60,18 +60,19 @@ def test_bounds_hold_near_a_singularity(machine: Machine, singular_at: float, pr
     bounds = certificate.bounds.ranges[KEY].values[:, 1]
     assert (bounds >= largest).all()
     assert largest.max() > 1_000.0
-    found = holding_force_bounds(strong, strong.masses, *_boxes(evaluate_chain(strong, path, certificate.chain)))
+    found = holding_force_bounds(strong, strong.masses, *_boxes(strong, path, certificate))
     assert (found >= largest).all()
     assert (found <= bounds).all()
 
 
-def _boxes(chain) -> tuple:
-    return chain.boxes, chain.inclusions.image
+def _boxes(machine: Machine, path: Path, certificate: Certificate) -> tuple:
+    (segment,) = evaluate_chain(machine, path, certificate.chain)
+    return segment.boxes, segment.inclusions.image
 
 
-def test_other_arithmetic_finds_the_same(machine: Machine, line: Path, held: Certificate, evidence: Evidence):
+def test_other_arithmetic_finds_the_same(machine: Machine, line: Path, held: Certificate):
     """Above every sample, below what is stated."""
-    found = holding_force_bounds(machine, machine.masses, *_boxes(evidence.chain))
+    found = holding_force_bounds(machine, machine.masses, *_boxes(machine, line, held))
     largest = np.abs(sample_path(line, np.linspace(0.0, 1.0, 4_001)).holding_forces_n).max(axis=0)
     assert held.bounds is not None
     assert (found >= largest).all()

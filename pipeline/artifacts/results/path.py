@@ -5,6 +5,7 @@ import pathlib
 import numpy as np
 from scipy.interpolate import BSpline
 
+from pipeline.arguments import require_array, require_whole
 from pipeline.artifacts.files import write_whole
 from pipeline.artifacts.layout import PATH_CSV, PATH_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
@@ -15,7 +16,7 @@ from pipeline.export.trajectory_columns import POSE
 from pipeline.machine.geometry import Machine
 from pipeline.machine.working_modes import mode_names, working_modes
 from pipeline.refine.measure import PathSamples
-from pipeline.refine.result import Path, Refinement
+from pipeline.refine.result import MOST_DEGREE, Path, Refinement
 from pipeline.status import Status
 
 
@@ -98,6 +99,21 @@ def pack_path(path: Path, prefix: str) -> dict[str, object]:
 
 
 def unpack_path(arrays: Arrays, prefix: str, machine: Machine) -> Path:
-    """Rebuild a path for the machine it was made for."""
-    spline = BSpline(arrays[f"{prefix}knots"], arrays[f"{prefix}coefficients"], arrays[f"{prefix}degree"].item())
-    return Path(machine, spline, arrays[f"{prefix}node_s"], arrays[f"{prefix}node_pose"])
+    """Rebuild a path for the machine it was made for.
+
+    Raises
+    ------
+    KeyError, ArgumentError
+        When an array is missing, or not one of real numbers, which `BSpline` would make of it.
+    """
+    knots, coefficients, node_s, node_pose = (
+        require_array(f"{prefix}{name}", arrays[f"{prefix}{name}"], shape)
+        for name, shape in (
+            ("knots", ("n",)),
+            ("coefficients", ("n", 5)),
+            ("node_s", ("k",)),
+            ("node_pose", ("k", 6)),
+        )
+    )
+    degree = require_whole(f"{prefix}degree", arrays[f"{prefix}degree"], 0, MOST_DEGREE)
+    return Path(machine, BSpline(knots, coefficients, degree), node_s, node_pose)
