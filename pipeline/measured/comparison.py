@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.arguments import require_array
 from pipeline.arrays import FloatArray
 from pipeline.machine.pose import CONTROLLED
 from pipeline.measured.estimate import estimate_poses
@@ -93,8 +94,9 @@ def compare_measurement(
     Raises
     ------
     UsageError
-        When the reflectors do not determine the pose.
+        When the reflectors do not determine the pose, or the poses have another shape or are no finite numbers.
     """
+    commanded = require_array("commanded", commanded, (len(measurement.t_s), 6))
     asked = commanded[:, CONTROLLED]
     if measurement.reflectors_m is not None:
         estimate = estimate_poses(reflectors, measurement.reflectors_m, commanded)

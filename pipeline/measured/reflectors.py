@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arguments import require_array, require_number
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import rotation
 
@@ -21,10 +22,19 @@ class Reflectors:
         Both reflectors in the platform frame, from the TCP.
     noise_m : float
         Standard deviation of every measured coordinate; independent, zero mean.
+
+    Raises
+    ------
+    ArgumentError
+        If the places have another shape or are no finite numbers, or the noise is negative.
     """
 
     points_m: FloatArray
     noise_m: float
+
+    def __post_init__(self) -> None:
+        require_array("points_m", self.points_m, (2, 3))
+        require_number("noise_m", self.noise_m, least=0.0)
 
 
 def reflector_positions(points_m: FloatArray, pose: FloatArray) -> FloatArray:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pipeline.arguments import require_whole
 from pipeline.config import Config, RouteConfig
 from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import move_limits
@@ -26,6 +27,8 @@ from pipeline.route.search.states import expand_states, near_route
 from pipeline.solvers.highs import solver_name
 from pipeline.status import Status
 
+_MOST_ROUTES = 1_000
+"""More routes than a search could give."""
 Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
 """Follows the moves of a route; gives the first step of each inadmissible one, and why it is."""
 
@@ -71,7 +74,10 @@ def plan_routes(
         When there is no route at all (proven).
     NoSolutionError
         When the solver's time limit or the rounds run out, or the moves need too much memory.
+    ArgumentError
+        When the count is not a whole number of at least one.
     """
+    count = require_whole("count", count, 1, _MOST_ROUTES)
     moves = find_moves(config, machine, regions, monitor)
     return solve_problem(RouteProblem.of(config, machine, regions, moves, monitor), count)
 
