@@ -13,6 +13,7 @@ from .errors import (
     PipelineError as PipelineError,
     ConfigError as ConfigError,
     UsageError as UsageError,
+    ArgumentError as ArgumentError,
     NoSolutionError as NoSolutionError,
     InfeasibleError as InfeasibleError,
     ForwardKinematicsError as ForwardKinematicsError,

@@ -1,16 +1,30 @@
 """What can go wrong, reported so that a user can act on it; every class has its exit code."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 _MOST_SHOWN = 20
 """Faults of a configuration that are shown: a file of another kind has thousands."""
 
 
 class PipelineError(Exception):
-    """Base of all errors meant for users; the command line prints them without a traceback."""
+    """Base of all errors meant for users; the command line prints them without a traceback.
+
+    Errors of every subclass, whatever its constructor takes, can be pickled and copied: a process pool hands them on.
+    """
 
     exit_code = 1
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore_error, (type(self), self.args, self.__dict__)
+
+
+def _restore_error(kind: type[PipelineError], args: tuple[Any, ...], attributes: dict[str, Any]) -> PipelineError:
+    """Rebuild an error without its constructor, which takes other arguments than the message."""
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(attributes)
+    return error
 
 
 @dataclass(frozen=True)
@@ -43,6 +57,10 @@ class UsageError(PipelineError):
     """A command was given something it cannot use (a missing run folder, an unknown stage)."""
 
     exit_code = 2
+
+
+class ArgumentError(UsageError, ValueError):
+    """A function was given an argument that its docstring excludes: which one, what it is, what is expected."""
 
 
 class NoSolutionError(PipelineError):

@@ -15,8 +15,8 @@ import pipeline
 PROJECT = Path(__file__).parents[1]
 
 NAMES = """
-CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format InfeasibleError
-InverseSolution
+ArgumentError CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format
+InfeasibleError InverseSolution
 KappaMap KappaProfile MODES Machine MeasuredPath Measurement MeasurementComparison MotionFigures NoSolutionError Path
 PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunData RunOptions RunReport
 RunsRow

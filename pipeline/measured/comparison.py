@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.arguments import require_array
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.machine.pose import CONTROLLED
@@ -12,7 +13,7 @@ from pipeline.measured.estimate import estimate_poses
 from pipeline.measured.plausibility import require_direction, require_units
 from pipeline.measured.reading import Account
 from pipeline.measured.reflectors import Reflectors, reflector_positions
-from pipeline.measured.rows import RowError, require_array
+from pipeline.measured.rows import RowError
 from pipeline.measured.table import MEASURED_POSE, REFLECTORS, Measurement
 
 

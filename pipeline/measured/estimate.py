@@ -18,12 +18,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arguments import require_array
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import cross, dot, rotation, rotation_x
 from pipeline.machine.pose import CONTROLLED, wrap_angle
 from pipeline.measured.reflectors import Reflectors
-from pipeline.measured.rows import RowError, require_array
+from pipeline.measured.rows import RowError
 
 _LEAST_LEVER = 0.05
 """Least |f_y| / |d|: below, noise in rz is amplified more than twentyfold, and linearisation fails."""
@@ -56,7 +57,7 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
         When both reflectors are at one place, do not determine rz at some pose, or cannot be where they were measured;
         when positions or poses have another shape or are not finite. A `RowError` where one row is the reason.
     """
-    commanded = require_array("commanded poses", commanded, (-1, 6))
+    commanded = require_array("commanded poses", commanded, ("n", 6))
     positions_m = require_array("measured reflectors", positions_m, (len(commanded), 2, 3))
     ry = commanded[:, 4]
     arm = reflectors.points_m[1] - reflectors.points_m[0]

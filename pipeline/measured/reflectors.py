@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arguments import require_array, require_number
 from pipeline.arrays import FloatArray
-from pipeline.errors import UsageError
 from pipeline.machine.geometry import rotation
 
 _FARTHEST_M = 10.0
@@ -31,7 +31,7 @@ class Reflectors:
 
     Raises
     ------
-    UsageError
+    ArgumentError
         When places or noise are not finite, not in metres, or of another shape, or noise is negative or nearly 0.
     """
 
@@ -39,19 +39,15 @@ class Reflectors:
     noise_m: float
 
     def __post_init__(self) -> None:
-        points = np.asarray(self.points_m)
-        if points.shape != (2, 3) or points.dtype.kind not in "iuf":
-            raise UsageError(f"two reflectors have three coordinates each as numbers, not an array {points.shape}")
-        for number, point in enumerate(points, 1):
-            if not np.isfinite(point).all():
-                raise UsageError(f"reflector {number} is at {_text(point)}: give three finite numbers in metres")
+        require_array("points_m", self.points_m, (2, 3))
+        for number, point in enumerate(np.asarray(self.points_m), 1):
             if np.abs(point).max() > _FARTHEST_M:
-                raise UsageError(
+                raise ArgumentError(
                     f"reflector {number} is at {_text(point)} m, farther than {_FARTHEST_M:g} m from the TCP.\n"
                     "  What to change: give metres; these look like millimetres."
                 )
-        if not (self.noise_m == 0.0 or _LEAST_NOISE_M <= self.noise_m < np.inf):
-            raise UsageError(f"noise has to be 0 m, or a number of at least {_LEAST_NOISE_M:g} m, not {self.noise_m:g}")
+        if require_number("noise_m", self.noise_m, least=0.0) != 0.0:
+            require_number("noise_m", self.noise_m, least=_LEAST_NOISE_M)
 
 
 def reflector_positions(points_m: FloatArray, pose: FloatArray) -> FloatArray:

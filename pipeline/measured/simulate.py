@@ -1,17 +1,14 @@
 """Simulated measurements: a machine that differs a little from its model drives, and a noisy tracker measures it."""
 
 from dataclasses import dataclass, replace
-from math import isfinite
-from numbers import Integral
 
 import numpy as np
 
+from pipeline.arguments import require_array, require_number, require_one_length, require_whole
 from pipeline.arrays import FloatArray
-from pipeline.errors import UsageError
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.measured.reflectors import Reflectors, reflector_positions
-from pipeline.measured.rows import require_array
 
 
 @dataclass(frozen=True)
@@ -28,7 +25,7 @@ class SimulationSetting:
 
     Raises
     ------
-    UsageError
+    ArgumentError
         When the standard deviation is negative or not finite, or the seed negative or not a whole number.
     """
 
@@ -36,10 +33,8 @@ class SimulationSetting:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.geometry_std_m) and self.geometry_std_m >= 0.0):
-            raise UsageError(f"errors of geometry need a finite standard deviation >= 0, not {self.geometry_std_m:g} m")
-        if not isinstance(self.seed, Integral) or self.seed < 0:
-            raise UsageError(f"the seed has to be a whole number, 0 or more, not {self.seed}")
+        require_number("geometry_std_m", self.geometry_std_m, least=0.0)
+        require_whole("seed", self.seed, 0, 2**53)
 
 
 def simulate_measurement(
@@ -51,13 +46,15 @@ def simulate_measurement(
 
     Raises
     ------
+    ArgumentError
+        When actuators or poses have other shapes or hold what is no finite number.
     ForwardKinematicsError
         When the perturbed machine cannot follow.
     UsageError
         When actuators or poses have another shape, or are not finite.
     """
-    q_m = require_array("actuators", q_m, (-1, 5))
-    commanded = require_array("commanded poses", commanded, (len(q_m), 6))
+    q_m, commanded = require_array("q_m", q_m, ("n", 5)), require_array("commanded", commanded, ("n", 6))
+    require_one_length(q_m=q_m, commanded=commanded)
     geometry, noise = (np.random.default_rng(seed) for seed in np.random.SeedSequence(setting.seed).spawn(2))
     real, zeros_m = perturbed(machine, setting.geometry_std_m, geometry)
     q = q_m.copy()

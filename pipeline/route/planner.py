@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pipeline.arguments import require_whole
 from pipeline.arrays import IntArray
 from pipeline.config import Config, RouteConfig
 from pipeline.errors import InfeasibleError, NoSolutionError
@@ -30,6 +31,8 @@ from pipeline.status import Status
 _FOLLOWED = 8_192
 """Moves followed between two looks at the clock."""
 
+_MOST_ROUTES = 1_000
+"""More routes than a search could give."""
 Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
 """Follows the moves of a route; gives the first step of each inadmissible one, and why it is."""
 
@@ -77,7 +80,10 @@ def plan_routes(
         When there is no route at all (proven).
     NoSolutionError
         When the time runs out before all are found, the rounds run out, or the moves need too much memory.
+    ArgumentError
+        When the count is not a whole number of at least one.
     """
+    count = require_whole("count", count, 1, _MOST_ROUTES)
     moves = find_moves(config, machine, regions, monitor)
     return solve_problem(RouteProblem.of(config, machine, regions, moves, monitor), count)
 

@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.arguments import require_number
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.errors import UsageError
 from pipeline.limits import admitted, pose_limits
@@ -41,12 +42,23 @@ class WorkspaceSetting:
         The tilt at which the workspace is taken.
     step_m : float
         Side of the square cells of the YZ plane, of which the centres are looked at.
+
+    Raises
+    ------
+    ArgumentError
+        If one of them is no finite number, `kappa_max` is less than one, or the step is not positive.
     """
 
     kappa_max: float = 40.0
     rx_rad: float = 0.0
     rz_rad: float = 0.0
     step_m: float = 0.005
+
+    def __post_init__(self) -> None:
+        require_number("kappa_max", self.kappa_max, least=1.0)
+        require_number("rx_rad", self.rx_rad)
+        require_number("rz_rad", self.rz_rad)
+        require_number("step_m", self.step_m, above=0.0)
 
 
 @dataclass(frozen=True, eq=False)

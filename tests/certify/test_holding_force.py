@@ -10,12 +10,12 @@ from scipy.interpolate import CubicSpline
 from pipeline.certify import Certificate, Ranges
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
 from pipeline.certify.recheck.claims.evidence import Evidence
-from pipeline.certify.recheck.claims.holding_force import check, holding_force_bounds
+from pipeline.certify.recheck.claims.holding_force import check, holding_force_bounds, measure
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from pipeline.refine.measure import sample_path
-from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, ends_of, pose_path
+from tests.certify.paths import RLL, START, TOWARDS_SINGULARITY, pose_path
 
 KEY = "holding_force_n"
 
@@ -29,8 +29,8 @@ def held(machine: Machine, line: Path, prove: Callable[..., Certificate]) -> Cer
 @pytest.fixture(scope="module")
 def evidence(agder_config: Config, machine: Machine, line: Path, held: Certificate) -> Evidence:
     """Evaluate the boxes of the short path again."""
-    chain = evaluate_chain(machine, line, held.chain)
-    return Evidence(agder_config, machine, ends_of(machine, line, (0, 0)), chain)
+    (segment,) = evaluate_chain(machine, line, held.chain)
+    return Evidence(agder_config, machine, measure(machine, segment))
 
 
 def _stating(certificate: Certificate, bounds_n: np.ndarray) -> object:
@@ -69,18 +69,19 @@ def test_bounds_hold_near_a_singularity(machine: Machine, singular_at: float, pr
     sampled, bounds = _sampled(path), certificate.bounds.ranges[KEY].values
     assert _within(sampled, bounds)
     assert np.abs(sampled).max() > 1_000.0
-    found = holding_force_bounds(strong, strong.masses, *_boxes(evaluate_chain(strong, path, certificate.chain)))
+    found = holding_force_bounds(strong, strong.masses, *_boxes(strong, path, certificate))
     assert _within(sampled, found)
     assert _within(found, bounds)
 
 
-def _boxes(chain) -> tuple:
-    return chain.boxes, chain.inclusions.image
+def _boxes(machine: Machine, path: Path, certificate: Certificate) -> tuple:
+    (segment,) = evaluate_chain(machine, path, certificate.chain)
+    return segment.boxes, segment.inclusions.image
 
 
-def test_other_arithmetic_finds_the_same(machine: Machine, line: Path, held: Certificate, evidence: Evidence):
+def test_other_arithmetic_finds_the_same(machine: Machine, line: Path, held: Certificate):
     """Wider than all samples, within what is stated."""
-    found = holding_force_bounds(machine, machine.masses, *_boxes(evidence.chain))
+    found = holding_force_bounds(machine, machine.masses, *_boxes(machine, line, held))
     assert held.bounds is not None
     assert _within(_sampled(line), found)
     assert _within(found, held.bounds.ranges[KEY].values)

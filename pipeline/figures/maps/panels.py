@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from pipeline.arguments import require_number
+from pipeline.errors import ArgumentError
 from pipeline.figures import style
 from pipeline.figures.maps.kappa_map import KappaMap
 
@@ -26,7 +28,15 @@ def kappa_map_figure(maps: Mapping[str, KappaMap], kappa_max: float = 100.0) -> 
     """Draw maps of kappa side by side under their titles, in one colour scale that ends at `kappa_max`.
 
     Dark is near a Type-II singularity, the yellow loops are det H = 0, the hatched area is out of reach.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no map, or `kappa_max` is not more than one.
     """
+    if not maps:
+        raise ArgumentError("maps: expected at least one")
+    kappa_max = require_number("kappa_max", kappa_max, above=1.0)
     columns = min(_COLUMNS, len(maps))
     rows = -(-len(maps) // columns)
     first = next(iter(maps.values()))
