@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.arguments import require_array, require_number
 from pipeline.arrays import FloatArray
+from pipeline.errors import ArgumentError
 from pipeline.machine.geometry import rotation
 
 _FARTHEST_M = 10.0

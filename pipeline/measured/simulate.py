@@ -50,8 +50,6 @@ def simulate_measurement(
         When actuators or poses have other shapes or hold what is no finite number.
     ForwardKinematicsError
         When the perturbed machine cannot follow.
-    UsageError
-        When actuators or poses have another shape, or are not finite.
     """
     q_m, commanded = require_array("q_m", q_m, ("n", 5)), require_array("commanded", commanded, ("n", 6))
     require_one_length(q_m=q_m, commanded=commanded)
