@@ -112,8 +112,9 @@ def test_strokes_and_kappa_are_kept(cross_config, quick_config, vary):
 
 
 def test_x_windows_are_where_all_carts_are_on_their_rails(quick):
-    """At either end of a window one cart is at the end of its rail and none beyond; outside one is."""
-    regions, travel = quick.regions.take(slice(0, -2)), quick.machine.travel_m
+    """At either end of a window one cart is a margin away from the end of its rail and none nearer; outside one is."""
+    regions, margin = quick.regions.take(slice(0, -2)), quick.config.refine.travel_margin_m
+    travel = quick.machine.travel_m + [margin, -margin]
     assert (regions.x_window_m[:, 0] <= regions.x_window_m[:, 1]).all()
     for end, outwards in ((0, -1e-6), (1, 1e-6)):
         carts = regions.q_m[:, :3] + regions.x_window_m[:, [end]]
@@ -160,12 +161,13 @@ def test_little_memory_makes_small_blocks_and_the_same_table(small, small_config
 
 
 def test_short_rails_leave_out_what_does_not_fit_on_them(quick, quick_config, vary):
-    """A region is kept exactly when its carts are less far apart than the rails are long."""
+    """A region is kept exactly when its carts are less far apart than the rails are long, less a margin at both ends."""
+    margin = quick_config.refine.travel_margin_m
     rails = {f"machine.rails.{k}.travel_m": [0.0, 0.6] for k in range(3)}
     config = vary(quick_config, rails | {"task.goal.x_m": -0.5})
     kept = build_regions(config, build_machine(config.machine)).take(slice(0, -2))
     every = quick.regions.take(slice(0, -2))
-    expected = every.take(np.ptp(every.q_m[:, :3], axis=1) <= 0.6)
+    expected = every.take(np.ptp(every.q_m[:, :3], axis=1) <= 0.6 - 2.0 * margin)
     assert 0 < len(expected) < len(every)
     np.testing.assert_array_equal(kept.q_m, expected.q_m)
 
