@@ -128,10 +128,8 @@ def solve_whole(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> Opt
     what = f"the {options.formulation} program of {size.entries:,} matrix entries"
     require_memory(options, size.solved_bytes, what, "set route.formulation to core")
     program = whole.build(regions, excluded, problem.steps, N, problem.budgets)
-    deadline = problem.deadline
-    found = solve_steps(
-        program, lambda values: whole.read(values, regions, N), deadline.left_s, deadline.shown(problem.monitor)
-    )
+    deadline, monitor = problem.deadline, problem.deadline.shown(problem.monitor)
+    found = solve_steps(program, lambda values: whole.read(values, regions, N), deadline.left_s, monitor)
     if found.outcome.status is Status.INFEASIBLE:
         return None
     bound = max(found.outcome.bound, bounds.optimum)
@@ -187,8 +185,7 @@ def _raise_threshold(
         if threshold > reach:
             reach = _AHEAD * threshold
             part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
-        what = f"a core of at most {options.step_budget} steps below the threshold {threshold:.2f}"
-        needed = core_bytes(bounds, threshold, options.step_budget)
+        what, needed = f"a core below {threshold:.2f}", core_bytes(bounds, threshold, options.step_budget)
         require_memory(options, needed, what, "lower route.step_budget, or coarsen route.grid")
         core = build_core(regions, part, bounds, threshold, options.step_budget, options.x_step_m)
         problem.monitor.progress(

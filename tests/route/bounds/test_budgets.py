@@ -37,7 +37,7 @@ def test_the_way_along_x_is_taken_off_what_is_left(regions, budgets):
     left = {budget.key: budget.left(regions) for budget in budgets}
     assert left == pytest.approx({"mode_changes": 4.0, "tilt_deg": np.pi / 2.0, "travel_m": 1.7})
     shown = {budget.key: budget.shown(regions, 1.0) for budget in budgets}
-    assert shown == {"mode_changes": "1", "tilt_deg": "57.3", "travel_m": "1.3"}
+    assert shown == {"mode_changes": "1", "tilt_deg": "57.2957", "travel_m": "1.3"}
 
 
 def test_a_price_is_paid_per_use_and_credited_for_all_that_is_left(regions, budgets):
