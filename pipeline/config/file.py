@@ -12,9 +12,9 @@ from pydantic import BaseModel, ValidationError
 from pipeline.config.config import Config
 from pipeline.config.messages import explain
 from pipeline.config.section import MOST_NAME
-from pipeline.config.yaml_text import MOST_BYTES, YamlError, parse_yaml
 from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.regular_file import read_named_file
+from pipeline.yaml_text import MOST_BYTES, YamlError, parse_yaml
 
 Read = Callable[[Path, int], bytes]
 """Reads a file of at most so many bytes."""

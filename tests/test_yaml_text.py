@@ -5,7 +5,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.config.yaml_text import MOST_LEVELS, MOST_VALUES, YamlError, parse_yaml
+from pipeline.yaml_text import MOST_LEVELS, MOST_VALUES, YamlError, parse_yaml
 
 _PLAIN = st.one_of(st.integers(), st.booleans(), st.none(), st.floats(allow_nan=False), st.text(max_size=5))
 _DATA = st.recursive(
