@@ -359,7 +359,7 @@ def test_a_switch_takes_nothing_but_on_and_off(value: object) -> None:
         ("machine.dynamics.platform.inertia_kgm2", [0.1, 0.1, 0.3], "allowed is none larger than the sum of the other"),
         ("machine.dynamics.platform.mass_kg", 0, "is 0; allowed is a number above 0"),
         ("machine.dynamics.friction.carts_n", -2, "is -2; allowed is a number from 0"),
-        ("retime.speed", 1.2, "is 1.2; allowed is a number from 0.001 to 1"),
+        ("retime.speed", 1.2, "is 1.2; allowed is a number from 1e-06 to 1"),
         ("retime.dwell_s", [1.0], "[1]: is missing; allowed is a number from 0 to 3600"),
         ("export.joint_names", ["a", "a", "b", "c", "d"], "allowed are five different names"),
         ("export.joint_names", ["a b", "a", "b", "c", "d"], "allowed is letters, digits"),
