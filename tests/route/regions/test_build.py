@@ -161,7 +161,7 @@ def test_little_memory_makes_small_blocks_and_the_same_table(small, small_config
 
 
 def test_short_rails_leave_out_what_does_not_fit_on_them(quick, quick_config, vary):
-    """A region is kept exactly when its carts are less far apart than the rails are long, less a margin at both ends."""
+    """A region is kept exactly when its carts are less far apart than the rails are long, less both margins."""
     margin = quick_config.refine.travel_margin_m
     rails = {f"machine.rails.{k}.travel_m": [0.0, 0.6] for k in range(3)}
     config = vary(quick_config, rails | {"task.goal.x_m": -0.5})
