@@ -5,6 +5,8 @@ from typing import Any
 import yaml
 from yaml.composer import ComposerError
 
+from pipeline.errors import PipelineError
+
 MOST_BYTES = 1_000_000
 """Largest file that is read."""
 MOST_VALUES = 50_000
@@ -25,7 +27,7 @@ _READ_AS = {
 _SHOWN = 40
 
 
-class YamlError(Exception):
+class YamlError(PipelineError):
     """Text that is not YAML, or not within the bounds: where and what."""
 
     def __init__(self, place: str, message: str) -> None:

@@ -169,7 +169,7 @@ CASES: dict[str, tuple[Callable[[Given], object], str]] = {
     ),
     "compare_measurement: rows": (
         lambda g: pipeline.compare_measurement(_measurement(), np.zeros((3, 6)), None),
-        "commanded: .*2, 6",
+        "commanded poses: .*2, 6",
     ),
     "kappa_map: mode": (lambda g: pipeline.kappa_map(g.machine, [0.0], [0.5], (0.0, 0.0), len(MODES)), "mode: "),
     "kappa_map: tilt": (lambda g: pipeline.kappa_map(g.machine, [0.0], [0.5], (0.0, NAN), 0), "tilt_rad: "),
@@ -208,7 +208,7 @@ CHECKED_OTHERWISE = {
     "build_regions plan_route refine_path certify_path retime_path way_back": "configurations and results of stages",
     "run_pipeline open_results load_path save_path": "files and folders, with errors of their own",
     "kappa_profile measure_trajectory measure_motion compare_paths usable_workspace": "results, checked when made",
-    "format_samples parse_measurement": "tests/export and tests/measured",
+    "format_samples parse_measurement read_measurement": "tests/export and tests/measured",
     "markdown_table runs_markdown error_rows workspace_rows": "results",
 }
 """Public functions that take nothing but results and configurations, or are tested elsewhere."""

@@ -131,7 +131,7 @@ def holds(genuine: Genuine, data: Data) -> bool:
     ends = [abs(samples.pose[k] - end.pose).max() for k, end in zip((0, -1), _ends(genuine), strict=True)]
     tilts = np.rad2deg(np.abs(samples.pose[:, [3, 5]]).max(axis=0))
     distances = dict(zip(bounds["distance_m"], samples.link_distances_m.min(axis=0), strict=False))
-    forces = np.abs(samples.holding_forces_n).max(axis=0)
+    forces = samples.holding_forces_n
     return (
         samples.kappa.max() <= bounds["kappa"] <= 100.0
         and bounds["det_sign"] == samples.det_sign[0]
@@ -140,7 +140,10 @@ def holds(genuine: Genuine, data: Data) -> bool:
         and all(q[:, k].max() <= bounds["actuators_m"][name][1] for k, name in enumerate(ACTUATORS))
         and tilts[0] <= bounds["tilt_deg"]["rx"]
         and tilts[1] <= bounds["tilt_deg"]["rz"]
-        and all(most <= bound for most, bound in zip(forces, bounds["holding_force_n"].values(), strict=True))
+        and all(
+            low <= of.min() and of.max() <= high
+            for of, (low, high) in zip(forces.T, bounds["holding_force_n"].values(), strict=True)
+        )
         and ends[0] <= bounds["start_miss"] <= 1e-6
         and ends[1] <= bounds["goal_miss"] <= 1e-6
         and all(_chain_holds(genuine, chain) for chain in data["chains"])

@@ -162,5 +162,5 @@ def test_what_is_stated_of_wide_boxes_is_verified(machine: Machine, prove: Calla
     path = pose_path(wide, curve, 0, nodes=30)
     certificate = prove(wide, path, held=True)
     assert certificate.verdict == "certified"
-    found = holding_force_bounds(wide, wide.masses, *_boxes(evaluate_chain(wide, path, certificate.chain)))
+    found = holding_force_bounds(wide, wide.masses, *_boxes(wide, path, certificate))
     assert _within(found, certificate.bounds.ranges[KEY].values)

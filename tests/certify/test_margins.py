@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.certify import Certificate, prove_path
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
-from pipeline.certify.recheck.claims.actuators import check
+from pipeline.certify.recheck.claims.actuators import check, measure
 from pipeline.certify.recheck.claims.evidence import Evidence
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
@@ -52,10 +52,10 @@ def test_margins_are_verified_again(own_task: Config, vary, machine: Machine, de
     """What is stated is held against the range of the configuration that the certificate is checked with."""
     config, certificate = _proven(own_task, vary, machine, detour, 0.005)
     assert certificate.bounds is not None
-    chain = evaluate_chain(machine, detour, certificate.chain)
+    (segment,) = evaluate_chain(machine, detour, certificate.chain)
     for margin_m, verified in ((0.005, True), (0.015, False), (0.03, False)):
         asked = vary(config, {"refine.travel_margin_m": margin_m})
-        evidence = Evidence(asked, machine, task_endpoints(asked, machine), chain)
+        evidence = Evidence(asked, machine, measure(machine, segment))
         (claim,) = check(evidence, certificate.bounds)
         assert claim.verified == verified
         assert f"limits {min(margin_m, 0.0201727):g} to" in claim.found

@@ -28,11 +28,11 @@ def test_a_reflector_on_a_joint_is_where_the_joint_is(machine: Machine) -> None:
 @pytest.mark.parametrize(
     ("points", "noise_m", "expected"),
     [
-        ([[np.nan, 0.0, 0.0], [0.0, 0.4, 0.0]], 1e-4, r"reflector 1 is at \(nan, 0, 0\)"),
-        ([[0.0, 0.1, 0.0], [0.0, np.inf, 0.0]], 1e-4, r"reflector 2 is at \(0, inf, 0\)"),
+        ([[np.nan, 0.0, 0.0], [0.0, 0.4, 0.0]], 1e-4, "finite numbers, not nan"),
+        ([[0.0, 0.1, 0.0], [0.0, np.inf, 0.0]], 1e-4, "finite numbers, not inf"),
         ([[0.0, 0.1, 0.0], [0.0, 400.0, 0.0]], 1e-4, r"reflector 2 .*\n.*look like millimetres"),
-        ([0.0, 0.1, 0.0], 1e-4, "three coordinates"),
-        ([["a", "b", "c"]] * 2, 1e-4, "three coordinates"),
+        ([0.0, 0.1, 0.0], 1e-4, "points_m: expected"),
+        ([["a", "b", "c"]] * 2, 1e-4, "points_m: expected"),
         ([[0.0, 0.1, 0.0], [0.0, 0.4, 0.0]], -1e-4, "noise"),
         ([[0.0, 0.1, 0.0], [0.0, 0.4, 0.0]], np.nan, "noise"),
         ([[0.0, 0.1, 0.0], [0.0, 0.4, 0.0]], 1e-320, "noise"),

@@ -45,8 +45,6 @@ _Back = Annotated[bool, typer.Option("--back", help="The way back, as exported w
 _FIRST: _Point = (0.0, 0.10, 0.05)
 _SECOND: _Point = (0.0, 0.40, 0.05)
 _NOISE_M = 5e-5
-_FARTHEST_M = 20.0
-"""A reflector is on the platform: what is farther away was given in another unit."""
 _FACTS = ".json"
 _MOST_FACTS_BYTES = 2**20
 
@@ -217,11 +215,6 @@ def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":
 
     from pipeline.measured import Reflectors
 
-    for option, point in (("--reflector-1", first), ("--reflector-2", second)):
-        if (most := max(map(abs, point))) > _FARTHEST_M:
-            raise UsageError(
-                f"{option} has a coordinate of {most:g} m; allowed are at most {_FARTHEST_M:g} m either way"
-            )
     return Reflectors(np.array([first, second]), noise_m)
 
 
