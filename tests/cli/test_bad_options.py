@@ -99,7 +99,7 @@ WRONG: tuple[tuple[tuple[Any, ...], str], ...] = (
     (("measured", "out", "c.yaml"), "c.yaml"),
     (("measured", "out", "out"), "out"),
     (("measured", "out", "seen.csv", "--reflector-1", "0", "0"), "--reflector-1"),
-    (("measured", "out", "seen.csv", "--reflector-1", "1e308", "0", "0"), "--reflector-1"),
+    (("measured", "out", "seen.csv", "--reflector-1", "1e308", "0", "0"), "reflector 1"),
     (("measured", "out", "seen.csv", "--noise", "-1"), "--noise"),
     (("measured", "out", "seen.csv", "--noise", "1"), "--noise"),
     (("measured", "out", "seen.csv", "--picture", "seen.bmp"), "--picture"),
