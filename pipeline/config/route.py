@@ -51,8 +51,10 @@ class RouteConfig(Section):
     x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
     step_budget: int = Field(25, ge=2, le=500, description="most positions of a route: N in the paper")
     objective: RouteObjective = Field(
-        RouteObjective.SUM,
-        description="sum: the least sum of kappa (5); bottleneck: the least largest kappa, then the least sum",
+        RouteObjective.INTEGRAL,
+        description="integral: kappa integrated over the length of the moves, which stage two minimises; sum: the sum "
+        "of kappa over the steps (5); bottleneck: the largest kappa, then the sum; time: the seconds that the moves, "
+        "one by one, take at the velocity limits",
     )
     alternative: int = Field(1, ge=1, le=10, description="which of the best routes: 1 is the best")
     alternative_distance: float = Field(

@@ -9,7 +9,7 @@ from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import move_limits
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
-from pipeline.route.bounds.budget_prices import priced_bounds
+from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.infeasible import require_route, too_few_routes, without_route
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import find_moves
@@ -117,7 +117,7 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
     near = [near_route(regions, problem.steps, route.region, options.alternative_distance) for route in better]
     graph = expand_states(regions, problem.moves, np.array(near, dtype=bool).reshape(-1, len(regions)))
     progress("route: shortest paths")
-    bounds = priced_bounds(graph.regions, graph.moves, problem.budgets, progress)
+    bounds = priced_bounds(graph.regions, graph.moves, problem.cost, problem.budgets, progress)
     require_route(problem, graph, bounds)
     best: ProvenOptimum | None = None
     for round_ in range(1, options.max_rounds + 1):

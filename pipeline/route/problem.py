@@ -7,6 +7,8 @@ from pipeline.config import Config, RouteConfig
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.budgets import Budget, task_budgets
+from pipeline.route.cost.interface import MoveCost
+from pipeline.route.cost.objectives import COSTS
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.table import RegionTable
@@ -25,6 +27,8 @@ class RouteProblem:
         Largest moves per step of x, y, z (metres), rx, rz (radians), (13)-(17).
     budgets : tuple of Budget
         Those of `task.budget`.
+    cost : MoveCost
+        What the objective adds up.
     monitor : Monitor
         Receives progress and decides whether solvers write their logs.
     """
@@ -35,14 +39,16 @@ class RouteProblem:
     moves: Moves
     steps: FloatArray
     budgets: tuple[Budget, ...]
+    cost: MoveCost
     monitor: Monitor
 
     @classmethod
     def of(
         cls, config: Config, machine: Machine, regions: RegionTable, moves: Moves, monitor: Monitor = QUIET
     ) -> "RouteProblem":
-        """Derive steps and budgets from the configuration."""
-        return cls(config, machine, regions, moves, step_sizes(config.route), task_budgets(config), monitor)
+        """Derive steps, budgets and costs from the configuration."""
+        steps, cost = step_sizes(config.route), COSTS[config.route.objective](config)
+        return cls(config, machine, regions, moves, steps, task_budgets(config), cost, monitor)
 
     @property
     def options(self) -> RouteConfig:

@@ -1,4 +1,4 @@
-"""The objectives of `route.objective`: the least sum of kappa (5), or the least largest kappa and then the least sum.
+"""The objectives of `route.objective`: the least cost, or the least largest kappa and then the least sum.
 
 An objective is a row of `OBJECTIVES`: how its optimum is found and proven over the moves admitted so far.
 """
@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
-from pipeline.route.bounds.budget_prices import priced_bounds
+from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.bounds.shortest_paths import Bounds
 from pipeline.route.moves.screen import Screen
 from pipeline.route.problem import RouteProblem
@@ -52,10 +52,10 @@ def find_best(
     return OBJECTIVES[problem.options.objective].find(problem, graph, bounds, screen, before)
 
 
-def _least_sum(
+def _least_cost(
     problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: ProvenOptimum | None
 ) -> ProvenOptimum | None:
-    """Find the least sum of kappa."""
+    """Find the least cost."""
     left = replace(graph, moves=screen.without_bad(graph.moves, graph.base))
     return find_optimum(problem, left, bounds, before.objective if before else 0.0, screen.screen)
 
@@ -95,7 +95,7 @@ def _least_sum_under(
 ) -> ProvenOptimum | None:
     """Find the least sum of kappa among sequences whose kappa is nowhere above a cap."""
     moves = moves_within(screen.without_bad(graph.moves, graph.base), graph.regions.kappa, cap)
-    bounds = priced_bounds(graph.regions, moves, problem.budgets, problem.monitor.progress)
+    bounds = priced_bounds(graph.regions, moves, problem.cost, problem.budgets, problem.monitor.progress)
     if not np.isfinite(bounds.optimum):
         return None
     at_least = before.objective if before and before.cap >= cap else 0.0
@@ -104,6 +104,8 @@ def _least_sum_under(
 
 
 OBJECTIVES = {
-    "sum": Objective(_least_sum, single_program=True),
+    "integral": Objective(_least_cost, single_program=False),
+    "sum": Objective(_least_cost, single_program=True),
     "bottleneck": Objective(_least_largest, single_program=False),
+    "time": Objective(_least_cost, single_program=False),
 }

@@ -1,4 +1,4 @@
-"""Proof of a least sum of kappa over the admitted moves, by cores or by a program over all regions at a time.
+"""Proof of a least cost over the admitted moves, by cores or by a program over all regions at a time.
 
 The core holds every route of cost at most a threshold, so that its optimum is the optimum when it is at most
 the threshold. The threshold starts just above the best bound and is raised until that is so: exact always.
@@ -6,22 +6,21 @@ the threshold. The threshold starts just above the best bound and is raised unti
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from pipeline.arrays import IntArray
 from pipeline.errors import NoSolutionError
-from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves
-from pipeline.route.cost import region_costs
+from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves, shortest_paths, shortest_route
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
 from pipeline.route.programs.core import build_core
-from pipeline.route.programs.core_program import build_core_program, read_core
 from pipeline.route.programs.exclusions import excluded_pairs
 from pipeline.route.programs.solution import StepSequence, solve_steps
 from pipeline.route.programs.whole import WHOLE_PROGRAMS
+from pipeline.route.programs.travel_program import Tangents
+from pipeline.route.search.outer_approximation import solve_core
 from pipeline.route.search.states import StateGraph
 from pipeline.solvers.highs import Outcome
 from pipeline.status import Status
@@ -57,7 +56,7 @@ class ProvenOptimum:
     regions : int
         Number of regions of the program.
     relaxation : float
-        Bound on the sum of kappa when x and the step budget are left out.
+        Bound on the cost when the step budget is left out, and x but for its price.
     cap : float
         Cap on kappa: the least that leaves a route where the largest kappa counts, infinite where only the sum does.
     """
@@ -70,12 +69,12 @@ class ProvenOptimum:
 
     @property
     def objective(self) -> float:
-        """The least sum of kappa, as the solver gives it."""
+        """The least cost, as the solver gives it."""
         return self.sequence.outcome.objective
 
     @property
     def bound(self) -> float:
-        """Proven lower bound on the sum of kappa."""
+        """Proven lower bound on the cost."""
         return self.sequence.outcome.bound
 
 
@@ -86,7 +85,7 @@ def find_optimum(
     at_least: float = 0.0,
     screen: Screening = keep_all,
 ) -> ProvenOptimum | None:
-    """Find the route of least sum of kappa with the configured formulation; None: there is no route (proven).
+    """Find the route of least cost with the configured formulation; None: there is no route (proven).
 
     Parameters
     ----------
@@ -145,16 +144,21 @@ def prove_on_core(
         When the solver's time limit ends a solve.
     """
     options, regions, moves = problem.options, graph.regions, graph.moves
-    # No route within the step budget can cost more than this.
-    ceiling = options.step_budget * float(regions.kappa.max())
+    ceiling = options.step_budget * problem.cost.most(regions)
+    # Costs of zero are possible: a least cost of zero has no relative margin.
+    unit = ceiling / options.step_budget**2
     margin, known = options.threshold_margin, np.inf
-    excluded = max(bounds.optimum, at_least, float(region_costs(regions)[regions.start]))
-    threshold, reach, part = min(excluded * (1.0 + margin), ceiling), -np.inf, moves
+    excluded = max(bounds.optimum, at_least)
+    threshold, reach, part = min(excluded + margin * max(excluded, unit), ceiling), -np.inf, moves
+    tangents = Tangents(regions, problem.cost, bounds.prices.travel)
     while True:
         if threshold > reach:
             reach = _AHEAD * threshold
             part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
-        core = build_core(regions, part, bounds, threshold, options.step_budget, options.x_step_m)
+            if problem.cost.counts_x and known == np.inf:
+                known = _cost_along(problem, graph, part, bounds, screen, tangents)
+                threshold = min(threshold, known)
+        core = build_core(problem, regions, part, bounds, threshold)
         problem.monitor.progress(
             f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}"
         )
@@ -170,8 +174,7 @@ def prove_on_core(
             threshold, margin = lower, options.threshold_margin
             continue
         if not core.empty:
-            read = partial(read_core, core=core)
-            found = solve_steps(build_core_program(core), read, options.time_limit_s, problem.monitor)
+            found = solve_core(problem, regions, core, tangents)
             if found.outcome.status not in (Status.OPTIMAL, Status.INFEASIBLE):
                 raise _unproven(found.outcome, threshold)
             if found.outcome.objective <= threshold * (1.0 + ROUNDING):
@@ -181,7 +184,26 @@ def prove_on_core(
             return None
         excluded = threshold
         margin *= _GROWTH
-        threshold = min(excluded * (1.0 + margin), known, ceiling)
+        threshold = min(excluded + margin * max(excluded, unit), known, ceiling)
+
+
+def _cost_along(
+    problem: RouteProblem, graph: StateGraph, moves: Moves, bounds: Bounds, screen: Screening, tangents: Tangents
+) -> float:
+    """Find the cost of a route along a shortest path of admissible moves: with the best x often the optimum itself."""
+    least = shortest_paths(graph.regions, moves, problem.cost, bounds.prices)
+    if not np.isfinite(least.optimum):
+        return np.inf
+    path = shortest_route(graph.regions, moves, problem.cost, least)
+    pairs = np.unique(np.column_stack([path[:-1], path[1:]]), axis=0)
+    along = Moves(pairs[:, 0], pairs[:, 1])
+    if len(left := screen(along, moves, graph.base)) < len(moves):
+        return _cost_along(problem, graph, left, bounds, screen, tangents)
+    core = build_core(problem, graph.regions, along, bounds, problem.options.step_budget * problem.cost.most(graph.regions))
+    if core.empty:
+        return np.inf
+    found = solve_core(problem, graph.regions, core, tangents)
+    return found.outcome.objective if found.outcome.status is Status.OPTIMAL else np.inf
 
 
 def _in_table(sequence: StepSequence, graph: StateGraph) -> StepSequence:
@@ -192,7 +214,7 @@ def _in_table(sequence: StepSequence, graph: StateGraph) -> StepSequence:
 def _unproven(outcome: Outcome, threshold: float) -> NoSolutionError:
     return NoSolutionError(
         "route",
-        f"HiGHS stopped without a proof ({outcome.status}); best sum of kappa {outcome.objective:.3f}, "
+        f"HiGHS stopped without a proof ({outcome.status}); least cost so far {outcome.objective:.3f}, "
         f"bound {outcome.bound:.3f}, threshold {threshold:.3f}",
         outcome.status.advice + " The key is route.time_limit_s.",
         {"status": outcome.status.value, "objective": outcome.objective, "bound": outcome.bound},
