@@ -47,7 +47,7 @@ class RouteProblem:
         cls, config: Config, machine: Machine, regions: RegionTable, moves: Moves, monitor: Monitor = QUIET
     ) -> "RouteProblem":
         """Derive steps, budgets and costs from the configuration."""
-        steps, cost = step_sizes(config.route), COSTS[config.route.objective](config)
+        steps, cost = step_sizes(config.route), COSTS[config.route.objective](config.route, machine)
         return cls(config, machine, regions, moves, steps, task_budgets(config), cost, monitor)
 
     @property

@@ -74,6 +74,7 @@ def program_data(problem: Problem, initial: MeshSolution, exponent: float, evenn
         directions=problem.directions,
         exponent=exponent,
         evenness=evenness,
+        smoothness=problem.smoothness.form(initial.mesh.knots),
     )
 
 

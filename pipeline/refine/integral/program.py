@@ -134,6 +134,8 @@ class ProgramData:
     evenness : float
         Cost of uneven speed along s, in units of kappa. The integral itself does not change if a path is traversed
         differently: without this cost nothing holds the nodes in place, and IPOPT creeps.
+    smoothness : (5 n, 5 n)
+        Form of the cost of a path that is not smooth.
     """
 
     mesh: Mesh
@@ -145,6 +147,7 @@ class ProgramData:
     directions: FloatArray
     exponent: float
     evenness: float
+    smoothness: csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,6 +184,7 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
     nodes, kappa = ca.vertcat(x.pose, x.q[:3, :]), NodeKappa(machine, k, data.exponent)
     trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
     rest = data.evenness * _unevenness(data.mesh, distance, x.length, first_length)
+    rest += ca.bilin(_sparse(data.smoothness), ca.vec(x.coefficients), ca.vec(x.coefficients))
 
     def objective(kappas: ca.MX) -> ca.MX:
         return ca.dot(kappas, trapezoids) + rest
