@@ -123,7 +123,7 @@ machine_figure(machine, route)
 # %% [markdown]
 # ## And if there is none?
 #
-# Then the error has the reason and what to change. Without tilt, for one, this machine cannot do it either. (On
+# Then the error has the reason and what restricts it. Without tilt, for one, this machine cannot do it either. (On
 # the command line `gantry-tau route` also finds out by how much each limit would have to give.)
 
 # %%

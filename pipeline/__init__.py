@@ -5,6 +5,9 @@ used, with the libraries it needs; type checkers and editors read the stub itsel
 say otherwise (`load_`, `save_`, `open_`, `run_`): they neither print nor write.
 """
 
+from . import startup as _startup  # noqa: F401  # first, since the next one takes longer
+
+# isort: split
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,12 +1,30 @@
 """What can go wrong, reported so that a user can act on it; every class has its exit code."""
 
 from dataclasses import dataclass
+from typing import Any, Self
+
+_MOST_SHOWN = 20
+"""Faults of a configuration that are shown: a file of another kind has thousands."""
 
 
 class PipelineError(Exception):
-    """Base of all errors meant for users; the command line prints them without a traceback."""
+    """Base of all errors meant for users; the command line prints them without a traceback.
+
+    Errors of every subclass, whatever its constructor takes, can be pickled and copied: a process pool hands them on.
+    """
 
     exit_code = 1
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore_error, (type(self), self.args, self.__dict__)
+
+
+def _restore_error(kind: type[PipelineError], args: tuple[Any, ...], attributes: dict[str, Any]) -> PipelineError:
+    """Rebuild an error without its constructor, which takes other arguments than the message."""
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(attributes)
+    return error
 
 
 @dataclass(frozen=True)
@@ -29,13 +47,20 @@ class ConfigError(PipelineError):
     def __init__(self, issues: list[ConfigIssue], source: str = "configuration") -> None:
         self.issues = tuple(issues)
         self.source = source
-        super().__init__("\n".join([f"{source} cannot be used:", *(f"  {issue}" for issue in issues)]))
+        rest = len(issues) - _MOST_SHOWN
+        more = [f"  and {rest:,} more"] if rest > 0 else []
+        shown = [f"  {issue}" for issue in issues[:_MOST_SHOWN]]
+        super().__init__("\n".join([f"{source} cannot be used:", *shown, *more]))
 
 
 class UsageError(PipelineError):
     """A command was given something it cannot use (a missing run folder, an unknown stage)."""
 
     exit_code = 2
+
+
+class ArgumentError(UsageError, ValueError):
+    """A function was given an argument that its docstring excludes: which one, what it is, what is expected."""
 
 
 class NoSolutionError(PipelineError):
@@ -47,6 +72,13 @@ class NoSolutionError(PipelineError):
         self.advice = advice
         self.diagnosis = dict(diagnosis or {})
         super().__init__(f"{stage}: {reason}\n  What to change: {advice}")
+
+    def with_advice(self, advice: str) -> Self:
+        """Give the same error with other advice; notes are kept."""
+        changed = type(self)(self.stage, self.reason, advice, self.diagnosis)
+        for note in getattr(self, "__notes__", []):
+            changed.add_note(note)
+        return changed
 
 
 class InfeasibleError(NoSolutionError):

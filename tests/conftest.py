@@ -123,7 +123,8 @@ def draw_machine(machine: Machine) -> Callable[[int, str], Machine]:
     """Draw machines like the reference machine.
 
     "on axis" keeps a_3a on the platform's y axis and the triangle right-angled; "off axis" moves a_3a away from
-    it; "general" gives links 3a and 3c different joints on the cart and the triangle any angle, too.
+    it; "general" gives links 3a and 3c different joints on the cart and the triangle any angle, too. Moments are
+    divided by any length.
     """
 
     def draw(seed: int, kind: str) -> Machine:
@@ -143,6 +144,7 @@ def draw_machine(machine: Machine) -> Callable[[int, str], Machine]:
             cart_offsets_m=offsets,
             lengths_m=lengths,
             triangle_sign=rng.choice([-1.0, 1.0]),
+            characteristic_length_m=rng.uniform(0.3, 3.0),
         )
 
     return draw

@@ -15,8 +15,8 @@ import pipeline
 PROJECT = Path(__file__).parents[1]
 
 NAMES = """
-CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format InfeasibleError
-InverseSolution
+ArgumentError CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format
+InfeasibleError InverseSolution
 KappaMap KappaProfile MODES Machine MeasuredPath Measurement MeasurementComparison MotionFigures NoSolutionError Path
 PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunData RunOptions RunReport
 RunsRow
@@ -26,7 +26,8 @@ compare_paths compare_runs condition_number det_sign dump_config error_rows form
 inverse_kinematics kappa_along kappa_figure kappa_map kappa_map_figure kappa_profile link_distances load_config
 load_path loads_figure machine_figure markdown_table measure_motion measure_path measure_trajectory measured_figure
 min_distances open_results parse_config parse_measurement phase_figure plan_route plan_routes pose_derivatives
-pose_figure pose_spline postures_figure proof_figure refine_path regions_figure retime_path route_figure run_pipeline
+pose_figure pose_spline postures_figure proof_figure read_measurement refine_path
+regions_figure retime_path route_figure run_pipeline
 runs_markdown sample_path sample_trajectory save_path simulate_measurement slowed statics_matrix step_sizes
 trajectory_figure usable_workspace usage_figure way_back workspace_figure workspace_rows workspace_volume_figure
 """
@@ -73,7 +74,7 @@ import sys
 import pipeline
 assert not {"numpy", "pydantic"} & set(sys.modules)
 from pipeline import load_config
-assert not {"scipy", "casadi", "highspy", "toppra", "matplotlib", "flint"} & set(sys.modules)
+assert not {"scipy", "casadi", "highspy", "matplotlib", "flint"} & set(sys.modules)
 """
     subprocess.run([sys.executable, "-c", script], check=True)
 

@@ -16,7 +16,7 @@ LINK_RAIL = {
     "pipeline.machine.geometry": "the value in the machine",
     "pipeline.machine.__init__": "the public name of the geometry",
     "pipeline.workspace.table": "the setting of a workspace as numbers",
-    "pipeline.config.machine": "the key",
+    "pipeline.config.machine.links": "the key",
     "pipeline.certify.recheck.claims.axis_distances": "the independent check",
 }
 """Every module that may know of the distance between links and rails, and why."""

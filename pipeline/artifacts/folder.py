@@ -1,18 +1,30 @@
 """The run folder: locked while a run writes to it, changed in one step, with old results kept."""
 
 import contextlib
-import fcntl
+import hashlib
 import os
+import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from pipeline.artifacts.files import json_bytes, remove_partial, staged, write_whole
-from pipeline.artifacts.layout import CONFIG, LOCK, STATE, SUMMARY, SUPERSEDED, existing_files
-from pipeline.artifacts.state import State, read_state
+from pipeline.artifacts.files import json_bytes, remove_partial, sha256, staged, write_whole
+from pipeline.artifacts.foreign import refuse_foreign, refuse_foreign_state, refuse_links, refuse_no_folder
+from pipeline.artifacts.layout import BOOKS, CONFIG, LOCK, STATE, SUMMARY, SUPERSEDED
+from pipeline.artifacts.lock import locked
+from pipeline.artifacts.state import State, read_state, state_bytes
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, load_config, read_yaml
 from pipeline.errors import UsageError
+from pipeline.regular_file import open_regular_file
+from pipeline.solvers.interrupts import interrupts_noted
+
+_NUMBER = re.compile(r"[0-9]{1,9}")
+"""Names of folders of superseded results."""
+_UNKNOWN = State()
+"""Stands for a state that is damaged."""
+_MOST_CONFIG_BYTES = 2**24
+"""Size of the largest configuration of a run that is read."""
 
 
 class RunFolder:
@@ -23,12 +35,15 @@ class RunFolder:
     path : Path
         The folder.
     state : State
-        What its results were made from; an unreadable state counts as no results.
+        What its results were made from; of a damaged state nothing is known.
+    damaged : bool
+        The state was damaged: which files are those of earlier runs shows in their names alone.
     """
 
-    def __init__(self, path: Path, state: State) -> None:
+    def __init__(self, path: Path, state: State, damaged: bool = False) -> None:
         self.path = path
         self.state = state
+        self.damaged = damaged
         self._attic: Path | None = None
 
     def change(
@@ -41,31 +56,40 @@ class RunFolder:
     ) -> None:
         """Add new files to the folder, move superseded ones away, and record the new state.
 
-        All new files are complete on disk before any old file moves. If the process is killed in between, the files
-        that moved are among the superseded ones, and the state no longer matches: the stage counts as not done.
+        What is overwritten and was not written by a run moves away, too. All new files are complete on disk before any
+        old file moves, and Ctrl-C waits. If the process is killed in between, the files that moved are among the
+        superseded ones, and the state no longer matches: the stage counts as not done.
+
+        Raises
+        ------
+        UsageError
+            When something other than a regular file is in the place of one; nothing was changed.
         """
-        bookkeeping = {
-            CONFIG: config_yaml.encode(),
-            SUMMARY: json_bytes(summary),
-            STATE: json_bytes(state.model_dump(mode="json")),
-        }
-        unchanged = {name for name in superseded if name in files and self._holds(name, files[name])}
+        books = {CONFIG: config_yaml.encode(), SUMMARY: json_bytes(summary), STATE: state_bytes(state)}
+        refuse_links(self.path, (*books, *files))
+        recorded = {name for record in self.state.stages.values() for name in record.files}
+        replaced = [*superseded, *(name for name in files if name not in recorded and (self.path / name).exists())]
+        unchanged = {name for name in replaced if name in files and self._holds(name, files[name])}
         new = {name: content for name, content in files.items() if name not in unchanged}
-        with staged(self.path, {**new, **bookkeeping}) as place:
-            self._move_away([name for name in superseded if name not in unchanged])
+        with staged(self.path, {**new, **books}) as place, interrupts_noted():
+            self._move_away([name for name in dict.fromkeys(replaced) if name not in unchanged], books[CONFIG])
             place()
         self.state = state
 
     def _holds(self, name: str, content: bytes) -> bool:
-        return (self.path / name).read_bytes() == content
+        return sha256(self.path / name, len(content)) == hashlib.sha256(content).hexdigest()
 
-    def _move_away(self, names: list[str]) -> None:
-        """Move files to this run's folder of superseded ones, with copies of the configuration, summary and state."""
-        if not names:
+    def _move_away(self, names: list[str], config_yaml: bytes) -> None:
+        """Move files to this run's folder of superseded ones, with copies of the configuration, summary and state.
+
+        A configuration that was edited is copied in any case.
+        """
+        edited = (self.path / CONFIG).exists() and not self._holds(CONFIG, config_yaml)
+        if not names and not edited:
             return
         if self._attic is None:
             self._attic = _next_numbered(self.path / SUPERSEDED)
-            for name in (CONFIG, SUMMARY, STATE):
+            for name in BOOKS:
                 with contextlib.suppress(FileNotFoundError):
                     shutil.copy2(self.path / name, self._attic / name)
         for name in names:
@@ -89,23 +113,42 @@ def open_run_folder(path: Path, reserved: Iterable[str] = ()) -> Iterator[RunFol
     Raises
     ------
     UsageError
-        When another run is writing there, or files with the names of results exist in what is not a run folder.
+        When another run is writing there, files with the names of results exist in what is not a run folder, or links
+        or devices are where files of a run belong; nothing was changed.
     """
-    if path.exists() and not path.is_dir():
-        raise UsageError(f"{path} is a file; --out needs a folder")
-    if not (path / STATE).exists() and (foreign := existing_files(path, (CONFIG, SUMMARY, *reserved))):
-        raise UsageError(
-            f"{path} already holds {', '.join(foreign[:3])}, but is not a run folder (it has no {STATE}): nothing "
-            "was changed.\n  What to change: give another folder with --out, or move these files away."
-        )
+    reserved = tuple(reserved)
+    require_usable(path, reserved)
     path.mkdir(parents=True, exist_ok=True)
-    with _locked(path):
-        remove_partial(path)
-        state = read_state(path)
+    with locked(path, new=not os.path.lexists(path / STATE)):
+        state = _state_to_change(path)
         if state is None:
-            state = State()
-            write_whole(path / STATE, json_bytes(state.model_dump(mode="json")))
-        yield RunFolder(path, state)
+            write_whole(path / STATE, state_bytes(State()))
+        remove_partial(path, (*BOOKS, *reserved))
+        yield RunFolder(path, state or State(), damaged=state is _UNKNOWN)
+
+
+def require_usable(path: Path, reserved: Iterable[str]) -> None:
+    """Require that a run may write to a folder: that it is one, free or a run's, and without links where files belong.
+
+    Raises
+    ------
+    UsageError
+        When it may not.
+    """
+    reserved = tuple(reserved)
+    refuse_no_folder(path)
+    refuse_links(path, (*BOOKS, LOCK, f"{SUPERSEDED}/*", *reserved))
+    if _state_to_change(path) is None:
+        refuse_foreign(path, reserved)
+
+
+def _state_to_change(path: Path) -> State | None:
+    """Read the state of a folder that a run may write to: an unknown one if it is damaged, None if there is none."""
+    try:
+        return read_state(path)
+    except UsageError as error:
+        refuse_foreign_state(path, error)
+        return _UNKNOWN
 
 
 def read_run_folder(path: Path) -> tuple[Config, State]:
@@ -114,7 +157,7 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
     Raises
     ------
     UsageError
-        When it is not a run folder, or its configuration was changed.
+        When it is not a run folder, its state is damaged, or its configuration was changed.
     """
     state = read_state(path) if path.is_dir() else None
     if state is None or not state.config_sha256:
@@ -122,6 +165,8 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
         raise UsageError(
             f"{path} {what}.\n  What to change: give the folder a run has written to, such as results/agder."
         )
+    with contextlib.suppress(FileNotFoundError):
+        open_regular_file(path / CONFIG, _MOST_CONFIG_BYTES).close()
     config = load_config(path / CONFIG)
     # A key that is newer than the run has its default, and is not in the file.
     if state.config_sha256 not in (config_sha256(config), config_sha256(read_yaml(path / CONFIG))):
@@ -132,26 +177,8 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
     return config, state
 
 
-@contextlib.contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    # Opened for appending: the process number of another run must stay until the lock is known to be free.
-    with (path / LOCK).open("a+") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            lock.seek(0)
-            raise UsageError(
-                f"another run (process {lock.read().strip() or 'unknown'}) is writing to {path}.\n"
-                "  What to change: wait until it ends, or give another folder with --out."
-            ) from None
-        lock.truncate(0)
-        lock.write(str(os.getpid()))
-        lock.flush()
-        yield
-
-
 def _next_numbered(attic: Path) -> Path:
-    taken = [int(entry.name) for entry in attic.glob("*") if entry.name.isdecimal()]
+    taken = [int(entry.name) for entry in attic.glob("*") if _NUMBER.fullmatch(entry.name)]
     folder = attic / f"{max(taken, default=0) + 1:04d}"
     folder.mkdir(parents=True)
     return folder

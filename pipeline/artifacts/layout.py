@@ -1,6 +1,7 @@
 """The names of all files of a run folder."""
 
 from collections.abc import Iterable
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from pipeline.stage import Stage
@@ -10,6 +11,8 @@ SUMMARY = "summary.json"
 STATE = "state.json"
 LOCK = ".lock"
 SUPERSEDED = "superseded"
+BOOKS = (CONFIG, SUMMARY, STATE)
+"""What every run folder has, whatever stages have run."""
 
 REGIONS_NPZ = "regions.npz"
 ROUTE_NPZ = "route.npz"
@@ -51,12 +54,27 @@ def failure_report(stage: Stage) -> str:
     return f"{_FAILED}/{stage}.html"
 
 
-def failure_pattern(stage: Stage) -> str:
-    """Give what the names of all files of a failed stage match."""
-    return f"{_FAILED}/{stage}.*"
+def failure_files_of(stage: Stage) -> tuple[str, ...]:
+    """Name all files of a failed stage."""
+    return (*failure_names(stage), failure_picture(stage), failure_report(stage))
 
 
 def existing_files(folder: Path, patterns: Iterable[str]) -> list[str]:
-    """List the files in a folder whose names, relative to it, match one of the patterns."""
-    found = [path for pattern in patterns for path in sorted(folder.glob(pattern)) if path.is_file()]
+    """List what is in a folder under names, relative to it, that match one of the patterns: files, links, anything."""
+    found = [path for pattern in patterns for path in sorted(folder.glob(pattern))]
     return [path.relative_to(folder).as_posix() for path in found]
+
+
+def own_files(folder: Path, patterns: Iterable[str], recorded: Iterable[str]) -> list[str]:
+    """List the files of a stage: all under a name of its own, and of those that match a pattern the recorded ones.
+
+    A folder of figures may hold other pictures, too.
+    """
+    wanted = list(patterns)
+    names = [name for name in wanted if not _is_pattern(name)]
+    names += [name for name in recorded if name not in names and any(fnmatchcase(name, one) for one in wanted)]
+    return [name for name in names if (folder / name).exists()]
+
+
+def _is_pattern(name: str) -> bool:
+    return "*" in name

@@ -21,7 +21,7 @@ from pipeline.limits import proven_limits
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.refine.motion import kappa_along
-from pipeline.refine.result import Path
+from pipeline.refine.result import Path, require_path
 from pipeline.route.regions.endpoints import Endpoint, task_endpoints
 
 _SAMPLES = 2_001
@@ -31,9 +31,10 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
     """Prove that a path is one motion free of singularities, within its limits, from the start to the goal.
 
     Proven are the limits that the certificate bounds (`ProvenLimit`): the cap on kappa, the distances of links and
-    rails, the forces that hold the machine at rest, travel, strokes and tilts, but not the boxes to avoid. Bounds of
-    actuators and tilts may exceed their limits by 1e-6 m or rad (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`), since a
-    path may touch these limits.
+    rails, the forces that hold the machine at rest, travel, strokes and tilts, but not the boxes to avoid. Since a
+    path may touch its limits of actuators and tilts, it is proven to exceed them by no more than 1e-6 m or rad
+    (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`); the bounds of the certificate are wider by another 1e-5
+    (`PROOF_SLACK_M`, `PROOF_SLACK_RAD`), so that other arithmetic can verify them.
 
     With `certify.what` "tolerances" the largest calibration errors for which this still holds are searched as well.
 
@@ -56,7 +57,14 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
 def prove_path(
     config: Config, machine: Machine, path: Path, ends: tuple[Endpoint, Endpoint], monitor: Monitor = QUIET
 ) -> Certificate:
-    """Prove a path as far as possible; the result says why it ends there."""
+    """Prove a path as far as possible; the result says why it ends there.
+
+    Raises
+    ------
+    ArgumentError
+        If the path is not one of finite numbers: its arrays were changed after it was made.
+    """
+    require_path(path)
     problem, limits = build_problem(machine, path, config.certify.least_width), proven_limits(config, machine)
     chain = close_chain(problem, build_examiner(config.certify, limits, _kappa_sampled(path)), monitor)
     failure, misses = chain.failure, (np.inf, np.inf)

@@ -1,7 +1,9 @@
 """The chain of boxes from s = 0 to s = 1: a box that cannot be proven is halved, until the chain closes or breaks.
 
-Two neighbouring boxes hold the same branch if a third inclusion, at the single s they share, lies within both: each of
-the three holds exactly one solution.
+Each box holds exactly one solution at every s of its interval. At the single s that two neighbours share, a third box
+is proven, and the solution it holds is within its *image* (`Inclusion`), which is smaller than the box. If the image
+lies within both neighbours, that solution is theirs, too, and both are on one branch. The third box itself may reach
+beyond them.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,6 +30,12 @@ from pipeline.inclusion.pieces import Piece, exact, middle
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.progress import QUIET, Monitor
 
+MOST_BOXES = 100_000
+"""Most boxes of a chain, so that a certificate can be kept, read and verified."""
+TOO_MANY_BOXES = Reason(
+    f"the proof would take more than {MOST_BOXES:,} boxes",
+    "Raise certify.kappa_excess, or give the path a wider berth: lower refine.kappa_max.",
+)
 BoxBounds = tuple[FloatArray, ...]
 """Bounds over one box: per limit an array (m, 2)."""
 Examiner = Callable[[ProvenBox], BoxBounds | Reason]
@@ -84,6 +92,8 @@ def close_chain(problem: ProofProblem, examine: Examiner = accept_any, monitor: 
             before = links[-1].joint if links else start
             link = _prove_link(problem, piece, (first, last), before, examine)
             if isinstance(link, _Link):
+                if len(links) == MOST_BOXES:
+                    return _chain(start, links, ProofFailure(first, TOO_MANY_BOXES))
                 links.append(link)
                 monitor.progress(f"{len(links)} boxes", last)
             elif last - first < 2.0 * problem.least_width:
@@ -136,7 +146,9 @@ def prove_joint(problem: ProofProblem, piece: Piece, s: float) -> Inclusion | Re
 
 
 def holds(inclusion: Inclusion, joint: Inclusion) -> bool:
-    """Return whether all poses of a joint lie within a box at the same s, for every value of the uncertain parameters.
+    """Return whether the image of a joint lies within a box at the same s, for every value of the uncertain parameters.
+
+    The image is x' + C' e + [-k', k'] with the bound k' of the joint's inclusion; it holds the joint's one solution.
 
     Each of the two has its own e; they differ by at most D |x - x'|, since what the parameters change depends on the
     pose.

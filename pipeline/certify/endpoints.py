@@ -14,6 +14,8 @@ from pipeline.route.regions.endpoints import Endpoint
 
 TOLERANCE = 1e-6
 """Metres and radians by which an end may miss its pose."""
+PROOF_SLACK, PROOF_MARGIN = 1e-10, 0.01
+"""What the misses are enlarged by, and relatively, so that other arithmetic with wider enclosures can verify them."""
 
 
 def check_ends(
@@ -38,7 +40,8 @@ def _check_end(
 ) -> tuple[float, ProofFailure | None]:
     name, piece, s = ("goal" if at_goal else "start"), problem.pieces[-1 if at_goal else 0], joint.box.first
     pose = [arb(x) + arb(0, k.upper()) for x, k in zip(joint.box.pose[0].tolist(), joint.image, strict=True)]
-    miss = max(above((x - arb(value)).abs_upper()) for x, value in zip(pose, end.pose.tolist(), strict=True))
+    off = max(above((x - arb(value)).abs_upper()) for x, value in zip(pose, end.pose.tolist(), strict=True))
+    miss = (1.0 + PROOF_MARGIN) * off + PROOF_SLACK
     if not miss <= TOLERANCE:
         return miss, ProofFailure(s, Reason(f"the {name} is missed by {miss:.3g} (metres or radians)"))
     found = closure(problem.balls, pose, [arb(value[0]) for value in piece.taylor(s)])

@@ -17,7 +17,10 @@ def premises_sha256(config: Config) -> str:
         limits |= kind.CERTIFICATE.premises(config)
     return config_sha256(
         {
-            "machine": {key: machine[key] for key in ("rails", "links", "triangle_branch", "clearance")},
+            "machine": {
+                key: machine[key]
+                for key in ("rails", "links", "triangle_branch", "characteristic_length_m", "clearance")
+            },
             "ends": [task["start"], task["goal"]],
             "limits": limits,
         }

@@ -64,7 +64,7 @@ class Certificate:
     Attributes
     ----------
     path_sha256 : str
-        Hash of the splines.
+        Hash of the splines and known poses of the path.
     premises_sha256 : str
         Hash of the machine, the limits and the ends.
     precision_bits : int
@@ -101,8 +101,20 @@ def proven_chain(chain: Chain, uncertainty: Uncertainty) -> ProvenChain:
 
 
 def path_sha256(path: Path) -> str:
-    """Hash a path's splines: degree, knots and coefficients, bit by bit."""
-    digest = hashlib.sha256(str(path.spline.k).encode())
-    for array in (path.spline.t, path.spline.c):
-        digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+    """Hash everything that positions and poses along a path follow from, bit by bit.
+
+    These are the degree, knots and coefficients of its splines and the known poses with their s: each by its name, type
+    and shape, so that no other path has the same bytes. Bytes are those of little-endian numbers on every processor.
+    """
+    arrays = {
+        "knots": path.spline.t,
+        "coefficients": path.spline.c,
+        "node_s": path.node_s,
+        "node_pose": path.node_pose,
+    }
+    digest = hashlib.sha256(f"degree {int(path.spline.k)}\n".encode())
+    for name, value in arrays.items():
+        array = np.ascontiguousarray(value)
+        digest.update(f"{name} {array.dtype.kind}{array.dtype.itemsize} {array.shape}\n".encode())
+        digest.update(array.astype(array.dtype.newbyteorder("<")).tobytes())
     return digest.hexdigest()

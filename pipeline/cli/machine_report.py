@@ -1,31 +1,36 @@
 """A machine and its task as tables: geometry, reach, grid, start and goal."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 from rich.console import RenderableType
 from rich.table import Table
 
+from pipeline.cli.machine_notes import machine_notes
 from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
-from pipeline.workspace.reach import STEP_M, usable_reach
+from pipeline.route.regions.size import expected_size
+from pipeline.workspace.reach import reach_step, usable_reach
 
 
 def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> list[RenderableType]:
     """Describe a machine and its task."""
     return [
         _degrees_of_freedom(config),
-        _actuators(machine),
+        _actuators(config, machine),
         _limits(machine),
         _links(machine),
         _reach(config, machine),
-        _grid(config),
+        _grid(config, machine),
         _ends(config, machine, ends),
+        *machine_notes(config, machine, ends[0]),
     ]
 
 
@@ -44,11 +49,12 @@ def _table(title: str, *columns: str, text: int = 1) -> Table:
     return text_table(title, columns, (), range(text))
 
 
-def _actuators(machine: Machine) -> Table:
-    table = _table("Actuators", "actuator", "what", "least m", "largest m", text=2)
+def _actuators(config: Config, machine: Machine) -> Table:
+    table = _table("Actuators", "actuator", "what", "least m", "largest m", "path least m", "largest m", text=2)
     carts = [f"cart of arm {k + 1}, rail at y {y:g} m, z {z:g} m" for k, (y, z) in enumerate(machine.rails_m)]
     telescopes = [f"telescopic link {LINKS[link]}" for link in TELESCOPES]
-    for name, what, row in zip(ACTUATORS, carts + telescopes, machine.actuator_limits_m, strict=True):
+    ranges = np.hstack([machine.actuator_limits_m, planned_range_m(config, machine)])
+    for name, what, row in zip(ACTUATORS, carts + telescopes, ranges, strict=True):
         table.add_row(name, what, *(f"{value:g}" for value in row))
     return table
 
@@ -57,14 +63,20 @@ def _limits(machine: Machine) -> Table:
     masses = "" if machine.masses is not None else "; no masses are given, so forces are not checked"
     units = ("velocity m/s", "acceleration m/s^2", "jerk m/s^3", "force N")
     table = _table(f"Limits of motion{masses}", "of", *units)
-    rows = np.column_stack([machine.velocity_mps, machine.acceleration_mps2, machine.jerk_mps3, machine.force_n])
-    others = {
-        "TCP": (machine.tcp_speed_mps, machine.tcp_acceleration_mps2, np.inf, np.inf),
-        "links": (np.inf, np.inf, np.inf, machine.link_force_n),
-    }
-    for name, row in (*zip(ACTUATORS, rows.tolist(), strict=True), *others.items()):
-        table.add_row(name, *(f"{value:g}" if np.isfinite(value) else "-" for value in row))
+    rows = np.column_stack([machine.velocity_mps, machine.acceleration_mps2, machine.jerk_mps3])
+    push_and_pull, count = machine.force_limits_n, len(ACTUATORS)
+    tcp = (machine.tcp_speed_mps, machine.tcp_acceleration_mps2, np.inf)
+    of = (*ACTUATORS, "TCP", "links")
+    forces = [*push_and_pull[:, :count].T, np.full(2, np.inf), push_and_pull[:, count]]
+    for name, row, force in zip(of, (*rows.tolist(), tcp, np.full(3, np.inf)), forces, strict=True):
+        table.add_row(name, *(f"{value:g}" if np.isfinite(value) else "-" for value in row), _force_words(*force))
     return table
+
+
+def _force_words(push: float, pull: float) -> str:
+    if push == pull:
+        return f"{push:g}" if np.isfinite(push) else "-"
+    return f"push {push:g}, pull {pull:g}"
 
 
 def _links(machine: Machine) -> Table:
@@ -79,9 +91,9 @@ def _links(machine: Machine) -> Table:
 
 
 def _reach(config: Config, machine: Machine) -> Table:
-    cap = config.route.kappa_max
+    cap, step = config.route.kappa_max, reach_step(machine)
     table = _table(
-        f"Reach without tilt (kappa up to {cap:g}, strokes, carts and clearance kept; to {STEP_M:g} m)",
+        f"Reach without tilt (kappa up to {cap:g}, strokes, carts and clearance kept; to {step:.2g} m)",
         "working mode",
         "x m",
         "y m",
@@ -89,7 +101,7 @@ def _reach(config: Config, machine: Machine) -> Table:
         "area m^2",
     )
     for mode in dict.fromkeys((config.task.start.mode, config.task.goal.mode)):
-        reach = usable_reach(machine, MODES.index(mode), cap)
+        reach = usable_reach(machine, MODES.index(mode), cap, step)
         spans = [
             "none" if span is None else f"{span[0]:.2f} to {span[1]:.2f}" for span in (reach.x_m, reach.y_m, reach.z_m)
         ]
@@ -97,11 +109,14 @@ def _reach(config: Config, machine: Machine) -> Table:
     return table
 
 
-def _grid(config: Config) -> Table:
+def _grid(config: Config, machine: Machine) -> Table:
     axes = grid_axes(config)
-    count = len(MODES) * int(np.prod([len(axis) for axis in axes]))
+    count = len(MODES) * math.prod(len(axis) for axis in axes)
+    size = expected_size(config, machine)
     table = _table(
-        f"Grid: {count:,} candidates in {len(MODES)} working modes, plus gates",
+        f"Grid: {count:,} candidates in {len(MODES)} working modes, plus gates; about {_rounded(size.regions)} regions "
+        f"and {_rounded(size.moves)} moves in {_rounded(size.memory_gb)} GB of memory, "
+        f"allowed {config.route.memory_gb:g}",
         "axis",
         "least",
         "largest",
@@ -114,6 +129,11 @@ def _grid(config: Config) -> Table:
         values = np.rad2deg(axis) if name.endswith("deg") else axis
         table.add_row(name, f"{values[0]:.4g}", f"{values[-1]:.4g}", f"{step:g}", str(len(axis)))
     return table
+
+
+def _rounded(value: float) -> str:
+    """Give two digits: an estimate has no more."""
+    return f"{float(f'{value:.2g}'):,g}" if value < 1e6 else f"{float(f'{value:.2g}') / 1e6:,g} million"
 
 
 def _ends(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Table:
@@ -161,9 +181,23 @@ def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tupl
         return
     forces = np.concatenate([end.samples.holding_forces_n for end in ends])
     limit = holding_limit(machine)
-    allowed = np.full(forces.shape[1], np.inf) if limit is None else limit.allowed_at_rest_n
-    held = np.column_stack([forces[:, : len(ACTUATORS)], np.abs(forces[:, len(ACTUATORS) :]).max(axis=1)])
-    for name, column, most in zip(
-        (*ACTUATORS, "any link"), held.T.tolist(), allowed[: len(ACTUATORS) + 1].tolist(), strict=True
-    ):
-        yield name, column, f"+/- {most:g}" if np.isfinite(most) else ""
+    count = len(ACTUATORS)
+    allowed = np.full((2, forces.shape[1]), np.inf) if limit is None else limit.allowed_at_rest_n
+    drives, links = forces[:, :count], forces[:, count:]
+    push, pull = allowed[:, count]
+    if push == pull:
+        groups = [("any link", np.abs(links).max(axis=1), push, pull)]
+    else:
+        groups = [
+            ("any link, pushed", links.max(axis=1), push, np.inf),
+            ("any link, pulled", links.min(axis=1), np.inf, pull),
+        ]
+    drive_rows = zip(ACTUATORS, drives.T, *allowed[:, :count], strict=True)
+    for name, column, push, pull in (*drive_rows, *groups):
+        yield name, column.tolist(), _range_words(-pull, push)
+
+
+def _range_words(least: float, largest: float) -> str:
+    if np.isinf([least, largest]).any():
+        return "" if np.isinf([least, largest]).all() else f">= {least:g}" if np.isinf(largest) else f"<= {largest:g}"
+    return f"+/- {largest:g}" if least == -largest else f"{least:g} to {largest:g}"

@@ -1,5 +1,6 @@
 """Arguments and options that several commands have, and what they stand for."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -29,11 +30,17 @@ SpeedOption = Annotated[
     float | None,
     typer.Option("--speed", metavar="PART", help="Part of the full speed, above 0, at most 1: for a slow first run."),
 ]
+UnprovenOption = Annotated[
+    bool,
+    typer.Option(
+        "--unproven", help="Go on with a route whose search ended at route.time_limit_s: valid, perhaps not the best."
+    ),
+]
 VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Show the solvers' logs.")]
 
 
 def load_task(path: Path) -> "Config":
-    """Read a configuration, and check that the machine can be at its start and goal.
+    """Read a configuration; check that its grid fits, that the machine can be at its ends, and what counting excludes.
 
     Raises
     ------
@@ -42,14 +49,21 @@ def load_task(path: Path) -> "Config":
     """
     from pipeline.config.file import load_config
     from pipeline.machine.geometry import build_machine
-    from pipeline.route.regions.endpoints import task_endpoints
+    from pipeline.route.regions.counting import require_possible_task
+    from pipeline.route.regions.size import require_grid_fits
 
     config = load_config(path)
     try:
-        task_endpoints(config, build_machine(config.machine))
+        require_grid_fits(config)
+        require_possible_task(config, build_machine(config.machine))
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
     return config
+
+
+def results_folder(config: "Config") -> Path:
+    """Name the folder of a run that is given none, in UTF-8 whatever the locale."""
+    return RESULTS / os.fsdecode(config.name.encode())
 
 
 def specs_of(context: typer.Context) -> "Specs":

@@ -1,7 +1,9 @@
 """Results as a command was asked for them: tables, files and pictures."""
 
 import io
+import os
 from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,35 +28,78 @@ def text_table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]],
     return table
 
 
-def refuse_inside(output: Path | None, run: Path) -> None:
-    """Refuse to write into the folder of a run.
+def check_output(output: Path | None, run: Path | None = None, option: str = "--output") -> None:
+    """Refuse a file that must not or cannot be written, before anything is computed.
+
+    Parameters
+    ----------
+    run : Path, optional
+        The run folder that a command reads: nothing is written into it.
 
     Raises
     ------
     UsageError
-        When the file would be inside.
+        When it is inside that folder, or a result of another run.
+    OSError
+        When it is a folder, or may not be written; names it.
     """
-    if output is not None and output.resolve().is_relative_to(run.resolve()):
-        raise UsageError(f"{output} is inside {run}, whose files are not overwritten: give another --output")
+    if output is None:
+        return
+    from pipeline.artifacts.output import check_writable, is_written_through
+
+    check_writable(output)
+    if is_written_through(output):
+        return
+    target = Path(os.path.realpath(output))
+    if run is not None and target.is_relative_to(os.path.realpath(run)):
+        raise UsageError(f"{output} is inside {run}, whose files are not overwritten: give another {option}")
+    for folder in target.parents:
+        if _is_result(target.relative_to(folder).as_posix(), folder):
+            raise UsageError(f"{output} is a result of the run in {folder}, and not overwritten: give another {option}")
 
 
-def check_picture(path: Path | None, option: str = "--picture") -> None:
-    """Refuse a picture whose name has no known ending, before anything is computed.
+def _is_result(name: str, folder: Path) -> bool:
+    """Check whether a name, relative to a folder, is that of a result of a run there."""
+    from pipeline.artifacts.layout import BOOKS, SUPERSEDED
+    from pipeline.artifacts.state import is_of_a_run
+    from pipeline.run.stage_specs import SPECS
+
+    names = (*BOOKS, f"{SUPERSEDED}/*", *(pattern for spec in SPECS for pattern in spec.patterns))
+    return any(fnmatchcase(name, pattern) for pattern in names) and is_of_a_run(folder)
+
+
+def check_picture(path: Path | None, run: Path | None = None, option: str = "--picture") -> None:
+    """Refuse a picture whose name has no known ending, or that must not or cannot be written.
 
     Raises
     ------
     UsageError
-        When the ending is none of `PICTURES`.
+        When the ending is none of `PICTURES`, or the file must not be written, see `check_output`.
+    OSError
+        When it is a folder, or may not be written.
     """
     if path is not None and path.suffix.lower().lstrip(".") not in PICTURES:
         endings = ", ".join(f".{name}" for name in PICTURES)
         raise UsageError(f"{option} {path}: the name of the file must end in one of {endings}")
+    check_output(path, run, option)
+
+
+def refuse_same(one: Path | None, other: Path | None, options: str) -> None:
+    """Refuse two files that are one: the second would overwrite the first.
+
+    Raises
+    ------
+    UsageError
+        When they are the same file.
+    """
+    if one is not None and other is not None and os.path.realpath(one) == os.path.realpath(other):
+        raise UsageError(f"{options} are the same file, {one}: give two")
 
 
 def save_picture(figure: "Figure", path: Path) -> None:
     """Write a figure completely or not at all."""
-    from pipeline.artifacts import write_whole
+    from pipeline.artifacts.output import write_output
 
     buffer = io.BytesIO()
     figure.savefig(buffer, format=path.suffix.lower().lstrip("."))
-    write_whole(path, buffer.getvalue())
+    write_output(path, buffer.getvalue())

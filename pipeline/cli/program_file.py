@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from pipeline.cli.output import check_output
 from pipeline.config import Config
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import build_machine
@@ -17,9 +18,14 @@ def write_program(config: Config, target: Path, console: Console) -> None:
     Raises
     ------
     UsageError
-        When the task takes more than one program, or the file has no known ending.
+        When the task takes more than one program, or the file has no known ending, or is inside a run folder.
+    OSError
+        When it cannot be written; names the file.
     """
     _check(config, target)
+    from pipeline.artifacts.files import naming
+    from pipeline.artifacts.output import output_folder, place_output
+    from pipeline.route.memory import require_memory
     from pipeline.route.moves.candidates import find_moves
     from pipeline.route.problem import RouteProblem
     from pipeline.route.programs.exclusions import excluded_pairs
@@ -32,7 +38,7 @@ def write_program(config: Config, target: Path, console: Console) -> None:
     with console.status("regions and moves"):
         regions = build_regions(config, machine)
         problem = RouteProblem.of(config, machine, regions, find_moves(config, machine, regions))
-        graph = expand_states(regions, problem.moves, np.zeros((0, len(regions)), dtype=bool))
+        graph = expand_states(regions, problem.moves, np.zeros((0, len(regions)), dtype=bool), config.route)
         exclusions = excluded_pairs(config, graph.regions, graph.moves)
     name, N, count = config.route.formulation, config.route.step_budget, len(graph.regions)
     whole = WHOLE_PROGRAMS[name]
@@ -41,13 +47,15 @@ def write_program(config: Config, target: Path, console: Console) -> None:
         f"{count:,} regions, N = {N}; the {name} program: {size.columns:,} variables ({size.booleans:,} "
         f"of them boolean), {size.rows:,} rows, {size.entries:,} entries"
     )
+    require_memory(config.route, size.built_bytes, "the program", "coarsen route.grid, or lower route.step_budget")
     with console.status(f"writing {target}"):
         program = whole.build(graph.regions, exclusions, problem.steps, N, problem.budgets)
         # Written beside the target and renamed, so that the target is always complete.
-        with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with naming(target), tempfile.TemporaryDirectory(prefix=".", dir=output_folder(target)) as folder:
             beside = Path(folder) / f"program{target.suffix}"
             highs.write_program(program, beside)
-            beside.replace(target)
+            place_output(beside, target)
     console.print(f"{target}: the {name} program")
 
 
@@ -67,3 +75,4 @@ def _check(config: Config, target: Path) -> None:
         raise UsageError(f"--write-mps goes with route.alternative 1: number {rank} needs the better routes first")
     if target.suffix not in (".mps", ".lp"):
         raise UsageError(f"--write-mps {target}: the name of the file must end in .mps (or .lp)")
+    check_output(target, option="--write-mps")

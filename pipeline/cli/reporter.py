@@ -61,7 +61,7 @@ class LiveReporter:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._live = Progress(
-            SpinnerColumn(),
+            SpinnerColumn("dots" if console.encoding.startswith("utf") else "line"),
             TextColumn("{task.fields[stage]}", markup=False),
             BarColumn(bar_width=24),
             TimeElapsedColumn(),

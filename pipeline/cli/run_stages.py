@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.options import RESULTS
+from pipeline.cli.options import results_folder
 from pipeline.cli.reporter import make_reporter
 from pipeline.cli.stage_table import stage_table
 
@@ -28,7 +28,7 @@ def run_stages(path: Path, config: "Config", out: Path | None, options: "RunOpti
     from pipeline.run.run_report import files_to_open
     from pipeline.run.stage_specs import spec_of
 
-    folder = out or RESULTS / config.name
+    folder = out or results_folder(config)
     with make_reporter(messages_console(), options.verbose) as reporter:
         report = run_pipeline(config, folder, options, reporter, specs)
     console = results_console()

@@ -4,8 +4,6 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from pipeline.summary.section import failed_part
-
 if TYPE_CHECKING:
     from pipeline.run import RunReport
     from pipeline.run.stage_specs import Specs
@@ -24,8 +22,6 @@ def stage_table(report: "RunReport", specs: "Specs") -> Table:
     table.add_column("key figures")
     for outcome in report.outcomes:
         status = str(outcome.section["status"])
-        if failed_part(outcome.section):
-            status += " in part"
         if outcome.outcome == _UNCHANGED:
             status += f", {_UNCHANGED}"
         words = spec_of(specs, outcome.stage).words(outcome.section)

@@ -14,7 +14,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
+from pipeline.arguments import require_number
 from pipeline.arrays import FloatArray
+from pipeline.errors import ArgumentError
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.refine.result import Path
 
@@ -43,10 +45,20 @@ def blended(coarse: Path, tolerance_m: float = TOLERANCE_M) -> Path:
     -------
     Path
         The same moves over actuator length, scaled to s in [0, 1].
+
+    Raises
+    ------
+    ArgumentError
+        If the path is not of degree one, two of its corners are one place, or the tolerance is not positive.
     """
+    tolerance_m = require_number("tolerance_m", tolerance_m, above=0.0)
+    if coarse.spline.k != 1:
+        raise ArgumentError(f"coarse: expected a path of degree 1, not {coarse.spline.k}")
     corners_s, corners = coarse.spline.t[1:-1], coarse.spline.c
     moves = np.diff(corners, axis=0)
     lengths = np.linalg.norm(moves, axis=1)
+    if not (lengths > 0.0).all():
+        raise ArgumentError(f"coarse: its corners {int(np.argmin(lengths)) + 1} and the next are one place")
     at = np.append(0.0, np.cumsum(lengths))
     directions = moves / lengths[:, None]
     half = _half_widths(lengths, directions, tolerance_m)

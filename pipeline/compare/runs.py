@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from pipeline.compare.criteria import CRITERIA, Criterion, MeasuredPath, Preference, paced_alike
 from pipeline.compare.metrics import markdown, per_cent_of
+from pipeline.errors import ArgumentError
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,15 @@ class RunsRow:
 
 
 def compare_runs(measured: Sequence[MeasuredPath]) -> list[RunsRow]:
-    """Compare runs by every criterion that is known for at least two of them."""
+    """Compare runs, at least two, by every criterion that is known for at least two of them.
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer than two.
+    """
+    if len(measured) < 2:
+        raise ArgumentError(f"measured: expected at least two, not {len(measured)}")
     measured = paced_alike(measured)
     rows = []
     for criterion in CRITERIA:

@@ -7,44 +7,44 @@ from .config import (
 from .export import (
     ExportConfig as ExportConfig,
 )
-from .machine import (
+from .machine.limits import (
     ActuatorLimitsConfig as ActuatorLimitsConfig,
 )
-from .machine import (
-    ClearanceConfig as ClearanceConfig,
-)
-from .machine import (
-    DynamicsConfig as DynamicsConfig,
-)
-from .machine import (
-    FixedLinkConfig as FixedLinkConfig,
-)
-from .machine import (
-    FrictionConfig as FrictionConfig,
-)
-from .machine import (
+from .machine.limits import (
     LimitsConfig as LimitsConfig,
 )
-from .machine import (
-    LinksConfig as LinksConfig,
-)
-from .machine import (
-    MachineConfig as MachineConfig,
-)
-from .machine import (
-    PlatformMassConfig as PlatformMassConfig,
-)
-from .machine import (
-    RailConfig as RailConfig,
-)
-from .machine import (
+from .machine.limits import (
     TcpLimitsConfig as TcpLimitsConfig,
 )
-from .machine import (
+from .machine.links import (
+    ClearanceConfig as ClearanceConfig,
+)
+from .machine.links import (
+    FixedLinkConfig as FixedLinkConfig,
+)
+from .machine.links import (
+    LinksConfig as LinksConfig,
+)
+from .machine.links import (
+    RailConfig as RailConfig,
+)
+from .machine.links import (
     TelescopeConfig as TelescopeConfig,
 )
-from .machine import (
+from .machine.links import (
     TriangleLinkConfig as TriangleLinkConfig,
+)
+from .machine.machine import (
+    MachineConfig as MachineConfig,
+)
+from .machine.masses import (
+    DynamicsConfig as DynamicsConfig,
+)
+from .machine.masses import (
+    FrictionConfig as FrictionConfig,
+)
+from .machine.masses import (
+    PlatformMassConfig as PlatformMassConfig,
 )
 from .refine import (
     RefineConfig as RefineConfig,

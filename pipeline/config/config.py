@@ -1,21 +1,26 @@
 """The whole configuration: machine, task, and the options of every stage."""
 
-from pydantic import Field
+from collections.abc import Iterator
+from typing import Self
+
+from pydantic import Field, model_validator
 
 from pipeline.config.certify import CertifyConfig
 from pipeline.config.export import ExportConfig
-from pipeline.config.machine import MachineConfig
+from pipeline.config.machine.machine import MachineConfig
 from pipeline.config.refine import RefineConfig
 from pipeline.config.retime import RetimeConfig
 from pipeline.config.route import RouteConfig
-from pipeline.config.section import NAME_PATTERN, Section
+from pipeline.config.section import MOST_NAME, NAME_PATTERN, Section, wrong
 from pipeline.config.task import TaskConfig
 
 
 class Config(Section):
     """The whole configuration of one run."""
 
-    name: str = Field("", pattern=NAME_PATTERN, description="name of the run; default: the file's name")
+    name: str = Field(
+        "", pattern=NAME_PATTERN, max_length=MOST_NAME, description="name of the run; default: the file's name"
+    )
     machine: MachineConfig
     task: TaskConfig
     route: RouteConfig
@@ -23,3 +28,22 @@ class Config(Section):
     certify: CertifyConfig = Field(default_factory=lambda: CertifyConfig())
     retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
     export: ExportConfig = Field(default_factory=lambda: ExportConfig())
+
+    @model_validator(mode="after")
+    def _margins_leave_room(self) -> Self:
+        for key, margin, where, (least, largest) in self._margins():
+            if 2.0 * margin >= largest - least:
+                raise wrong(
+                    f"refine.{key}",
+                    f"is {margin:g}, which leaves nothing of machine.{where} [{least:g}, {largest:g}]; "
+                    f"allowed is less than {(largest - least) / 2.0:g}",
+                )
+        return self
+
+    def _margins(self) -> Iterator[tuple[str, float, str, tuple[float, float]]]:
+        """Give the margin at the ends of every actuator's range: its key and value, the key of the range, the range."""
+        for k, rail in enumerate(self.machine.rails):
+            yield "travel_margin_m", self.refine.travel_margin_m, f"rails[{k}].travel_m", rail.travel_m
+        for name in ("l2b", "l3b"):
+            stroke = getattr(self.machine.links, name).stroke_m
+            yield "stroke_margin_m", self.refine.stroke_margin_m, f"links.{name}.stroke_m", stroke

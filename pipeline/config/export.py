@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from pipeline.config.section import Section, wrong
 
 JOINT_PATTERN = r"^[A-Za-z_][\w/.-]*$"
-JointName = Annotated[str, Field(pattern=JOINT_PATTERN)]
+JointName = Annotated[str, Field(pattern=JOINT_PATTERN, max_length=100)]
 
 
 class ExportConfig(Section):

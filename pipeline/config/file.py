@@ -3,33 +3,34 @@
 import hashlib
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import yaml
 from pydantic import BaseModel, ValidationError
 
 from pipeline.config.config import Config
 from pipeline.config.messages import explain
+from pipeline.config.section import MOST_NAME
+from pipeline.config.yaml_text import MOST_BYTES, YamlError, parse_yaml
 from pipeline.errors import ConfigError, ConfigIssue
+from pipeline.regular_file import read_named_file
+
+Read = Callable[[Path, int], bytes]
+"""Reads a file of at most so many bytes."""
 
 
-class _UniqueKeyLoader(yaml.SafeLoader):
-    """PyYAML's safe loader, but a key given twice is an error rather than silently the last one."""
-
-    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
-        node = super().compose_mapping_node(anchor)
-        seen: set[str] = set()
-        for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
-            if key.value in seen:
-                problem = f"the key {key.value!r} is given twice"
-                raise yaml.composer.ComposerError("while reading a section", node.start_mark, problem, key.start_mark)
-            seen.add(key.value)
-        return node
+_MOST_ISSUES = 100
+"""Faults that are explained: a file of another kind has thousands."""
 
 
-def load_config(path: Path | str) -> Config:
+def load_config(path: Path | str, read: Read = read_named_file) -> Config:
     """Read and validate a YAML configuration; the name defaults to the file's.
+
+    Parameters
+    ----------
+    read : callable
+        Reads a file of at most so many bytes; by default it may be a pipe or a device, too.
 
     Raises
     ------
@@ -37,7 +38,7 @@ def load_config(path: Path | str) -> Config:
         When the file cannot be read or is not a valid configuration; names every offending key.
     """
     path = Path(path)
-    return parse_config(read_yaml(path), source=str(path), default_name=path.stem)
+    return parse_config(read_yaml(path, read), source=str(path), default_name=path.stem)
 
 
 def parse_config(data: object, source: str = "configuration", default_name: str = "run") -> Config:
@@ -55,7 +56,7 @@ def parse_config(data: object, source: str = "configuration", default_name: str 
     try:
         config = Config.model_validate(data)
     except ValidationError as error:
-        raise ConfigError([explain(item) for item in error.errors()], source) from None
+        raise ConfigError(_issues(error), source) from None
     return config if config.name else config.model_copy(update={"name": _name_from(default_name)})
 
 
@@ -70,32 +71,30 @@ def config_sha256(config: BaseModel | object) -> str:
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 
 
-def read_yaml(path: Path) -> object:
+def read_yaml(path: Path, read: Read = read_named_file) -> object:
     """Read a YAML file as it is, without defaults.
 
     Raises
     ------
     ConfigError
-        When the file cannot be read, or is not YAML.
+        When the file cannot be read, is too large, or is not YAML.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        return parse_yaml(read(path, MOST_BYTES).decode())
     except OSError as error:
         raise _unreadable(path, f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise _unreadable(path, "is not a UTF-8 text file") from None
-    try:
-        return yaml.load(text, Loader=_UniqueKeyLoader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        place = f"line {mark.line + 1}, column {mark.column + 1}" if mark else "(file)"
-        problem = ", ".join(part for part in (error.context, error.problem) if part)
-        raise _unreadable(path, f"is not valid YAML: {problem}", place) from None
-    except yaml.reader.ReaderError as error:
-        place = f"line {text.count(chr(10), 0, error.position) + 1}"
-        raise _unreadable(path, "has a control character, which YAML does not allow", place) from None
-    except ValueError as error:
-        raise _unreadable(path, f"has a value that cannot be read: {error}") from None
+    except YamlError as error:
+        raise _unreadable(path, error.message, error.place) from None
+
+
+def _issues(error: ValidationError) -> list[ConfigIssue]:
+    """Explain the first faults, and count the others."""
+    found = error.errors(include_url=False)
+    more = len(found) - _MOST_ISSUES
+    rest = [ConfigIssue("(file)", f"has {more:,} more faults")] if more > 0 else []
+    return [*(explain(item) for item in found[:_MOST_ISSUES]), *rest]
 
 
 def _unreadable(path: Path, message: str, place: str = "(file)") -> ConfigError:
@@ -104,4 +103,4 @@ def _unreadable(path: Path, message: str, place: str = "(file)") -> ConfigError:
 
 def _name_from(text: str) -> str:
     """Make a name that `Config.name` allows: what it does not allow becomes a dash."""
-    return re.sub(r"[^\w.-]+", "-", text).lstrip("-.") or "run"
+    return re.sub(r"[^\w.-]+", "-", text).lstrip("-.")[:MOST_NAME] or "run"

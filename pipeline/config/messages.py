@@ -1,6 +1,8 @@
 """What is wrong with a configuration, in one clear sentence per key: its path, the value, what is allowed there."""
 
+import datetime
 import difflib
+import functools
 import json
 import re
 from typing import Any
@@ -20,6 +22,8 @@ _PATTERNS = {
     NAME_PATTERN: "letters, digits, '_', '-' and '.', the first a letter, a digit or '_'",
 }
 _KINDS = {"number": "a number", "integer": "a whole number", "boolean": "on or off, without quotes", "null": "null"}
+_SHOWN = 60
+"""Longest key or value in a message."""
 _UNITS = {
     "m": ("metres", "millimetres"),
     "s": ("seconds", "milliseconds"),
@@ -32,17 +36,31 @@ _UNITS = {
 def explain(error: ErrorDetails) -> ConfigIssue:
     """Turn one error of pydantic's into a key's path, the value found there and what is allowed."""
     location, kind, value = error["loc"], error["type"], error["input"]
-    path = key_path(location)
+    keys = _without_choices(location)
+    path = key_path(keys)
     if kind == "rule" and "key" not in error.get("ctx", {}):
         return ConfigIssue(path, error["msg"], value)
     if kind == "rule":
-        return ConfigIssue(key_path((*location, error["ctx"]["key"])), error["ctx"]["message"], value)
+        return ConfigIssue(key_path((*keys, error["ctx"]["key"])), error["ctx"]["message"], value)
     if kind in ("extra_forbidden", "invalid_key"):
         return ConfigIssue(path, f"is not a known key{_known_keys(location)}", value)
-    schema = _schema_at(location)
+    schema = _allowing(location)
     if kind == "missing":
         return ConfigIssue(path, f"is missing; allowed is {_allowed(schema)}")
-    hint = _unit_hint(location, value, schema)
+    if kind == "too_long" and isinstance(value, list) and "items" in _given(schema):
+        return ConfigIssue(path, f"has {len(value):,} entries; allowed are at most {_given(schema)['maxItems']}", value)
+    if kind == "truth_value" and isinstance(value, list):
+        # The one entry of the list that is at fault, if the list has so many.
+        entry = next(k for k, item in enumerate(value) if isinstance(item, bool))
+        if entry < len(_given(schema).get("prefixItems", ())):
+            return _refused((*location, entry), value[entry])
+    return _refused(location, value)
+
+
+def _refused(location: tuple[int | str, ...], value: object) -> ConfigIssue:
+    """Say what is found at a key, and what is allowed there."""
+    path, schema = key_path(_without_choices(location)), _allowing(location)
+    hint = _unit_hint(location, value, schema) or _quotes_hint(value, schema)
     return ConfigIssue(path, f"is {_shown(value)}; allowed is {_allowed(schema)}{hint}", value)
 
 
@@ -50,20 +68,42 @@ def key_path(location: tuple[int | str, ...]) -> str:
     """Write a location as a path: task.start.x_m, machine.rails[0]."""
     path = ""
     for part in location:
-        path += f"[{part}]" if isinstance(part, int) else f".{part}" if path else part
-    return path
+        path += f"[{part}]" if isinstance(part, int) else f".{_cut(part)}" if path else _cut(part)
+    return path or "(top level)"
+
+
+def _allowing(location: tuple[int | str, ...]) -> _Schema:
+    """Find what is allowed at a location: where one of several kinds of values is wrong, all of them."""
+    return _schema_at(location[:-1] if location and _is_choice(location[:-1]) else location)
+
+
+def _without_choices(location: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Leave out of a location what only names one of several kinds of values of a key."""
+    return tuple(part for k, part in enumerate(location) if not _is_choice(location[:k]))
+
+
+def _is_choice(location: tuple[int | str, ...]) -> bool:
+    """Check whether the part after a location names a kind of value, rather than a key."""
+    return "oneOf" in _given(_schema_at(location))
 
 
 def _schema_at(location: tuple[int | str, ...]) -> _Schema:
     """Find the JSON schema of a key by its location."""
-    schema: _Schema = Config.model_json_schema()
+    schema = _whole_schema()
     for part in location:
         schema = _given(schema)
-        if isinstance(part, str):
+        if "oneOf" in schema:
+            schema = next(choice for choice in schema["oneOf"] if part in (choice.get("type"), _referred(choice)))
+        elif isinstance(part, str):
             schema = schema["properties"][part]
         else:
             schema = schema["prefixItems"][part] if "prefixItems" in schema else schema["items"]
     return _resolved(schema)
+
+
+@functools.cache
+def _whole_schema() -> _Schema:
+    return Config.model_json_schema()
 
 
 def _given(schema: _Schema) -> _Schema:
@@ -73,19 +113,24 @@ def _given(schema: _Schema) -> _Schema:
 
 def _resolved(schema: _Schema) -> _Schema:
     """Look up what a reference refers to."""
-    definitions: _Schema = Config.model_json_schema()["$defs"]
-    return definitions[schema["$ref"].rsplit("/", 1)[-1]] if "$ref" in schema else schema
+    definitions: _Schema = _whole_schema()["$defs"]
+    return definitions[_referred(schema)] if "$ref" in schema else schema
+
+
+def _referred(schema: _Schema) -> str:
+    return str(schema.get("$ref", "")).rsplit("/", 1)[-1]
 
 
 def _allowed(schema: _Schema) -> str:
     """Say what a schema allows."""
     schema = _resolved(schema)
-    if "anyOf" in schema:
-        return " or ".join(_allowed(choice) for choice in schema["anyOf"])
+    if choices := schema.get("anyOf", schema.get("oneOf")):
+        return " or ".join(_allowed(choice) for choice in choices)
     if "enum" in schema:
         return " or ".join(schema["enum"])
     if "pattern" in schema:
-        return _PATTERNS[schema["pattern"]]
+        most = f", at most {schema['maxLength']} of them" if "maxLength" in schema else ""
+        return _PATTERNS[schema["pattern"]] + most
     if schema["type"] == "array":
         return _allowed_list(schema)
     if schema["type"] == "object":
@@ -97,8 +142,8 @@ def _allowed_list(schema: _Schema) -> str:
     if "prefixItems" not in schema:
         return f"a list of {_allowed(schema['items'])}"
     length, item = schema["minItems"], schema["prefixItems"][0]
-    kind = "sections" if "$ref" in item else f"numbers{_range(item)}"
-    return f"a list of {length} {kind}"
+    kind = "sections" if "$ref" in item else f"words ({_allowed(item)})" if "pattern" in item else ""
+    return f"a list of {length} {kind or f'numbers{_range(item)}'}"
 
 
 def _range(schema: _Schema) -> str:
@@ -112,7 +157,7 @@ def _range(schema: _Schema) -> str:
 def _known_keys(location: tuple[int | str, ...]) -> str:
     """List the keys allowed beside an unknown one, the likeliest first."""
     keys = list(_given(_schema_at(location[:-1]))["properties"])
-    close = difflib.get_close_matches(str(location[-1]), keys, n=1)
+    close = difflib.get_close_matches(str(location[-1])[:_SHOWN], keys, n=1)
     meant = f" (did you mean {close[0]}?)" if close else ""
     return f"{meant}; allowed here are {', '.join(keys)}"
 
@@ -129,6 +174,30 @@ def _unit_hint(location: tuple[int | str, ...], value: object, schema: _Schema) 
     return f" (the unit is {unit}: is {_shown(value)} in {smaller}?)"
 
 
+def _quotes_hint(value: object, schema: _Schema) -> str:
+    """Explain that YAML took a word for something else."""
+    if "string" not in _types(schema):
+        return ""
+    if isinstance(value, bool):
+        return " (YAML reads on, off, yes, no, true and false as truth values: if a word is meant, put it in quotes)"
+    if isinstance(value, int | float | datetime.date):
+        return " (YAML does not read this as a word: put it in quotes)"
+    return ""
+
+
+def _types(schema: _Schema) -> set[str]:
+    """List the JSON types that a schema allows."""
+    choices = [_resolved(choice) for choice in schema.get("anyOf", [schema])]
+    return {choice["type"] for choice in choices if "type" in choice}
+
+
 def _shown(value: object) -> str:
-    text = json.dumps(value, default=str, ensure_ascii=False)
-    return text if len(text) <= 60 else text[:57] + "..."
+    try:
+        text = json.dumps(value, default=str, ensure_ascii=False)
+    except (TypeError, ValueError, RecursionError):
+        return f"a value that cannot be shown ({type(value).__name__})"
+    return _cut(text)
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."

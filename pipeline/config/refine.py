@@ -45,6 +45,12 @@ class RefineConfig(Section):
         None, description="(x, y, z) of the TCP's path at the very goal, not tilting; null: any"
     )
     clearance_margin_m: float = Field(0.001, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")
+    travel_margin_m: float = Field(
+        0.005, ge=0.0, le=1.0, description="route and path stay so far from the ends of the rails"
+    )
+    stroke_margin_m: float = Field(
+        0.002, ge=0.0, le=1.0, description="route and path stay so far from the ends of the strokes"
+    )
     tilt_margin_deg: float = Field(0.1, ge=0.0, le=10.0, description="kept at the nodes below the tilt limit")
     lock_tolerance_deg: float = Field(0.25, gt=0.0, le=10.0, description="how far a locked axis may stray from zero")
     check_points: int = Field(10_000, ge=1_000, le=1_000_000, description="poses of the check between the nodes")

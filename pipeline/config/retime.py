@@ -31,7 +31,7 @@ class RetimeConfig(Section):
     bound_points: int = Field(
         1_000, ge=50, le=50_000, description="grid of the lower bound on the duration; the finer, the nearer it comes"
     )
-    speed: float = Field(1.0, gt=0.0, le=1.0, description="part of the full speed: 0.3 takes 1 / 0.3 times as long")
+    speed: float = Field(1.0, ge=0.001, le=1.0, description="part of the full speed: 0.3 takes 1 / 0.3 times as long")
     dwell_s: tuple[Wait, Wait] = Field(
         (0.0, 0.0), description="[at the start, at the goal]: waited before and after the motion, whole periods"
     )

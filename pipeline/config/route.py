@@ -76,8 +76,11 @@ class RouteConfig(Section):
         Formulation.CORE,
         description="the program that is solved; compact, paper: over all regions, for small grids",
     )
-    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve of the mixed-integer program")
+    time_limit_s: float = Field(300.0, gt=0.0, description="for the whole search; the best route so far is then kept")
     memory_gb: float = Field(
-        4.0, gt=0.0, le=10_000.0, description="memory that regions, moves and shortest paths may take up"
+        4.0,
+        gt=0.0,
+        le=10_000.0,
+        description="memory that stage one may take up, beside the 0.2 GB of the program itself",
     )
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())

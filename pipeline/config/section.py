@@ -7,6 +7,8 @@ from pydantic_core import PydanticCustomError
 
 MODE_PATTERN = "^[LR]{3}$"
 NAME_PATTERN = r"^(\w[\w.-]*)?$"
+MOST_NAME = 60
+"""Longest name, in characters: with up to four bytes each, a folder can still be named after it."""
 
 # Bounds that no Gantry-Tau exceeds: they are there to catch a value given in the wrong unit.
 Length = Annotated[float, Field(ge=-20.0, le=20.0)]

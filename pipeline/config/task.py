@@ -88,9 +88,13 @@ class TaskConfig(Section):
     start: PoseConfig
     goal: PoseConfig
     visit: tuple[VisitConfig, ...] = Field(
-        (), description="what to visit on the way, in this order, each by a step of its own between start and goal"
+        (),
+        max_length=100,
+        description="what to visit on the way, in this order, each by a step of its own between start and goal",
     )
-    avoid: tuple[BoxConfig, ...] = Field((), description="boxes the TCP must not enter (with tilts: that tilted)")
+    avoid: tuple[BoxConfig, ...] = Field(
+        (), max_length=200, description="boxes the TCP must not enter (with tilts: that tilted)"
+    )
     budget: BudgetConfig = Field(default_factory=lambda: BudgetConfig())
     tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")
     locked_axes: tuple[TiltAxis, ...] = Field(

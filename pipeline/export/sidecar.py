@@ -4,11 +4,12 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.export.trajectory_columns import POSITIONS, TRAJECTORY_COLUMNS, TrajectoryColumn
 from pipeline.machine.geometry import ACTUATORS, Machine
-from pipeline.retime.quantities import Quantities
+from pipeline.retime.quantities import Quantities, both_sides
 from pipeline.retime.result import TrajectorySamples
 from pipeline.retime.usage import Usage
 
@@ -44,7 +45,7 @@ def sidecar(
         "columns": [{"name": row.name, "unit": row.unit, "meaning": row.meaning} for row in columns],
         "limits": _limits(machine, usage.quantities),
         "shared_limits": {
-            quantity.key: _or_null(quantity.limit(machine)[0])
+            quantity.key: _limit(quantity.limit(machine), 0)
             for quantity in usage.quantities
             if quantity.subjects != ACTUATORS
         },
@@ -56,13 +57,16 @@ def sidecar(
 
 
 def _limits(machine: Machine, quantities: Quantities) -> dict[str, dict[str, Any]]:
-    """List the limits of each actuator: positions (travel or stroke) and quantities of its motion; null: no limit."""
+    """List the limits of each actuator: positions (travel or stroke) and quantities of its motion; null: no limit.
+
+    A force limit that depends on the sign is {"push": ..., "pull": ...}.
+    """
     own = {quantity.key: quantity.limit(machine) for quantity in quantities if quantity.subjects == ACTUATORS}
     return {
         actuator: {
             "column": column,
             "position_m": position,
-            **{key: _or_null(limit[k]) for key, limit in own.items()},
+            **{key: _limit(limit, k) for key, limit in own.items()},
         }
         for k, (actuator, column, position) in enumerate(
             zip(ACTUATORS, POSITIONS, machine.actuator_limits_m.tolist(), strict=True)
@@ -70,5 +74,7 @@ def _limits(machine: Machine, quantities: Quantities) -> dict[str, dict[str, Any
     }
 
 
-def _or_null(limit: float) -> float | None:
-    return float(limit) if math.isfinite(limit) else None
+def _limit(limit: FloatArray, subject: int) -> float | dict[str, float | None] | None:
+    """Return the limit of a subject: one number, or push and pull where they differ."""
+    push, pull = (float(side) if math.isfinite(side) else None for side in both_sides(limit)[:, subject].tolist())
+    return push if push == pull else {"push": push, "pull": pull}

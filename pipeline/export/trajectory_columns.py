@@ -71,7 +71,10 @@ TRAJECTORY_COLUMNS = (
     *_ACCELERATIONS,
     *_POSES,
     TrajectoryColumn(
-        "kappa", "1", "condition number of the statics matrix H, its moments in metres", lambda samples: samples.kappa
+        "kappa",
+        "1",
+        "condition number of the statics matrix H, moments per machine.characteristic_length_m",
+        lambda samples: samples.kappa,
     ),
 )
 """All columns of `trajectory.csv`."""

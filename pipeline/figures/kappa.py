@@ -11,6 +11,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.samples import corner_samples
+from pipeline.machine.statics import moment_unit
 from pipeline.machine.working_modes import working_modes
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
@@ -34,6 +35,7 @@ def kappa_figure(config: Config, route: Route, coarse: PathSamples, refined: Pat
     strips, axes = figure.subplots(2, 1, sharex=True, height_ratios=[0.32, 1.0])
     _draw_modes(strips, [working_modes(coarse.reach_m), working_modes(refined.reach_m)], lengths)
     handles = _draw_kappa(axes, lengths, (coarse.kappa, refined.kappa))
+    axes.set_ylabel(f"κ ({moment_unit(refined.machine)})")
     corners = corner_samples(coarse, route)
     handles += axes.plot(
         lengths[0][corners],
@@ -64,7 +66,6 @@ def _draw_kappa(
     axes.set_xlim(0.0, longest)
     axes.set_ylim(0.0, 1.36 * top)
     axes.set_xlabel(style.LENGTH_LABEL)
-    axes.set_ylabel("κ (moments in m)")
     return handles
 
 

@@ -16,7 +16,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from scipy.spatial import ConvexHull, QhullError
 
+from pipeline.arguments import require_array, require_one_length
 from pipeline.arrays import FloatArray
+from pipeline.errors import ArgumentError
 from pipeline.figures import style
 from pipeline.figures.maps.route import select_steps
 from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, TELESCOPES, Machine, cart_joints, platform_arms
@@ -71,8 +73,17 @@ def postures_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles:
     """Draw the machine at poses (n, 6) with actuators (n, 5) side by side, as `machine_figure` does for a route.
 
     Without titles, the title of a machine is its working mode.
+
+    Raises
+    ------
+    ArgumentError
+        If poses or actuators have other shapes or hold what is no finite number, or there is none.
     """
-    pose, q_m = np.reshape(pose, (-1, 6)), np.reshape(q_m, (-1, 5))
+    pose, q_m = require_array("pose", pose, ("...", 6)), require_array("q_m", q_m, ("...", 5))
+    pose, q_m = pose.reshape(-1, 6), q_m.reshape(-1, 5)
+    require_one_length(pose=pose, q_m=q_m, titles=pose if titles is None else titles)
+    if not len(pose):
+        raise ArgumentError("pose: expected at least one")
     sides = np.where(reach_along_rails(machine, pose, q_m[:, :3]) < 0.0, -1.0, 1.0)
     names = mode_names(sides) if titles is None else titles
     stances = [

@@ -7,6 +7,7 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
 from pipeline.figures import style
+from pipeline.machine.statics import moment_unit
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
 
@@ -25,7 +26,7 @@ def proof_figure(config: Config, refined: PathSamples, profile: KappaProfile) ->
     bound = f"proven bound over each of {len(profile.kappa)} boxes"
     top.stairs(profile.kappa, edges, baseline=None, color=style.BLUE, linewidth=0.9, label=bound)
     top.plot(length, refined.kappa, color=style.REFINED, label="refined path, sampled")
-    top.set_ylabel("κ (moments in m)")
+    top.set_ylabel(f"κ ({moment_unit(refined.machine)})")
     bottom.plot(length, 100.0 * (profile.kappa[box] / refined.kappa - 1.0), color=style.BLUE, linewidth=0.7)
     bottom.set_ylim(bottom=0.0)
     bottom.set_ylabel("bound above\nsampled κ (%)")

@@ -2,10 +2,10 @@
 
 With v_l = p + R a_l - C_l, A'_l = R a_l and moments m_l = A'_l x v_l, the closures and their derivatives by pose are
 
-    f_l = (|v_l|^2 - len_l^2) / 2,    f_l' = [v_l ; E' m_l],    H column l = [v_l ; m_l] / len_l
+    f_l = (|v_l|^2 - len_l^2) / 2,    f_l' = [v_l ; E' m_l],    H column l = [v_l ; m_l / L] / len_l
 
-with E = [e_x, y_platform, Rx e_z] the axes of rx, ry, rz. Axis a turns every axis b that comes after it in
-R = Rx Rz Ry, so that second derivatives of R a_l are a x (b x A'_l).
+with the characteristic length L and E = [e_x, y_platform, Rx e_z] the axes of rx, ry, rz. Axis a turns every axis b
+that comes after it in R = Rx Rz Ry, so that second derivatives of R a_l are a x (b x A'_l).
 """
 
 from collections.abc import Iterator
@@ -45,11 +45,14 @@ class Geometry:
         C_l less the cart's position: offset and rail.
     lengths : 6
         Lengths of the fixed links; None for the telescopes.
+    characteristic_length : arb
+        L, which moments are divided by.
     """
 
     points: list[list[arb]]
     anchors: list[list[arb]]
     lengths: list[arb | None]
+    characteristic_length: arb
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +71,8 @@ class Closure(Generic[N]):
         A'_l, v_l, m_l.
     lengths : 6
         Link lengths.
+    characteristic_length : arb
+        L, which moments are divided by.
     """
 
     pose: list[N]
@@ -78,6 +83,7 @@ class Closure(Generic[N]):
     vectors: list[list[N]]
     moments: list[list[N]]
     lengths: list[N]
+    characteristic_length: arb
 
     def residuals(self) -> list[N]:
         """Compute f_l of the six links."""
@@ -92,11 +98,13 @@ class Closure(Generic[N]):
         return rows
 
     def statics(self) -> list[list[N]]:
-        """Compute H', whose row l is [v_l ; m_l] / len_l: where the links close, a unit vector and its moment."""
+        """Compute H', whose row l is [v_l ; m_l / L] / len_l: where the links close, a unit vector and its moment."""
         rows: list[list[N]] = []
         for link in range(_LINKS):
             inverse: N = 1 / self.lengths[link]
-            row: list[N] = [entry * inverse for entry in self.vectors[link] + self.moments[link]]
+            per_length: N = inverse / self.characteristic_length
+            row: list[N] = [entry * inverse for entry in self.vectors[link]]
+            row += [entry * per_length for entry in self.moments[link]]
             rows.append(row)
         return rows
 
@@ -126,6 +134,7 @@ def geometry(machine: Machine) -> Geometry:
             for link, offset in enumerate(machine.cart_offsets_m)
         ],
         lengths=[None if link in TELESCOPES else arb(length) for link, length in enumerate(machine.lengths_m)],
+        characteristic_length=arb(machine.characteristic_length_m),
     )
 
 
@@ -163,6 +172,7 @@ def closure(machine: Geometry, pose: list[N], q: list[N]) -> Closure[N]:
         vectors=vectors,
         moments=[cross(arm, v) for arm, v in zip(arms, vectors, strict=True)],
         lengths=[next(telescopes) if length is None else length * one for length in machine.lengths],
+        characteristic_length=machine.characteristic_length,
     )
 
 

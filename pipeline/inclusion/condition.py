@@ -90,7 +90,7 @@ def statics_change(machine: Geometry, over: Closure[arb_series], deviation: list
         arm = norm(point)
         by_vector = shift + arm * turn
         size = norm([entry[0] for entry in vector])
-        by_moment = arm * by_vector + arm * turn * (size + by_vector)
+        by_moment = (arm * by_vector + arm * turn * (size + by_vector)) / machine.characteristic_length
         total += (by_vector**2 + by_moment**2) / length[0].abs_lower() ** 2
     return total.sqrt().abs_upper()
 

@@ -62,7 +62,11 @@ def holding_force_ranges(box: ProvenBox, masses: Masses) -> FloatArray:
 
 
 def _wrenches(box: ProvenBox, masses: Masses) -> tuple[list[arb_poly], arb]:
-    """Compute the wrench (F, r x F) along the box's cubic, and bound how far it changes with the pose of the box."""
+    """Compute the wrench (F, r x F / L) along the box's cubic, and bound how far it changes with the pose of the box.
+
+    L is the characteristic length.
+    """
+    per_length = 1 / box.balls.characteristic_length
     body = lumped_platform(masses, box.machine.platform_points_m)
     F = [arb(value) for value in (-body.mass_kg * masses.gravity_mps2).tolist()]
     centre = [arb(value) for value in body.centre_m.tolist()]
@@ -73,9 +77,9 @@ def _wrenches(box: ProvenBox, masses: Masses) -> tuple[list[arb_poly], arb]:
     arms = [[(over if n + 1 == TERMS else at)[axis][n] for axis in range(3)] for n in range(TERMS)]
     moments = [cross(arm, F) for arm in arms]
     wrench = [arb_poly([force]) for force in F]
-    wrench += [arb_poly([moment[axis] for moment in moments]) for axis in range(3)]
+    wrench += [arb_poly([moment[axis] * per_length for moment in moments]) for axis in range(3)]
     turn = sum((d.abs_upper() for d in box.inclusion.image[3:]), arb(0))
-    return wrench, norm(centre) * turn * norm(F)
+    return wrench, norm(centre) * turn * norm(F) * per_length
 
 
 def _terms(at: Closure[arb_series], over: Closure[arb_series]) -> list[list[arb]]:

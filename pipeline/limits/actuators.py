@@ -1,19 +1,24 @@
 """Cart travel and telescope strokes.
 
 x enters a pose through cart travel alone: without a given x, travel leaves an interval of x, the *window* of the pose.
+
+Start, goal and poses to visit may be anywhere within travel and strokes; routes and paths keep margins from their ends
+(`actuator_margins`).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
+from pipeline.limits.actuator_margins import planned_range_m, within_margins
 from pipeline.limits.interface.limit import Limit, Wording
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
-from pipeline.limits.interface.relaxation import RegionFilter, Relaxation, with_values
+from pipeline.limits.interface.relaxation import RegionFilter, Relaxation, threshold_filter, with_values
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.machine.samples import PoseSamples
 
@@ -30,6 +35,7 @@ PROOF_ROUNDING_M = 1e-6
 """By how much a bound may pass a limit that the path was made to touch."""
 _POSITIONS = CertificateKey("actuators_m", Side.BOTH, ACTUATORS, unit="m", decimals=4)
 _TRAVEL_STEP_M, _TRAVEL_COUNT = 1e-3, 1_000
+_MARGIN_STEP_M, _ROUNDING = 1e-4, 1e-9
 _ALL, _STROKES = slice(0, 5), slice(3, 5)
 
 
@@ -58,7 +64,7 @@ class ActuatorRange:
             key="machine.rails.travel_m, machine.links.l2b.stroke_m, machine.links.l3b.stroke_m",
             rejected_move="an actuator leaves its range",
             refused_points="need a telescope beyond its stroke",
-            broken_path="actuators beyond stroke or travel, metres",
+            broken_path="actuators beyond stroke or travel less their margins, metres",
             path_advice="Raise refine.nodes.",
             proof_advice="Raise refine.nodes, and refine again.",
         )
@@ -137,11 +143,16 @@ def for_moves(config: Config, machine: Machine) -> list[Limit]:
 
 def for_path(config: Config, machine: Machine) -> list[Limit]:
     """Return the limit of a path."""
-    return [ActuatorRange(_ALL, machine.actuator_limits_m)]
+    return [ActuatorRange(_ALL, planned_range_m(config, machine))]
 
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
-    """Return rails that are longer at both ends, up to a metre."""
+    """Return smaller margins of rails and strokes, and rails that are longer at both ends, up to a metre."""
+    return [*_smaller_margins(config, machine), _longer_rails(config, machine)]
+
+
+def _longer_rails(config: Config, machine: Machine) -> Relaxation:
+    machine = within_margins(config, machine)
     longer = np.array([k * _TRAVEL_STEP_M for k in range(1, _TRAVEL_COUNT + 1)]).round(9)
 
     def change(value: float) -> Config:
@@ -152,12 +163,39 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
         return with_values(config, "machine", rails=tuple(rails))
 
     def prepare(samples: PoseSamples, windows_m: FloatArray) -> RegionFilter:
-        at_zero = samples.q_m.copy()
-        at_zero[:, :3] -= samples.pose[:, :1]
-        allowed = x_windows(machine, at_zero)
+        allowed = _windows_at(machine, samples)
         return lambda value: _narrowed(windows_m, allowed + [-value, value])
 
-    return [Relaxation.of_one_table(TRAVEL_KEY, 0.0, longer, change, prepare)]
+    return Relaxation.of_one_table(TRAVEL_KEY, 0.0, longer, change, prepare)
+
+
+def _smaller_margins(config: Config, machine: Machine) -> list[Relaxation]:
+    def on_rails(samples: PoseSamples, windows_m: FloatArray) -> RegionFilter:
+        allowed = _windows_at(machine, samples)
+        return lambda value: _narrowed(windows_m, allowed + [value, -value])
+
+    def on_strokes(samples: PoseSamples, windows_m: FloatArray) -> RegionFilter:
+        left = ActuatorRange(_STROKES, machine.strokes_m).margins(samples).min(axis=1)
+        # Poses with an x of their own may be anywhere within the strokes.
+        own = windows_m[:, 0] == windows_m[:, 1]
+        return threshold_filter(np.where(own, np.inf, left), windows_m, at_most=False)
+
+    def smaller(key: str, prepare: Callable[[PoseSamples, FloatArray], RegionFilter]) -> Relaxation:
+        configured = getattr(config.refine, key)
+        steps = np.arange(np.ceil(configured / _MARGIN_STEP_M - _ROUNDING) - 1.0, -1.0, -1.0)
+        levels = (_MARGIN_STEP_M * steps).round(9)
+        return Relaxation.of_one_table(
+            f"refine.{key}", configured, levels, lambda value: with_values(config, "refine", **{key: value}), prepare
+        )
+
+    return [smaller("travel_margin_m", on_rails), smaller("stroke_margin_m", on_strokes)]
+
+
+def _windows_at(machine: Machine, samples: PoseSamples) -> FloatArray:
+    """Compute the x windows (n, 2) of poses that have some x."""
+    at_zero = samples.q_m.copy()
+    at_zero[:, :3] -= samples.pose[:, :1]
+    return x_windows(machine, at_zero)
 
 
 def _narrowed(windows_m: FloatArray, allowed_m: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -169,5 +207,28 @@ def _narrowed(windows_m: FloatArray, allowed_m: FloatArray) -> tuple[FloatArray,
     return windows, windows[:, 0] <= windows[:, 1]
 
 
-CERTIFICATE = CertificateEntry((_POSITIONS,))
-MEASURES: tuple[Measure, ...] = ()
+def _premises(config: Config) -> dict[str, Any]:
+    visits = [visit.pose.model_dump(mode="json") for visit in config.task.visit if visit.pose is not None]
+    margins = {key: getattr(config.refine, key) for key in ("travel_margin_m", "stroke_margin_m")}
+    return {"actuators": {**margins, "visits": visits}}
+
+
+CERTIFICATE = CertificateEntry((_POSITIONS,), _premises)
+MEASURES: tuple[Measure, ...] = tuple(
+    Measure(
+        key=f"min_{key}_margin_m",
+        name=f"least distance to an end of a {what}",
+        unit="m",
+        prefers="higher",
+        resolution=1e-4,
+        reduce=reduce,
+    )
+    for key, what, reduce in (
+        ("travel", "rail", lambda samples: float(cart_travel(samples.machine).margins(samples).min())),
+        (
+            "stroke",
+            "stroke",
+            lambda samples: float(ActuatorRange(_STROKES, samples.machine.strokes_m).margins(samples).min()),
+        ),
+    )
+)

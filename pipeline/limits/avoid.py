@@ -9,7 +9,7 @@ from pipeline.config import BoxConfig, Config
 from pipeline.limits.interface.limit import Limit, Wording
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry
-from pipeline.limits.interface.relaxation import Relaxation
+from pipeline.limits.interface.relaxation import Relaxation, removals
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 
@@ -125,8 +125,8 @@ def for_path(config: Config, machine: Machine) -> list[Limit]:
 
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
-    """Return nothing: what to avoid is the task's own wish."""
-    return []
+    """Remove all boxes, and each one alone."""
+    return removals(config, "avoid")
 
 
 CERTIFICATE = CertificateEntry()

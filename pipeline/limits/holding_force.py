@@ -1,14 +1,13 @@
 """The forces that hold the machine against gravity, with its load, within a fraction of the force limits.
 
 At rest, dry friction of a drive carries part of the force; in motion it has to be overcome. With F for the force
-without friction (positive along the drive), R for friction and L for the limit of the force,
+without friction, R for friction and L for the limit of the force, each in the direction of the sign in front of F,
 
-    |F| <= holding_fraction L + R     at rest, and necessary in motion
-     F  <= holding_fraction L - R     while the actuator moves in the positive direction
-    -F  <= holding_fraction L - R     while it moves in the negative direction
+    +/- F <= holding_fraction L + R     at rest, and necessary in motion
+    +/- F <= holding_fraction L - R     while the actuator moves in that direction
 
-Links have no friction. Regions, start, goal and the workspace are judged at rest. Moves between regions leave the
-directions of the carts open, because x is still free: the strokes alone decide there; a path has all directions.
+Carts are pushed (F > 0) along +X; a telescope or link that pushes is compressed. Links have no friction. Regions, ends
+and the workspace are judged at rest. x is free in moves between regions, so that strokes alone have a direction there.
 """
 
 from collections.abc import Callable, Sequence
@@ -33,9 +32,9 @@ if TYPE_CHECKING:
 
 _KEY = "machine.limits.holding_fraction"
 SUBJECTS = (*ACTUATORS, *(f"link {link}" for link in LINKS))
-_FORCES = CertificateKey("holding_force_n", Side.LARGEST, SUBJECTS, "holding force of {}", "N", 1, optional=True)
+_FORCES = CertificateKey("holding_force_n", Side.BOTH, SUBJECTS, "holding force of {}", "N", 1, optional=True)
 PROOF_SLACK = 1e-3
-"""Share that proven bounds are weakened by, so that other arithmetic can verify them."""
+"""Share of a force, and of five times its range, that bounds are weakened by: then other arithmetic verifies them."""
 _NODE_MARGIN = 0.005
 """Part of a force limit that nodes keep on top, for what happens between them."""
 FORCES_KEY = "force limits of machine.limits"
@@ -47,13 +46,15 @@ _STEP, _LARGEST_FACTOR = 0.01, 10.0
 class HoldingForce:
     """Every drive and link holds the machine with the force it may take.
 
-    Forces come in columns: the magnitude at rest for every subject with a limit, then the force in the positive and
-    that in the negative direction for every actuator of `moving`.
+    Forces come in columns: at rest, the push and then the pull of every subject with a limit; then the push in positive
+    and the pull in negative motion of every actuator of `moving`.
 
     Attributes
     ----------
-    limit_n, friction_n : (11,)
-        Force limits, infinite where there is none, and dry friction: of c1, c2, c3, l2b, l3b and of the six links.
+    limit_n : (2, 11)
+        Largest push and pull, infinite where there is no limit: of c1, c2, c3, l2b, l3b and of the six links.
+    friction_n : (11,)
+        Dry friction.
     fraction : float
         Part of the limits that holding may take.
     masses : Masses
@@ -92,38 +93,45 @@ class HoldingForce:
         return f"held within {'' if self.fraction == 1.0 else f'{self.fraction:g} of '}the force limits"
 
     @property
-    def column_subjects(self) -> IntArray:
-        """Number of the subject of each column, shape (m,)."""
-        limited = np.flatnonzero(np.isfinite(self.limit_n))
-        return np.concatenate([limited, self.moving, self.moving])
-
-    @property
-    def column_limits_n(self) -> FloatArray:
-        """Force limit of each column, shape (m,)."""
-        return self.limit_n[self.column_subjects]
+    def limited(self) -> IntArray:
+        """Numbers of the subjects with a limit, ascending."""
+        return np.flatnonzero(np.isfinite(self.limit_n).all(axis=0))
 
     @property
     def resting_columns(self) -> int:
         """Number of columns at rest, which come first."""
-        return int(np.count_nonzero(np.isfinite(self.limit_n)))
+        return 2 * len(self.limited)
+
+    @property
+    def column_subjects(self) -> IntArray:
+        """Number of the subject of each column, shape (m,)."""
+        return np.concatenate([self.limited, self.limited, self.moving, self.moving])
+
+    @property
+    def column_signs(self) -> IntArray:
+        """Sign of the force of each column: 1 for push, -1 for pull. Shape (m,)."""
+        return np.repeat([1, -1, 1, -1], [len(self.limited)] * 2 + [len(self.moving)] * 2)
+
+    @property
+    def column_limits_n(self) -> FloatArray:
+        """Force limit of each column, shape (m,)."""
+        return self.limit_n[np.where(self.column_signs > 0, 0, 1), self.column_subjects]
 
     @property
     def allowed_at_rest_n(self) -> FloatArray:
-        """Largest magnitude of each force at rest, where friction helps, shape (11,)."""
+        """Largest push and pull at rest, where friction helps, shape (2, 11)."""
         return self.fraction * self.limit_n + self.friction_n
 
     @property
     def allowed_n(self) -> FloatArray:
         """Largest force of each column, friction counted in, shape (m,)."""
-        at_rest, in_motion = np.split(self.column_subjects, [self.resting_columns])
-        moved = self.fraction * self.limit_n[in_motion] - self.friction_n[in_motion]
-        return np.concatenate([self.allowed_at_rest_n[at_rest], moved])
+        friction = self.friction_n[self.column_subjects]
+        at_rest = np.arange(len(friction)) < self.resting_columns
+        return np.asarray(self.fraction * self.column_limits_n + np.where(at_rest, friction, -friction), dtype=float)
 
     def _forces_n(self, samples: PoseSamples) -> FloatArray:
         """Forces of the columns, shape (n, m)."""
-        forces, directed = samples.holding_forces_n, samples.holding_forces_n[:, self.moving]
-        at_rest = np.abs(forces[:, np.isfinite(self.limit_n)])
-        return np.concatenate([at_rest, directed, -directed], axis=1)
+        return np.asarray(self.column_signs * samples.holding_forces_n[:, self.column_subjects], dtype=float)
 
     def applies(self, directions: FloatArray) -> BoolArray:
         """Tell which columns count for poses passed with actuators moving in `directions` (n, 5): signs. (n, m)."""
@@ -156,16 +164,17 @@ class HoldingForce:
     def violations(self, samples: PoseSamples) -> list[str]:
         """State every drive and link that cannot hold the machine."""
         broken = self.column_subjects[self.margins(samples)[0] < 0.0]
-        return [self._violation(int(k), float(abs(samples.holding_forces_n[0, k]))) for k in dict.fromkeys(broken)]
+        return [self._violation(int(k), float(samples.holding_forces_n[0, k])) for k in dict.fromkeys(broken)]
 
     def _violation(self, subject: int, force_n: float) -> str:
-        limit, friction = self.limit_n[subject], self.friction_n[subject]
+        side = 0 if force_n > 0.0 else 1
+        limit, friction = self.limit_n[:, subject], self.friction_n[subject]
+        which = "" if limit[0] == limit[1] else ("of push ", "of pull ")[side]
         part = f"{self.fraction:g} of " if self.fraction != 1.0 else ""
         more = f", and {friction:g} N of dry friction" if friction > 0.0 else ""
-        return (
-            f"needs {force_n:.0f} N from {SUBJECTS[subject]} to hold the machine; at most "
-            f"{self.allowed_at_rest_n[subject]:.4g} N is allowed ({part}its force limit of {limit:g} N{more})"
-        )
+        allowed = f"{self.allowed_at_rest_n[side, subject]:.4g} N is allowed"
+        needed = f"needs {abs(force_n):.0f} N {which}from {SUBJECTS[subject]} to hold the machine"
+        return f"{needed}; at most {allowed} ({part}its force limit of {limit[side]:g} N{more})"
 
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return the largest share that holding at rest takes of what is allowed there."""
@@ -173,32 +182,32 @@ class HoldingForce:
 
     def shares(self, samples: PoseSamples) -> FloatArray:
         """Compute |F| / allowed at rest for every subject with a limit, shape (n, subjects)."""
-        limited = np.isfinite(self.limit_n)
-        forces = np.abs(samples.holding_forces_n[:, limited])
-        return np.asarray(forces / self.allowed_at_rest_n[limited], dtype=float)
+        forces, (push, pull) = samples.holding_forces_n[:, self.limited], self.allowed_at_rest_n[:, self.limited]
+        return np.asarray(np.maximum(forces / push, -forces / pull), dtype=float)
 
     @property
     def quantities(self) -> tuple[ProvenQuantity, ...]:
         """The forces of all drives and links, held at rest."""
-        allowed = zip(SUBJECTS, self.allowed_at_rest_n.tolist(), strict=True)
-        return tuple(ProvenQuantity(_FORCES, name, (-np.inf, most)) for name, most in allowed)
+        allowed = zip(SUBJECTS, *self.allowed_at_rest_n.tolist(), strict=True)
+        return tuple(ProvenQuantity(_FORCES, name, (-pull, push)) for name, push, pull in allowed)
 
     def bound(self, box: "ProvenBox") -> FloatArray:
-        """Bound the magnitudes of all forces over a proven box from above, shape (11, 2)."""
+        """Bound all forces over a proven box from below and above, shape (11, 2)."""
         from pipeline.inclusion.forces import holding_force_ranges
 
-        largest = np.abs(holding_force_ranges(box, self.masses)).max(axis=1) * (1.0 + PROOF_SLACK)
-        return np.column_stack([np.full(len(largest), -np.inf), largest])
+        least, largest = holding_force_ranges(box, self.masses).T
+        slack = PROOF_SLACK * (np.maximum(np.abs(least), np.abs(largest)) + 5.0 * (largest - least))
+        return np.column_stack([least - slack, largest + slack])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State the force that is not proven to be within its limit."""
-        allowed = self.allowed_at_rest_n
-        limited = np.flatnonzero(np.isfinite(allowed))
-        share = bounds[limited, 1] / allowed[limited]
-        if (share <= 1.0).all():
+        push, pull = self.allowed_at_rest_n[:, self.limited]
+        shares = np.column_stack([-bounds[self.limited, 0] / pull, bounds[self.limited, 1] / push])
+        if (shares <= 1.0).all():
             return ""
-        worst = int(limited[share.argmax()])
-        return f"{SUBJECTS[worst]} is not proven to hold the machine (bound {bounds[worst, 1]:.4g} N)"
+        row, side = np.unravel_index(shares.argmax(), shares.shape)
+        worst = self.limited[row]
+        return f"{SUBJECTS[worst]} is not proven to hold the machine (bound {abs(bounds[worst, side]):.4g} N)"
 
     def node_margin(self, clearance_margin_m: float) -> float:
         """Return what nodes keep on top, as part of the force limit."""
@@ -213,17 +222,16 @@ class HoldingForce:
 
 def holding_limit(machine: Machine, moving: Sequence[int] = ()) -> HoldingForce | None:
     """Build the limit with friction against the motion of some actuators; None without masses or force limits."""
-    limit = np.concatenate([machine.force_n, np.full(len(LINKS), machine.link_force_n)])
+    limit = machine.force_limits_n
     if machine.masses is None or np.isinf(limit).all():
         return None
     friction = np.append(machine.masses.friction_n, np.zeros(len(LINKS)))
-    counts = [k for k in moving if friction[k] > 0.0 and np.isfinite(limit[k])]
+    counts = [k for k in moving if friction[k] > 0.0 and np.isfinite(limit[:, k]).all()]
     return HoldingForce(limit, friction, machine.holding_fraction, machine.masses, np.array(counts, dtype=np.int64))
 
 
 def _limits(machine: Machine, moving: Sequence[int]) -> list[Limit]:
-    limit = holding_limit(machine, moving)
-    return [] if limit is None else [limit]
+    return [limit for limit in [holding_limit(machine, moving)] if limit is not None]
 
 
 def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
@@ -246,14 +254,13 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     limit = holding_limit(machine)
     if limit is None:
         return []
-    configured, factor = machine.holding_fraction, machine.holding_fraction / _STEP
+    configured, given = machine.holding_fraction, config.machine.limits
 
     def with_fraction(value: float) -> Config:
-        limits = config.machine.limits.model_copy(update={"holding_fraction": value})
-        return with_values(config, "machine", limits=limits)
+        return with_values(config, "machine", limits=given.model_copy(update={"holding_fraction": value}))
 
     def with_forces(value: float) -> Config:
-        return with_values(config, "machine", limits=config.machine.limits.with_forces(value))
+        return with_values(config, "machine", limits=given.with_forces(value))
 
     def prepare(of_one: float) -> Callable[[PoseSamples, FloatArray], RegionFilter]:
         """Filter by what holding takes of the limits, where a value of 1 stands for the fraction `of_one`."""
@@ -261,8 +268,8 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
             (configured - limit.values(samples).min(axis=1)) / of_one, windows_m
         )
 
-    fractions = np.asarray(_STEP * np.arange(int(np.floor(factor + 1e-9)) + 1, round(1.0 / _STEP) + 1), dtype=float)
-    factors = np.asarray(_STEP * np.arange(round(1.0 / _STEP) + 1, round(_LARGEST_FACTOR / _STEP) + 1), dtype=float)
+    fractions = _STEP * np.arange(int(np.floor(configured / _STEP + 1e-9)) + 1.0, round(1.0 / _STEP) + 1)
+    factors = _STEP * np.arange(round(1.0 / _STEP) + 1.0, round(_LARGEST_FACTOR / _STEP) + 1)
     return [
         Relaxation.of_one_table(_KEY, configured, fractions.round(9), with_fraction, prepare(1.0)),
         Relaxation.of_one_table(FORCES_KEY, 1.0, factors.round(9), with_forces, prepare(configured)),
@@ -270,8 +277,7 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
 
 
 def _premises(config: Config) -> dict[str, Any]:
-    holding = config.machine.holding()
-    return {"holding": holding} if holding else {}
+    return {"holding": holding} if (holding := config.machine.holding()) else {}
 
 
 def _largest_share(samples: PoseSamples) -> float:

@@ -43,14 +43,9 @@ def holding_part(limit: "HoldingForce", margin: float, nodes: Nodes) -> ProgramP
     # What is within the margin at the start or the goal, which are given, keeps what it has there.
     margins = np.clip(limit.values(nodes.guess.take(np.array([0, -1]))).min(axis=0), 0.0, margin)
     allowed = np.maximum(limit.allowed_n - margins * limit.column_limits_n, 0.0) / scale
-    at_rest = limit.resting_columns
-    for column, subject in enumerate(limit.column_subjects.tolist()):
+    columns = zip(limit.column_subjects.tolist(), limit.column_signs.tolist(), allowed.tolist(), strict=True)
+    for column, (subject, sign, most) in enumerate(columns):
         counts = np.flatnonzero(applies[rows, column]).tolist()
-        low, high = -allowed[column], allowed[column]
-        if column >= at_rest + len(limit.moving):
-            high = np.inf
-        elif column >= at_rest:
-            low = -np.inf
         if counts:
-            found.append(Row(limit.wording.name, forces[subject, counts].T, low, high))
+            found.append(Row(limit.wording.name, sign * forces[subject, counts].T, -np.inf, most))
     return ProgramPart((Unknowns(part, guess.holding_forces_n[:, 5:] / scale, -free, free),), tuple(found))

@@ -1,7 +1,7 @@
 """The cap on kappa, and with it the distance from Type-II singularities."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -71,9 +71,15 @@ class KappaCap:
         return np.asarray(samples.kappa[:, None] - self.cap, dtype=float)
 
     def violations(self, samples: PoseSamples) -> list[str]:
-        """State a kappa above the cap."""
-        kappa = float(samples.kappa[0])
-        return [] if self.margins(samples)[0, 0] >= 0.0 else [f"has kappa {kappa:.1f}, above {self.key} ({self.cap:g})"]
+        """State a kappa above the cap, and whether that is for want of a characteristic length."""
+        if self.margins(samples)[0, 0] >= 0.0:
+            return []
+        length_m, kappa = kappa_for_link_length(samples)
+        stated = f"has kappa {samples.kappa[0]:.1f}, above {self.key} ({self.cap:g})"
+        if kappa <= self.cap:
+            key = "machine.characteristic_length_m"
+            stated += f"; with {key}: {length_m:g}, the mean length of the links, it would be {kappa:.1f}"
+        return [stated]
 
     @property
     def quantities(self) -> tuple[ProvenQuantity, ...]:
@@ -94,6 +100,19 @@ class KappaCap:
         """State that kappa is not proven below its cap."""
         kappa = float(bounds[0, 1])
         return "" if kappa <= self.cap else f"kappa is not proven below its cap {self.cap:g} (bound {kappa:.4g})"
+
+
+def kappa_for_link_length(samples: PoseSamples) -> tuple[float, float]:
+    """Compute kappa of a single pose (n = 1) for the mean length of the links as characteristic length.
+
+    Returns
+    -------
+    length_m, kappa : float
+        That length to two digits, and kappa with it.
+    """
+    length_m = float(f"{np.nanmean(samples.machine.lengths_m):.2g}")
+    machine = replace(samples.machine, characteristic_length_m=length_m)
+    return length_m, float(PoseSamples(machine, samples.pose, samples.q_m).kappa[0])
 
 
 def path_cap(config: Config) -> float:

@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from pipeline.arguments import require_one_length, require_shape
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import ARM_OF_LINK, Machine, cart_joints, cross, dot, link_vectors
 
@@ -28,11 +29,24 @@ def _share_joint(machine: Machine, a: int, b: int) -> bool:
 
 
 def link_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
-    """Distances between the axes of all `link_pairs`, for poses (n, 6) and carts (n, 3). Shape (n, pairs)."""
+    """Distances between the axes of all `link_pairs`, for poses (n, 6) and carts (n, 3). Shape (n, pairs).
+
+    Raises
+    ------
+    ArgumentError
+        If poses or carts have other shapes.
+    """
+    _require_rows(pose, carts_m)
     start = cart_joints(machine, carts_m)
     vector = link_vectors(machine, pose, carts_m)
     columns = [segment_distance(start[:, a], vector[:, a], start[:, b], vector[:, b]) for a, b in link_pairs(machine)]
     return np.stack(columns, axis=1)
+
+
+def _require_rows(pose: FloatArray, carts_m: FloatArray) -> None:
+    require_shape("pose", pose, ("n", 6))
+    require_shape("carts_m", carts_m, ("n", 3))
+    require_one_length(pose=pose, carts_m=carts_m)
 
 
 def rail_pairs(machine: Machine) -> list[tuple[int, int]]:
@@ -51,7 +65,14 @@ def link_rail_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray)
 
 
 def min_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Least link-link and least link-rail distance at poses (n, 6) with carts (n, 3). Two arrays (n,)."""
+    """Least link-link and least link-rail distance at poses (n, 6) with carts (n, 3). Two arrays (n,).
+
+    Raises
+    ------
+    ArgumentError
+        If poses or carts have other shapes.
+    """
+    _require_rows(pose, carts_m)
     return (
         link_distances(machine, pose, carts_m).min(axis=1),
         link_rail_distances(machine, pose, carts_m).min(axis=1),

@@ -40,11 +40,12 @@ def inverse_dynamics(
 ) -> Forces:
     """Compute the forces of a motion without friction, from Newton's and Euler's equations about the TCP.
 
-    With the lumped platform's m, r (TCP to centre of mass) and I, its wrench w and the links' forces f follow from
+    With the lumped platform's m, r (TCP to centre of mass) and I, and the machine's characteristic length L, the
+    platform's wrench w and the links' forces f follow from
 
         m (a + alpha x r + omega x (omega x r) - g) = F
         r x F + I alpha + omega x I omega = M
-        H f = w = (F, M)
+        H f = w = (F, M / L)
 
     and a cart of carried mass m_k needs m_k a_k + sum of f_l u_l . e_x over its links.
 
@@ -64,28 +65,27 @@ def inverse_dynamics(
     F = body.mass_kg * (centre_acceleration - masses.gravity_mps2)
     M = cross(r, F) + _times(inertia, alpha) + cross(omega, _times(inertia, omega))
     H = statics_matrix(machine, pose, carts_m)
-    link = np.linalg.solve(H, np.concatenate([F, M], axis=1)[..., None])[..., 0]
+    wrench = np.concatenate([F, M / machine.characteristic_length_m], axis=1)
+    link = np.linalg.solve(H, wrench[..., None])[..., 0]
     drive = _drive_forces(H, link)
     drive[:, :3] += carried_cart_masses(masses) * cart_acceleration_mps2
     return Forces(drive, link)
 
 
-def holding_forces(masses: Masses, platform_points_m: FloatArray, pose: FloatArray, H: FloatArray) -> Forces:
+def holding_forces(machine: Machine, masses: Masses, pose: FloatArray, H: FloatArray) -> Forces:
     """Compute the forces that hold the machine against gravity, without friction: `inverse_dynamics` at rest.
 
-    H f = (F, r x F) with F = -m g. Infinite where H is singular.
+    H f = (F, r x F / L) with F = -m g and the characteristic length L. Infinite where H is singular.
 
     Parameters
     ----------
-    platform_points_m : (6, 3)
-        Joints of the links in the platform frame.
     pose, H : (n, 6), (n, 6, 6)
         Poses and their statics matrices (1)-(2).
     """
-    body = lumped_platform(masses, platform_points_m)
+    body = lumped_platform(masses, machine.platform_points_m)
     F = np.broadcast_to(-body.mass_kg * masses.gravity_mps2, (len(pose), 3))
     r = rotation(pose[:, 3], pose[:, 4], pose[:, 5]) @ body.centre_m
-    wrench = np.concatenate([F, cross(r, F)], axis=1)
+    wrench = np.concatenate([F, cross(r, F) / machine.characteristic_length_m], axis=1)
     try:
         link = np.linalg.solve(H, wrench[..., None])[..., 0]
         return Forces(_drive_forces(H, link), link)

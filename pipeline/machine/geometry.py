@@ -14,6 +14,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import FixedLinkConfig, MachineConfig, TelescopeConfig, TriangleLinkConfig
+from pipeline.config.machine.limits import push_and_pull
 from pipeline.machine.masses import Masses, build_masses
 
 LINKS = ("1", "2a", "2b", "3a", "3b", "3c")
@@ -46,12 +47,18 @@ class Machine:
         Least and largest length of telescopes 2b and 3b.
     triangle_sign : float
         Sign of y_platform . (R w x u_3c) in the assembled machine.
+    characteristic_length_m : float
+        What moments are divided by in the statics matrix.
     link_link_m, link_rail_m : float
         Least distance between axes; `link_rail_m` is NaN when rails are not checked.
-    velocity_mps, acceleration_mps2, jerk_mps3, force_n : (5,)
+    velocity_mps, acceleration_mps2, jerk_mps3 : (5,)
         Limits of the actuators; infinite where there is none.
-    link_force_n, tcp_speed_mps, tcp_acceleration_mps2 : float
-        Limits of the axial force in a link and of the tool centre point; infinite where there is none.
+    force_n : (2, 5)
+        Largest push and pull of the drives, infinite where there is none; (5,) if they are the same.
+    link_force_n : (2,)
+        Largest push and pull along a link, likewise.
+    tcp_speed_mps, tcp_acceleration_mps2 : float
+        Limits of the tool centre point; infinite where there is none.
     holding_fraction : float
         Part of the force limits that holding the machine against gravity may take.
     masses : Masses or None
@@ -69,9 +76,10 @@ class Machine:
     link_rail_m: float
     velocity_mps: FloatArray
     acceleration_mps2: FloatArray
+    characteristic_length_m: float = 1.0
     jerk_mps3: FloatArray = field(default_factory=lambda: np.full(5, np.inf))
-    force_n: FloatArray = field(default_factory=lambda: np.full(5, np.inf))
-    link_force_n: float = np.inf
+    force_n: FloatArray = field(default_factory=lambda: np.full((2, 5), np.inf))
+    link_force_n: FloatArray | float = np.inf
     tcp_speed_mps: float = np.inf
     tcp_acceleration_mps2: float = np.inf
     holding_fraction: float = 1.0
@@ -81,6 +89,15 @@ class Machine:
     def actuator_limits_m(self) -> FloatArray:
         """Least and largest value of each actuator, shape (5, 2)."""
         return np.vstack([self.travel_m, self.strokes_m])
+
+    @property
+    def force_limits_n(self) -> FloatArray:
+        """Largest push (positive force) and pull of the five drives and along the six links, shape (2, 11).
+
+        A cart is pushed along +X; a telescope or link that pushes is compressed.
+        """
+        links = np.reshape(self.link_force_n, (-1, 1))
+        return np.hstack([np.broadcast_to(self.force_n, (2, 5)), np.broadcast_to(links, (2, len(LINKS)))])
 
 
 def build_machine(config: MachineConfig) -> Machine:
@@ -93,7 +110,7 @@ def build_machine(config: MachineConfig) -> Machine:
         config.links.l3b,
         config.links.l3c,
     )
-    limits = [config.limits.carts] * 3 + [config.limits.telescopes] * 2
+    limits = config.limits.of_actuators()
     rail_distance = config.clearance.link_rail_m
     return Machine(
         rails_m=np.array([(rail.y_m, rail.z_m) for rail in config.rails]),
@@ -106,10 +123,11 @@ def build_machine(config: MachineConfig) -> Machine:
         link_link_m=config.clearance.link_link_m,
         link_rail_m=np.nan if rail_distance is None else rail_distance,
         velocity_mps=np.array([limit.velocity_mps for limit in limits]),
+        characteristic_length_m=config.characteristic_length_m,
         acceleration_mps2=np.array([limit.acceleration_mps2 for limit in limits]),
         jerk_mps3=np.array([_or_infinite(limit.jerk_mps3) for limit in limits]),
-        force_n=np.array([_or_infinite(limit.force_n) for limit in limits]),
-        link_force_n=_or_infinite(config.limits.link_force_n),
+        force_n=np.array([push_and_pull(limit.force_n) for limit in limits]).T,
+        link_force_n=np.array(push_and_pull(config.limits.link_force_n)),
         tcp_speed_mps=_or_infinite(config.limits.tcp.speed_mps),
         tcp_acceleration_mps2=_or_infinite(config.limits.tcp.acceleration_mps2),
         holding_fraction=config.limits.holding_fraction,

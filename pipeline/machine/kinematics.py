@@ -4,13 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arguments import (
+    require_array,
+    require_number,
+    require_one_length,
+    require_shape,
+    require_whole_numbers,
+)
 from pipeline.arrays import BoolArray, FloatArray, IntArray
-from pipeline.errors import ForwardKinematicsError
+from pipeline.errors import ArgumentError, ForwardKinematicsError
 from pipeline.machine.geometry import (
     ACTUATORS,
     ARM_OF_LINK,
     LINKS,
     MODE_SIGNS,
+    MODES,
     PRIMARY,
     TELESCOPES,
     Machine,
@@ -67,9 +75,20 @@ def inverse_kinematics(
 
     ry follows from the triangle, unless it is known: `ry_rad` (n,). `gates` (n,) names per row the arm (1, 2, 3; 0
     for none) whose D is zero by construction: rounding is kept from making it negative or leaving the two modes apart.
+
+    Raises
+    ------
+    ArgumentError
+        If poses, modes, gates or angles have other shapes, or there is no such mode or arm.
     """
-    controlled = np.asarray(controlled, dtype=float).reshape(-1, 5)
-    modes = np.asarray(modes, dtype=np.int64).reshape(-1)
+    controlled = require_array("controlled", controlled, ("...", 5), finite=False).reshape(-1, 5)
+    modes = require_whole_numbers("modes", modes, 0, len(MODES) - 1).reshape(-1)
+    require_one_length(controlled=controlled, modes=modes)
+    if ry_rad is not None:
+        require_shape("ry_rad", ry_rad, (len(controlled),))
+    if gates is not None:
+        gates = require_whole_numbers("gates", gates, 0, 3)
+        require_one_length(controlled=controlled, gates=gates)
     signs = MODE_SIGNS[modes]
     if gates is not None:
         at_gate = np.flatnonzero(gates)
@@ -185,13 +204,23 @@ def newton(
 def forward_kinematics(machine: Machine, q_m: FloatArray, guess: FloatArray, tolerance_m: float = 1e-10) -> FloatArray:
     """Find the poses (n, 6) near the guesses (n, 6) that close all six links for actuator positions (n, 5).
 
+    One guess (6,) serves all rows.
+
     Raises
     ------
+    ArgumentError
+        If they have other shapes, or the tolerance is not positive.
     ForwardKinematicsError
-        When a row ends with a link missing its length by more than `tolerance_m`.
+        When a row ends with a link missing its length by more than `tolerance_m`, or holds NaN.
     """
-    q_m = np.asarray(q_m, dtype=float).reshape(-1, 5)
-    guess = np.broadcast_to(np.asarray(guess, dtype=float), (len(q_m), 6))
+    q_m = require_array("q_m", q_m, ("...", 5), finite=False).reshape(-1, 5)
+    guess = require_array("guess", guess, ("...", 6), finite=False)
+    if guess.shape not in ((6,), (1, 6), (len(q_m), 6)):
+        raise ArgumentError(
+            f"guess: expected one for each of {len(q_m)} rows of q_m, or one for all, not {guess.shape}"
+        )
+    guess = np.broadcast_to(guess, (len(q_m), 6))
+    tolerance_m = require_number("tolerance_m", tolerance_m, above=0.0)
     pose, miss = newton(machine, q_m, guess)
     failed = ~(miss <= tolerance_m)
     if failed.any():

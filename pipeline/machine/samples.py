@@ -97,7 +97,7 @@ class PoseSamples:
         masses = self.machine.masses
         if masses is None:
             raise ValueError("without masses there are no forces")
-        forces = holding_forces(masses, self.machine.platform_points_m, self.pose, self.H)
+        forces = holding_forces(self.machine, masses, self.pose, self.H)
         return np.concatenate([forces.drive_n, forces.link_n], axis=1)
 
     def with_known(self, **values: FloatArray) -> Self:

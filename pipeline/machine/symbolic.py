@@ -87,7 +87,8 @@ def holding_function(machine: Machine) -> ca.Function:
     along_x = f * H[0, :].T
     carts = [ca.sum1(along_x[np.flatnonzero(arm == ARM_OF_LINK).tolist()]) for arm in range(3)]
     drives = ca.vertcat(*carts, f[TELESCOPES.tolist()])
-    return ca.Function("holding", [pose, q, f], [H @ f - ca.vertcat(F, ca.cross(r, F)), drives])
+    wrench = ca.vertcat(F, ca.cross(r, F) / machine.characteristic_length_m)
+    return ca.Function("holding", [pose, q, f], [H @ f - wrench, drives])
 
 
 def _variables() -> tuple[ca.SX, ca.SX]:
@@ -131,5 +132,5 @@ def _statics(machine: Machine, pose: ca.SX, q: ca.SX) -> ca.SX:
     columns = []
     for link in range(6):
         u = vectors[:, link] / ca.norm_2(vectors[:, link])
-        columns.append(ca.vertcat(u, ca.cross(arms[:, link], u)))
+        columns.append(ca.vertcat(u, ca.cross(arms[:, link], u) / machine.characteristic_length_m))
     return ca.horzcat(*columns)

@@ -5,11 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.arguments import require_array
 from pipeline.arrays import FloatArray
+from pipeline.errors import UsageError
 from pipeline.machine.pose import CONTROLLED
 from pipeline.measured.estimate import estimate_poses
-from pipeline.measured.reflectors import Reflectors
-from pipeline.measured.table import Measurement
+from pipeline.measured.plausibility import require_direction, require_units
+from pipeline.measured.reading import Account
+from pipeline.measured.reflectors import Reflectors, reflector_positions
+from pipeline.measured.rows import RowError
+from pipeline.measured.table import MEASURED_POSE, REFLECTORS, Measurement
 
 
 class Coordinate(NamedTuple):
@@ -45,12 +50,15 @@ class MeasurementComparison:
         What was commanded, and what was measured.
     std : (n, 5) or None
         Standard deviations of the measurement, due to noise; None where they are not known.
+    account : Account or None
+        How the file of the measurement was read, and what was skipped.
     """
 
     t_s: FloatArray
     commanded: FloatArray
     measured: FloatArray
     std: FloatArray | None
+    account: Account | None = None
 
     @property
     def error(self) -> FloatArray:
@@ -93,15 +101,38 @@ def compare_measurement(
     Raises
     ------
     UsageError
-        When the reflectors do not determine the pose.
+        When there is another number of poses, values are not finite, look like millimetres or degrees, or run the other
+        way, or when the reflectors do not determine the pose.
     """
-    asked = commanded[:, CONTROLLED]
+    if len(measurement.t_s) == 0:
+        raise UsageError("the measurement has no rows")
+    commanded = require_array("commanded poses", commanded, (len(measurement.t_s), 6))
+    try:
+        controlled, std = _controlled(measurement, commanded, reflectors)
+    except RowError as error:
+        raise UsageError(f"{measurement.place(error.row)}: {error.message}") from None
+    return MeasurementComparison(measurement.t_s, commanded[:, CONTROLLED], controlled, std, measurement.account)
+
+
+def _controlled(
+    measurement: Measurement, commanded: FloatArray, reflectors: Reflectors
+) -> tuple[FloatArray, FloatArray | None]:
+    """Give measured controlled poses (n, 5), and their standard deviations if they are known."""
+    count = len(commanded)
     if measurement.reflectors_m is not None:
-        estimate = estimate_poses(reflectors, measurement.reflectors_m, commanded)
-        std = estimate.std if reflectors.noise_m > 0.0 else None
-        return MeasurementComparison(measurement.t_s, asked, estimate.controlled, std)
-    assert measurement.controlled is not None
-    return MeasurementComparison(measurement.t_s, asked, measurement.controlled, None)
+        seen = require_array("measured reflectors", measurement.reflectors_m, (count, 2, 3))
+        expected = reflector_positions(reflectors.points_m, commanded).reshape(-1, 6)
+        require_units(REFLECTORS, seen.reshape(-1, 6), expected)
+        require_direction(seen.reshape(-1, 6), expected)
+        estimate = estimate_poses(reflectors, seen, commanded)
+        return estimate.controlled, estimate.std if reflectors.noise_m > 0.0 else None
+    if measurement.controlled is None:
+        raise UsageError("a measurement needs positions of reflectors or poses")
+    measured = require_array("measured poses", measurement.controlled, (count, 5))
+    expected = commanded[:, CONTROLLED]
+    require_units(MEASURED_POSE, measured, expected)
+    require_direction(measured[:, :3], expected[:, :3])
+    return measured, None
 
 
 def error_rows(comparison: MeasurementComparison) -> list[ErrorRow]:

@@ -18,11 +18,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arguments import require_array
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import cross, dot, rotation, rotation_x
 from pipeline.machine.pose import CONTROLLED, wrap_angle
 from pipeline.measured.reflectors import Reflectors
+from pipeline.measured.rows import RowError
 
 _LEAST_LEVER = 0.05
 """Least |f_y| / |d|: below, noise in rz is amplified more than twentyfold, and linearisation fails."""
@@ -52,8 +54,11 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
     Raises
     ------
     UsageError
-        When both reflectors are at one place, do not determine rz at some pose, or cannot be where they were measured.
+        When both reflectors are at one place, do not determine rz at some pose, or cannot be where they were measured;
+        when positions or poses have another shape or are not finite. A `RowError` where one row is the reason.
     """
+    commanded = require_array("commanded poses", commanded, ("n", 6))
+    positions_m = require_array("measured reflectors", positions_m, (len(commanded), 2, 3))
     ry = commanded[:, 4]
     arm = reflectors.points_m[1] - reflectors.points_m[0]
     length = float(np.linalg.norm(arm))
@@ -64,9 +69,11 @@ def estimate_poses(reflectors: Reflectors, positions_m: FloatArray, commanded: F
     v = v * (length / np.linalg.norm(v, axis=1, keepdims=True))
     rx, rz, lever = _angles(_turned_about_y(arm, ry), v, commanded[:, 5])
     if (weak := np.abs(lever) < _LEAST_LEVER * length).any():
-        raise UsageError(
-            f"the reflectors do not determine rz at row {int(np.argmax(weak))}: they hardly move along X when the "
-            "platform turns about z.\n  What to change: place them along the platform's y axis."
+        row = int(np.argmax(weak))
+        raise RowError(
+            "the reflectors do not determine rz: they hardly move along X when the platform turns "
+            "about z.\n  What to change: place them along the platform's y axis.",
+            row,
         )
     R = rotation(rx, ry, rz)
     p = positions_m.mean(axis=1) - R @ reflectors.points_m.mean(axis=0)
@@ -79,15 +86,17 @@ def _require_seen(reflectors: Reflectors, v: FloatArray, expected: FloatArray) -
     allowed = np.maximum(_MOST_STRETCH * length, _MOST_DEVIATIONS * reflectors.noise_m)
     if (off := np.abs(distance - length) > allowed).any() or (off := ~(distance > 0.0)).any():
         row = int(np.argmax(off))
-        raise UsageError(
-            f"the measured reflectors are {distance[row]:g} m apart at row {row}, but {length[row]:g} m on the "
-            "platform.\n  What to change: give positions in metres, and the true places of the reflectors."
+        raise RowError(
+            f"the measured reflectors are {distance[row]:g} m apart, but {length[row]:g} m on the "
+            "platform.\n  What to change: give positions in metres, and the true places of the reflectors.",
+            row,
         )
     if (turned := dot(v, expected) < 0.0).any():
-        raise UsageError(
-            "the vector from the first measured reflector to the second points the wrong way at row "
-            f"{int(np.argmax(turned))}.\n"
-            "  What to change: swap the reflectors, or give positions in the frame of the machine."
+        row = int(np.argmax(turned))
+        raise RowError(
+            "the vector from the first measured reflector to the second points the wrong way.\n"
+            "  What to change: swap the reflectors, or give positions in the frame of the machine.",
+            row,
         )
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.arguments import require_array, require_number, require_one_length, require_whole
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
@@ -21,10 +22,19 @@ class SimulationSetting:
         link and of the zero of every telescope; independent, drawn once.
     seed : int
         The same seed gives the same measurement.
+
+    Raises
+    ------
+    ArgumentError
+        When the standard deviation is negative or not finite, or the seed negative or not a whole number.
     """
 
     geometry_std_m: float = 2e-4
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        require_number("geometry_std_m", self.geometry_std_m, least=0.0)
+        require_whole("seed", self.seed, 0, 2**53)
 
 
 def simulate_measurement(
@@ -36,9 +46,13 @@ def simulate_measurement(
 
     Raises
     ------
+    ArgumentError
+        When actuators or poses have other shapes or hold what is no finite number.
     ForwardKinematicsError
         When the perturbed machine cannot follow.
     """
+    q_m, commanded = require_array("q_m", q_m, ("n", 5)), require_array("commanded", commanded, ("n", 6))
+    require_one_length(q_m=q_m, commanded=commanded)
     geometry, noise = (np.random.default_rng(seed) for seed in np.random.SeedSequence(setting.seed).spawn(2))
     real, zeros_m = perturbed(machine, setting.geometry_std_m, geometry)
     q = q_m.copy()

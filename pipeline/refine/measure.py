@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arguments import require_array
 from pipeline.arrays import FloatArray
+from pipeline.errors import ArgumentError
 from pipeline.limits import measures
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.working_modes import mode_sequence, working_modes
@@ -51,13 +53,16 @@ class PathFigures:
 
 
 def sample_path(path: Path, s: FloatArray) -> PathSamples:
-    """Evaluate a path at s (n,).
+    """Evaluate a path at s (n,) in [0, 1].
 
     Raises
     ------
+    ArgumentError
+        If s has another shape, or is outside [0, 1].
     ForwardKinematicsError
         If the closure equations have no solution near the path.
     """
+    s = require_array("s", s, ("n",))
     return PathSamples(path.machine, path.pose(s), path.q(s), s)
 
 
@@ -92,7 +97,15 @@ def measure_path(samples: PathSamples, steps: FloatArray) -> PathFigures:
     """Reduce samples to figures; `steps` (5,) are the largest moves per step of x, y, z, rx, rz.
 
     The integral of kappa over the length is the trapezoidal rule on the samples.
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer than two samples, or a step is not positive.
     """
+    steps = require_array("steps", steps, (5,), least=np.nextafter(0.0, 1.0))
+    if len(samples) < 2:
+        raise ArgumentError(f"samples: expected at least two, not {len(samples)}")
     length = arc_length(samples.pose, steps)
     worst = int(np.argmax(samples.kappa))
     return PathFigures(

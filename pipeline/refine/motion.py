@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.interpolate import BSpline
 
+from pipeline.arguments import require_array, require_number
 from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
 from pipeline.machine.pose import CONTROLLED
@@ -23,10 +24,12 @@ def pose_derivatives(path: Path, s: FloatArray) -> tuple[FloatArray, FloatArray,
 
     Raises
     ------
+    ArgumentError
+        If s has another shape, or is outside [0, 1].
     ForwardKinematicsError
         If the closure equations have no solution near the path's known poses.
     """
-    s = np.atleast_1d(np.asarray(s, dtype=float))
+    s = require_array("s", np.atleast_1d(s), ("n",))
     terms = closure_terms_function(path.machine).map(len(s))
     pose, (q1, q2, q3) = path.pose(s), (path.q(s, order) for order in (1, 2, 3))
     z, none = np.column_stack([pose, path.q(s)]), np.zeros((len(s), 11))
@@ -47,8 +50,14 @@ def pose_derivatives(path: Path, s: FloatArray) -> tuple[FloatArray, FloatArray,
 
 
 def kappa_along(path: Path, s: FloatArray) -> FloatArray:
-    """Compute the condition number at s (n,). Shape (n,)."""
-    s = np.atleast_1d(np.asarray(s, dtype=float))
+    """Compute the condition number at s (n,). Shape (n,).
+
+    Raises
+    ------
+    ArgumentError
+        If s has another shape, or is outside [0, 1].
+    """
+    s = require_array("s", np.atleast_1d(s), ("n",))
     return condition_number(statics_matrix(path.machine, path.pose(s), path.q(s)[:, :3]))
 
 
@@ -60,9 +69,13 @@ def pose_spline(path: Path, tolerance_m: float = 1e-5, tolerance_rad: float = 1e
 
     Raises
     ------
+    ArgumentError
+        If a tolerance is negative, or no finite number.
     NoSolutionError
         If no reasonable number of coefficients reaches the tolerances.
     """
+    tolerance_m = require_number("tolerance_m", tolerance_m, least=0.0)
+    tolerance_rad = require_number("tolerance_rad", tolerance_rad, least=0.0)
     limits = np.array([tolerance_m] * 3 + [tolerance_rad] * 2)
     coefficients = 32
     while coefficients <= _MOST_COEFFICIENTS:

@@ -5,13 +5,21 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
 
+from pipeline.arguments import require_array, require_one_length, require_whole
 from pipeline.arrays import FloatArray
-from pipeline.machine.geometry import Machine
+from pipeline.errors import ArgumentError
+from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.status import Status
 
 _STILL, _STILL_M = 1e-9, 1e-12
 """An actuator stands still where its |q'| is at most this fraction of the largest plus this many metres."""
+
+
+_ROUNDING = 1e-9
+"""How far outside [0, 1] an s may be that rounding has carried there."""
+MOST_DEGREE = 15
+"""Largest degree of a path, and order of a derivative: the effort of the proof grows with its cube."""
 
 
 def directions_of(q1: FloatArray) -> FloatArray:
@@ -32,7 +40,12 @@ class Path:
     spline : BSpline
         q(s) in metres, coefficients (n, 5), s in [0, 1]. Degree 1 for the coarse path.
     node_s, node_pose : (k,), (k, 6)
-        Known poses along the path, from which forward kinematics starts.
+        Known poses along the path, from which forward kinematics starts; s increases.
+
+    Raises
+    ------
+    ArgumentError
+        If degree, knots, coefficients or known poses are not finite real numbers of these shapes.
     """
 
     machine: Machine
@@ -40,18 +53,31 @@ class Path:
     node_s: FloatArray
     node_pose: FloatArray
 
-    def q(self, s: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Evaluate actuator positions (metres), or their derivative by s. Shape (..., 5)."""
-        return np.asarray(self.spline(s, nu=derivative), dtype=float)
+    def __post_init__(self) -> None:
+        require_path(self)
 
-    def pose(self, s: FloatArray | float) -> FloatArray:
-        """Evaluate poses (x, y, z, rx, ry, rz) by forward kinematics. Shape (..., 6).
+    def q(self, s: FloatArray | float, derivative: int = 0) -> FloatArray:
+        """Evaluate actuator positions (metres), or their derivative by s, for s in [0, 1] (...). Shape (..., 5).
 
         Raises
         ------
+        ArgumentError
+            If an s is outside [0, 1], by more than rounding (1e-9), or the derivative is below zero.
+        """
+        s, order = _path_parameter(s), require_whole("derivative", derivative, 0, MOST_DEGREE)
+        return np.asarray(self.spline(s, nu=order), dtype=float)
+
+    def pose(self, s: FloatArray | float) -> FloatArray:
+        """Evaluate poses (x, y, z, rx, ry, rz) by forward kinematics, for s in [0, 1] (...). Shape (..., 6).
+
+        Raises
+        ------
+        ArgumentError
+            If an s is outside [0, 1], by more than rounding (1e-9).
         ForwardKinematicsError
             If the closure equations have no solution near the path's known poses.
         """
+        s = _path_parameter(s)
         shape, s = np.shape(s), np.ravel(s)
         guess = CubicSpline(self.node_s, self.node_pose)(s) if self.spline.k > 1 else self._linear_guess(s)
         return forward_kinematics(self.machine, self.q(s), guess).reshape(*shape, 6)
@@ -59,6 +85,35 @@ class Path:
     def _linear_guess(self, s: FloatArray) -> FloatArray:
         columns = [np.interp(s, self.node_s, column) for column in self.node_pose.T]
         return np.stack(columns, axis=1)
+
+
+def require_path(path: Path) -> None:
+    """Require what `Path` says of its arrays.
+
+    Raises
+    ------
+    ArgumentError
+        If they are something else.
+    """
+    spline = path.spline
+    degree = require_whole("the degree of the path", spline.k, 0, MOST_DEGREE)
+    knots = require_array("the knots of the path", spline.t, ("n",))
+    coefficients = require_array("the coefficients of the path", spline.c, ("n", len(ACTUATORS)))
+    if len(coefficients) < len(knots) - degree - 1 or not (np.diff(knots) >= 0.0).all():
+        raise ArgumentError(
+            "the knots of the path: expected increasing ones, with a coefficient for each basis function"
+        )
+    node_s = require_array("node_s", path.node_s, ("k",))
+    node_pose = require_array("node_pose", path.node_pose, ("k", 6))
+    require_one_length(node_s=node_s, node_pose=node_pose)
+    # Between nodes a cubic spline or, for degree one, a straight line is the guess, which may stand still at a corner.
+    grows = np.diff(node_s) > 0.0 if degree > 1 else np.diff(node_s) >= 0.0
+    if len(node_s) < 2 or not grows.all():
+        raise ArgumentError("node_s: expected at least two numbers that increase")
+
+
+def _path_parameter(s: FloatArray | float) -> FloatArray:
+    return require_array("s", s, ("...",), least=-_ROUNDING, largest=1.0 + _ROUNDING)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,13 +22,14 @@ class Verdict:
 
 @dataclass(frozen=True)
 class StageRow:
-    """How a stage ended: its status, and its figures or the reason in words."""
+    """How a stage ended: its status, its figures or the reason in words, what to change, and what prevents a result."""
 
     name: str
     status: str
     mood: Mood
     words: str
     advice: str = ""
+    why_not: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -125,12 +126,15 @@ class Scene:
         Triangles between the TCP (0) and the platform's joints (1 to 6).
     q_limits_m, qd_limits_mps : (5, 2), (5,)
         Least and largest actuator position; largest speed.
+    moment_unit : str
+        What the moments in kappa are measured in.
     """
 
     rails_m: FloatArray
     platform_faces: IntArray
     q_limits_m: FloatArray
     qd_limits_mps: FloatArray
+    moment_unit: str
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from pipeline.config import Config
 from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
 from pipeline.machine.geometry import MODES, Machine, cart_joints, platform_arms
 from pipeline.machine.pose import TILT_COLUMNS
+from pipeline.machine.statics import moment_unit
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 from pipeline.report.data import KappaMaps, Motion, MotionName, Scene
 from pipeline.retime.result import Trajectory, TrajectorySamples
@@ -29,6 +30,7 @@ def build_scene(machine: Machine) -> Scene:
         platform_faces=_platform_faces(machine),
         q_limits_m=machine.actuator_limits_m,
         qd_limits_mps=machine.velocity_mps,
+        moment_unit=moment_unit(machine),
     )
 
 

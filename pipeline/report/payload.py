@@ -75,6 +75,7 @@ def _scene(scene: Scene) -> dict[str, Any]:
         "qLimits": scene.q_limits_m.tolist(),
         # JSON has no infinity: null stands for no limit.
         "qdLimits": [limit if np.isfinite(limit) else None for limit in scene.qd_limits_mps.tolist()],
+        "momentUnit": scene.moment_unit,
     }
 
 

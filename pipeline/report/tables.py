@@ -20,9 +20,9 @@ from pipeline.route.metric import arc_length, step_sizes
 from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
 from pipeline.workspace.table import at_two_steps, setting_text, workspace_rows
 from pipeline.workspace.table import table_cells as workspace_cells
-from pipeline.workspace.usable import WorkspaceSetting
+from pipeline.workspace.usable import WorkspaceSetting, step_for
 
-_WORKSPACE_STEP_M = 0.01
+_WORKSPACE_STEP_M, _WORKSPACE_CELLS = 0.01, 100_000
 _PROOF_SAMPLES = 1_000
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -39,7 +39,7 @@ def _unit(text: str) -> str:
 
 def workspace_part(machine: Machine) -> tuple[Table, str]:
     """Tabulate the usable workspace of all working modes without tilt, and draw it (a PNG in base64)."""
-    setting = WorkspaceSetting(step_m=_WORKSPACE_STEP_M)
+    setting = WorkspaceSetting(step_m=step_for(machine, _WORKSPACE_STEP_M, _WORKSPACE_CELLS))
     fine, coarse = at_two_steps(machine, setting)
     rows = workspace_rows(fine, coarse)
     table = Table(
@@ -95,7 +95,7 @@ def _bound_texts(key: CertificateKey, proven: list[float], allowed: tuple[float,
     form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}", Side.LEAST: "at least {0}"}[key.side]
     texts = ([format(value, spec) for value in pair] for pair, spec in ((proven, f".{key.decimals}f"), (allowed, "g")))
     one, other = (form.format(*pair) + unit for pair in texts)
-    return one, other
+    return one, "not limited" if np.isinf(allowed).all() else other
 
 
 def _power(value: float) -> str:

@@ -7,6 +7,8 @@ from typing import Any
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
 from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
+from pipeline.status import Status
+from pipeline.summary.section import failed_part
 
 CERTIFIED, SKIPPED = "certified", "skipped"
 _ROUNDING = 1e-6
@@ -44,6 +46,8 @@ def headline(facts: Facts) -> Verdict:
         return Verdict(
             topic, "Not complete", f"{missing[0].capitalize()} and the stages after it have not been run.", "open"
         )
+    if (part := _failed_part(facts)) is not None:
+        return Verdict(topic, "Done in part", _sentence(part["reason"]), "bad")
     if _verdict(facts) != CERTIFIED:
         return Verdict(topic, "Not certified", "Checked at dense samples, but no proof was requested.", "open")
     return Verdict(topic, "Certified", "One motion, proven free of singularities and within every limit.", "good")
@@ -96,10 +100,17 @@ def _stage_row(stage: Stage, facts: StageFacts | None) -> StageRow:
     section = facts.section
     if facts.failed:
         reason, advice = str(section.get("reason", "")), str(section.get("advice", ""))
-        return StageRow(stage, "failed", "bad", reason, advice)
+        return StageRow(stage, "failed", "bad", reason, advice, tuple(section.get("why_not", ())))
     status = str(section["status"])
+    if (part := failed_part(section)) is not None:
+        return StageRow(stage, status, "bad", f"{facts.words}: {part['reason']}", part["advice"])
     mood: Mood = "open" if status == SKIPPED else "good"
     return StageRow(stage, status, mood, facts.words)
+
+
+def _failed_part(facts: Facts) -> Mapping[str, Any] | None:
+    """Give the part that failed of a stage that has a result otherwise; None if there is none."""
+    return next((part for one in facts.values() if (part := failed_part(one.section)) is not None), None)
 
 
 def _verdict(facts: Facts) -> str:
@@ -110,6 +121,8 @@ def _run(facts: Facts) -> Verdict:
     failed = [stage for stage in _SHOWN if stage in facts and facts[stage].failed]
     if failed:
         return Verdict("Run", "Exit code 1", f"No result of {failed[0]}; earlier results are kept.", "bad")
+    if _failed_part(facts) is not None:
+        return Verdict("Run", "Exit code 1", "A part of a result is missing; all else is there.", "bad")
     missing = [stage for stage in _SHOWN if stage not in facts]
     if missing:
         return Verdict("Run", "Not complete", f"Next is {missing[0]}.", "open")
@@ -130,7 +143,8 @@ def _route(section: Mapping[str, Any]) -> Verdict:
         f"Gap {_per_cent(section['gap'], 2)}; {section['steps']} positions, {section['mode_changes']} changes of "
         f"working mode, sum of κ {section['objective']:.1f}."
     )
-    return Verdict("Route", str(section["status"]).capitalize(), detail, "good")
+    mood: Mood = "good" if section["status"] == Status.OPTIMAL else "open"
+    return Verdict("Route", str(section["status"]).capitalize(), detail, mood)
 
 
 def _path(section: Mapping[str, Any]) -> Verdict:
@@ -163,7 +177,8 @@ def _limits(section: Mapping[str, Any]) -> Verdict:
         return Verdict("Limits", "None", "Nothing in motion has a limit.", "open")
     most = max(used, key=lambda one: one.part)
     kept = most.part <= 1.0 + _ROUNDING
-    detail = f"Most used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
+    where = "On the way there, most" if failed_part(section) else "Most"
+    detail = f"{where} used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
     return Verdict("Limits", "Kept" if kept else "Exceeded", detail, "good" if kept else "bad")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.retime.path_dynamics import PathDynamics
-from pipeline.retime.quantities import QUANTITIES, Quantities, Quantity
+from pipeline.retime.quantities import QUANTITIES, Quantities, Quantity, both_sides
 
 _TCP_SIDES = 32
 """Sides of half the polygon that replaces the circle of TCP accelerations: its corners are 0.12 % farther out."""
@@ -93,10 +93,13 @@ _Part = tuple[_Coefficients, list[tuple[str, str]]]
 
 
 def _two_sided(quantity: Quantity, coefficients: _Coefficients, limit: FloatArray) -> _Part:
-    """Write |a sdd + b sd^2 + c| <= limit as two rows for each subject that has a limit."""
-    columns = np.flatnonzero(np.isfinite(limit))
-    scaled = [part[:, columns] / limit[columns] for part in coefficients]
-    both = tuple(np.concatenate([part, -part], axis=1) for part in scaled)
+    """Write |a sdd + b sd^2 + c| <= limit as two rows, one for each sign, for each subject that has a limit."""
+    limit = both_sides(limit)
+    columns = np.flatnonzero(np.isfinite(limit).any(axis=0))
+    positive, negative = limit[:, columns]
+    both = tuple(
+        np.concatenate([part[:, columns] / positive, -part[:, columns] / negative], axis=1) for part in coefficients
+    )
     return both, [(quantity.name, quantity.subjects[k]) for k in columns.tolist()] * 2
 
 

@@ -6,12 +6,11 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import ACTUATORS
 from pipeline.refine.result import Path
 from pipeline.retime.holding_forces import pose_words
-from pipeline.retime.quantities import limits
 
 _LEAST_RELATIVE_SPEED = 0.05
-"""Least |q'(s)| relative to its mean. Below, the path speed peaks too sharply for a piecewise constant path
-acceleration: on lines of known duration and 1,000 grid points, 0.02 came out up to 80 % too slow and 14 % above an
-acceleration limit."""
+"""Least |q'(s)| relative to its mean, in metres: a property of the path alone, whatever its limits. Below, the path
+speed peaks too sharply for a piecewise constant path acceleration: on lines of known duration and 1,000 grid points,
+0.02 came out up to 80 % too slow and 14 % above an acceleration limit."""
 _LEAST_TRAVEL_M = 1e-9
 _CHECK_POINTS = 20_001
 """Values of s at which the speed |q'(s)| is evaluated."""
@@ -63,7 +62,7 @@ def require_motion(path: Path) -> None:
             "Raise machine.limits, or give the task a goal that does not need this actuator.",
             {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
         )
-    speed = np.linalg.norm(rates / limits(path.machine)["velocity"], axis=1)
+    speed = np.linalg.norm(rates, axis=1)
     relative = speed / speed.mean()
     slowest = int(np.argmin(relative))
     if not relative[slowest] >= _LEAST_RELATIVE_SPEED:

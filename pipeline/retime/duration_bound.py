@@ -106,7 +106,8 @@ def build_bound(table: PathDynamicsTable, s: FloatArray) -> BoundProgram:
 def solve_bound(program: BoundProgram) -> float:
     """Raise the bound by tangents of the duration until it rises no more; it holds after any number of them.
 
-    The first bound follows from the speed caps alone, and is kept if the solver gives up.
+    The first bound follows from the speed caps alone, and is kept if the solver gives up; rest satisfies all rows where
+    no limit is used up by it, whatever the solver says.
 
     Raises
     ------
@@ -118,12 +119,14 @@ def solve_bound(program: BoundProgram) -> float:
     if not (top > 0.0).all():
         raise _no_motion()
     share, matrix, mean = program.width / np.sqrt(top), program.matrix.tocsr(), np.ones(cells)
-    best = float(share.sum())
+    # Tolerances of the solver are absolute: it sees time in units of the first bound.
+    unit_s, best = float(share.sum()), 1.0
+    share = share / unit_s
     for _ in range(_ROUNDS):
         slope = 0.5 * share * mean**-1.5
         cost = np.concatenate([np.zeros(columns - cells), -slope])
         found = linprog(cost, A_ub=matrix, b_ub=program.limit, bounds=(0.0, 1.0), method="highs")
-        if found.status == _INFEASIBLE:
+        if found.status == _INFEASIBLE and not (program.limit >= 0.0).all():
             raise _no_motion()
         if found.x is None:
             break
@@ -131,7 +134,7 @@ def solve_bound(program: BoundProgram) -> float:
         if best < before * (1.0 + _TOLERANCE):
             break
         mean = np.maximum(found.x[-cells:], _LEAST)
-    return best
+    return best * unit_s
 
 
 def _no_motion() -> NoSolutionError:

@@ -9,7 +9,7 @@ from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.retime.path_dynamics import PathDynamicsTable
-from pipeline.retime.quantities import at_rest, limits, quantity_named
+from pipeline.retime.quantities import at_rest, both_sides, fractions, limits, quantity_named
 
 _CHECK_POINTS = 20_001
 """Values of s at which forces are evaluated."""
@@ -27,7 +27,7 @@ class ForceShortfall:
     subject, row : int
         Number of the drive or link, and of the place.
     force_n, limit_n : float
-        The force needed and its limit, in newtons.
+        The force needed and its limit on that side, in newtons.
     """
 
     name: str
@@ -50,13 +50,12 @@ def find_shortfall(machine: Machine, forces: Mapping[str, FloatArray]) -> ForceS
     allowed = limits(machine)
     worst, most = None, 1.0
     for name, needed in forces.items():
-        fractions = np.abs(needed) / allowed[name]
-        row, subject = np.unravel_index(np.argmax(fractions), fractions.shape)
-        if fractions[row, subject] >= most:
-            most = fractions[row, subject]
-            worst = ForceShortfall(
-                name, int(subject), int(row), float(needed[row, subject]), float(allowed[name][subject])
-            )
+        used = fractions(needed, allowed[name])
+        row, subject = np.unravel_index(np.argmax(used), used.shape)
+        if used[row, subject] >= most:
+            most, force = used[row, subject], float(needed[row, subject])
+            limit = both_sides(allowed[name])[0 if force > 0.0 else 1, subject]
+            worst = ForceShortfall(name, int(subject), int(row), force, float(limit))
     return worst
 
 

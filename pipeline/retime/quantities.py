@@ -54,7 +54,8 @@ class Quantity:
     subjects : tuple of str
         What has it, in the order of its columns: actuators, links, or the TCP.
     limit : function of a machine
-        Largest magnitude of each subject, (subjects,); infinite where there is no limit.
+        Largest magnitude of each subject, (subjects,); where they differ, of positive and of negative values,
+        (2, subjects). Infinite where there is no limit.
     value : function of path dynamics and derivatives of s by time
         Values at n places, (n, subjects); magnitudes for the TCP, signed otherwise.
     power : int or None
@@ -134,7 +135,7 @@ QUANTITIES = (
         "force",
         "N",
         ACTUATORS,
-        limit=lambda machine: machine.force_n,
+        limit=lambda machine: machine.force_limits_n[:, :5],
         value=_drive_force,
         known=_with_masses,
         linear=lambda path: (path.a[:, :5], path.b[:, :5], path.c[:, :5] + path.friction()),
@@ -143,7 +144,7 @@ QUANTITIES = (
         "link_force",
         "N",
         tuple(f"link {link}" for link in LINKS),
-        limit=lambda machine: np.full(len(LINKS), machine.link_force_n),
+        limit=lambda machine: machine.force_limits_n[:, 5:],
         value=lambda path, t: path.a[:, 5:] * t.sdd + path.b[:, 5:] * t.sd**2 + path.c[:, 5:],
         known=_with_masses,
         linear=lambda path: (path.a[:, 5:], path.b[:, 5:], path.c[:, 5:]),
@@ -179,8 +180,19 @@ def quantity_named(name: str, quantities: Quantities = QUANTITIES) -> Quantity:
 
 
 def limits(machine: Machine, quantities: Quantities = QUANTITIES) -> dict[str, FloatArray]:
-    """Limits (subjects,) by the names of the quantities; infinite where there is none."""
+    """Limits, as `Quantity.limit` gives them, by the names of the quantities; infinite where there is none."""
     return {quantity.name: quantity.limit(machine) for quantity in quantities}
+
+
+def both_sides(limit: FloatArray) -> FloatArray:
+    """Return the limits of positive and of negative values, (2, subjects), of a limit as `Quantity.limit` gives it."""
+    return np.broadcast_to(limit, (2, np.shape(limit)[-1]))
+
+
+def fractions(values: FloatArray, limit: FloatArray) -> FloatArray:
+    """Compute the fraction that each value takes of the limit on its side, shape (n, subjects)."""
+    positive, negative = both_sides(limit)
+    return np.asarray(np.maximum(values / positive, -values / negative), dtype=float)
 
 
 def limited(machine: Machine, quantities: Quantities = QUANTITIES) -> tuple[str, ...]:
@@ -220,8 +232,8 @@ def moving_shares(
 ) -> dict[str, FloatArray]:
     """Share that motion takes of what forces at rest leave of their limits, at n places.
 
-    With c the force at rest, F the force in motion and L its limit: |F - c| / (L - c) where F is above c, and
-    |F - c| / (L + c) where it is below. One is the limit itself; stretching time by f divides the share by f^2,
+    With c the force at rest, F the force in motion and L its limit on that side: |F - c| / (L - c) where F is above c,
+    and |F - c| / (L + c) where it is below. One is the limit itself; stretching time by f divides the share by f^2,
     however near to the limit the force at rest is.
 
     Parameters
@@ -236,7 +248,8 @@ def moving_shares(
     """
     allowed, shares = limits(path.machine, quantities), {}
     for name, rest in at_rest(path, quantities).items():
-        moving, limit = values[name] - rest, allowed[name]
+        moving, (positive, negative) = values[name] - rest, both_sides(allowed[name])
+        limit = np.where(moving > 0.0, positive, negative)
         room = limit - np.sign(moving) * rest
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(room > _NO_ROOM * limit, np.abs(moving) / room, np.inf)

@@ -5,9 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import PPoly
 
+from pipeline.arguments import require_array, require_number, require_whole
 from pipeline.arrays import FloatArray
+from pipeline.errors import ArgumentError
 from pipeline.refine.result import Path
 
+_MOST_DERIVATIVE = 10
 _ROUNDING = 1e-14
 """Part of the motion's duration that is rounding: this close to its end, the motion is over."""
 
@@ -67,12 +70,25 @@ class Trajectory:
         How long the machine waits at the start before the motion, and at the goal after it.
     timing : TimingReport or None
         How the time law was found; None when that is not known.
+
+    Raises
+    ------
+    ArgumentError
+        If the time law does not begin at zero, or a waiting time is negative or not finite.
     """
 
     path: Path
     time_law: PPoly
     dwell_s: tuple[float, float] = (0.0, 0.0)
     timing: TimingReport | None = None
+
+    def __post_init__(self) -> None:
+        require_array("dwell_s", self.dwell_s, (2,), least=0.0)
+        require_array("the coefficients of the time law", self.time_law.c, ("k", "n"))
+        if not (
+            self.time_law.x[0] == 0.0 and (np.diff(require_array("its times", self.time_law.x, ("n",))) > 0.0).all()
+        ):
+            raise ArgumentError("the time law: expected times that increase from zero")
 
     @classmethod
     def from_breakpoints(
@@ -97,8 +113,17 @@ class Trajectory:
         return bool(self.time_law.c.shape[0] < 4)
 
     def s(self, t_s: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Evaluate s(t) or a derivative by time; where it jumps, the value after the jump."""
-        t = np.asarray(t_s, dtype=float) - self.dwell_s[0]
+        """Evaluate s(t) or a derivative by time; where it jumps, the value after the jump.
+
+        The machine rests before the start, and at any time after the end.
+
+        Raises
+        ------
+        ArgumentError
+            If a time is no finite number, or the derivative is below zero.
+        """
+        derivative = require_whole("derivative", derivative, 0, _MOST_DERIVATIVE)
+        t = require_array("t_s", t_s, ("...",)) - self.dwell_s[0]
         moving = (t >= 0.0) & (t < self.motion_s * (1.0 - _ROUNDING))
         value = self.time_law(t, nu=derivative)
         if derivative > 0:
@@ -114,9 +139,13 @@ class Trajectory:
 
         Raises
         ------
-        ValueError
-            For derivatives above the third, and for the third where accelerations jump.
+        ArgumentError
+            If a time is no finite number; for derivatives below zero or above the third, and for the third where
+            accelerations jump.
         """
+        most = 2 if self.jerk_jumps else 3
+        if derivative not in range(most + 1):
+            raise ArgumentError(f"derivative: this trajectory has derivatives 0 to {most}, not {derivative}")
         s = self.s(t_s)
         if derivative == 0:
             return self.path.q(s)
@@ -126,8 +155,6 @@ class Trajectory:
         sdd = self.s(t_s, 2)[..., None]
         if derivative == 2:
             return self.path.q(s, 2) * sd**2 + self.path.q(s, 1) * sdd
-        if derivative > 3 or self.jerk_jumps:
-            raise ValueError(f"this trajectory has derivatives 0 to {2 if self.jerk_jumps else 3}, not {derivative}")
         sddd = self.s(t_s, 3)[..., None]
         return self.path.q(s, 3) * sd**3 + 3.0 * self.path.q(s, 2) * sd * sdd + self.path.q(s, 1) * sddd
 
@@ -150,12 +177,14 @@ def stretched(trajectory: Trajectory, duration_s: float) -> Trajectory:
 
     Raises
     ------
-    ValueError
-        When no time is left for the motion.
+    ArgumentError
+        When no time is left for the motion, or the duration is no finite number.
     """
     motion = duration_s - sum(trajectory.dwell_s)
-    if not motion > 0.0:
-        raise ValueError(f"a trajectory cannot last {duration_s:g} s")
+    if not 0.0 < motion < np.inf:
+        raise ArgumentError(
+            f"duration_s: a trajectory that waits {sum(trajectory.dwell_s):g} s cannot last {duration_s:g} s"
+        )
     factor = motion / trajectory.motion_s
     time_law = trajectory.time_law
     t = time_law.x * factor
@@ -165,7 +194,14 @@ def stretched(trajectory: Trajectory, duration_s: float) -> Trajectory:
 
 
 def slowed(trajectory: Trajectory, speed: float) -> Trajectory:
-    """Drive at a fraction of the speed (above 0, at most 1), with the waiting times unchanged."""
+    """Drive at a fraction of the speed (above 0, at most 1), with the waiting times unchanged.
+
+    Raises
+    ------
+    ArgumentError
+        If the fraction is something else: faster than planned, the motion would exceed its limits.
+    """
+    speed = require_number("speed", speed, above=0.0, largest=1.0)
     return stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s / speed)
 
 

@@ -25,6 +25,8 @@ _GOOD_GAP = 0.005
 """Part of the duration above its lower bound that a finer grid need not reduce."""
 _GAIN = 5e-4
 """Least part of the duration that a finer grid has to gain for another one to be tried."""
+_SMALL_GAIN = 2.5e-4
+"""The same for a law that is not only the beginning of one with limited jerk."""
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,11 @@ class TimingOptions:
     ----------
     most_grid_points : int
         The grid is not doubled beyond this.
-    most_usage : float
-        Largest fraction of a limit, between the points of a program, that stretching time may remove.
     jerk : JerkOptions
         The same for limiting jerk.
     """
 
     most_grid_points: int = 20_000
-    most_usage: float = 1.01
     jerk: JerkOptions = JERK_DEFAULTS
 
 
@@ -60,8 +59,7 @@ def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: T
     UnfitConfigError
         When the motion has more periods than a table may have rows.
     NoSolutionError
-        When the path does not move, has a corner or stops on its way, when forces do not suffice to hold the machine,
-        or when a planner fails.
+        When the path does not move, has a corner or nearly stops, or when forces do not suffice to hold the machine.
     """
     require_smooth(path)
     require_motion(path)
@@ -71,8 +69,24 @@ def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: T
     period_s = config.retime.period_s
     start, goal = (math.ceil(wait / period_s - 1e-9) * period_s for wait in config.retime.dwell_s)
     waiting = replace(fastest, dwell_s=(start, goal))
-    trajectory = whole_periods(slowed(waiting, config.retime.speed), period_s)
-    require_limits(trajectory, period_s, table)
+    return fitted(slowed(waiting, config.retime.speed), period_s, table)
+
+
+def fitted(trajectory: Trajectory, period_s: float, table: PathDynamicsTable, backwards: bool = False) -> Trajectory:
+    """Stretch time to whole periods, and further where a limit is exceeded at an instant that no program looked at.
+
+    Raises
+    ------
+    UnfitConfigError
+        When that makes more rows than a table may have.
+    NoSolutionError
+        When a limit is still exceeded; s is that along the way there, for a trajectory driven backwards, too.
+    """
+    trajectory = whole_periods(trajectory, period_s)
+    usage = measure_usage(trajectory, period_s, table)
+    if usage.largest > ALLOWED_USAGE:
+        trajectory = whole_periods(_within_limits(trajectory, usage), period_s)
+        require_limits(trajectory, period_s, table, backwards)
     return trajectory
 
 
@@ -86,18 +100,22 @@ def fastest_trajectory(
     UnfitConfigError
         When the motion has more periods than a table may have rows.
     NoSolutionError
-        When a planner fails, or exceeds limits between its points by more than a percent.
+        When forces do not suffice to hold the machine.
     """
     fastest, report = _without_jerk_limits(config, table, monitor, options)
     # The usage is measured at every tenth of a period.
     count_periods(fastest.motion_s / config.retime.speed, config.retime.period_s)
-    if not config.retime.jerk or JERK not in limited(table.path.machine):
+    if not _limits_jerk(config, table):
         return replace(fastest, timing=report)
-    from pipeline.retime.jerk.solve import limit_jerk
+    from pipeline.retime.jerk.smoothed import smoothed
+    from pipeline.retime.jerk.solve import JerkLimited, limit_jerk
 
-    found = limit_jerk(table, fastest, config.retime.jerk_pieces, monitor, options.jerk)
-    usage = measure_usage(found.trajectory, config.retime.period_s, table)
-    trajectory = _within_limits(found.trajectory, usage, table, options.most_usage, "Give more retime.jerk_pieces")
+    try:
+        found = limit_jerk(table, fastest, config.retime.jerk_pieces, monitor, options.jerk)
+    except NoSolutionError:
+        law = smoothed(table, fastest)
+        found = JerkLimited(law, len(law.time_law.x) - 1, 0, 0)
+    trajectory = _within_limits(found.trajectory, measure_usage(found.trajectory, config.retime.period_s, table))
     report = replace(
         report,
         jerk_limited=True,
@@ -109,6 +127,10 @@ def fastest_trajectory(
     return replace(trajectory, timing=report)
 
 
+def _limits_jerk(config: Config, table: PathDynamicsTable) -> bool:
+    return config.retime.jerk and JERK in limited(table.path.machine)
+
+
 def _without_jerk_limits(
     config: Config, table: PathDynamicsTable, monitor: Monitor, options: TimingOptions
 ) -> tuple[Trajectory, TimingReport]:
@@ -116,10 +138,11 @@ def _without_jerk_limits(
 
     Lost time shows in the gap to the lower bound, unless a finer grid gains nothing: then the bound is too low.
     """
-    # Solvers, and a plotting library that one of them imports, take a while to load.
+    # Solvers take a while to load.
     from pipeline.retime.duration_bound import duration_bound
     from pipeline.retime.fastest import plan
 
+    limits_jerk = _limits_jerk(config, table)
     points, bound, before = config.retime.grid_points, 0.0, np.inf
     while True:
         monitor.progress(f"timing the path on {points:,} grid points")
@@ -127,33 +150,20 @@ def _without_jerk_limits(
         usage = measure_usage(planned, table=table)
         finest = 2 * points > options.most_grid_points
         if finest or (usage.largest <= ALLOWED_USAGE and usage.stretch <= _GOOD_STRETCH):
-            fastest = _within_limits(planned, usage, table, options.most_usage, "Raise retime.grid_points")
+            fastest = _within_limits(planned, usage)
             if not bound:
                 monitor.progress("bounding the duration from below")
                 bound = duration_bound(table, grid(config.retime.bound_points))
             report = TimingReport(False, fastest.motion_s, bound, fastest.motion_s, points)
-            if finest or report.gap <= _GOOD_GAP or fastest.motion_s > before * (1.0 - _GAIN):
+            good, gain = (report.gap <= _GOOD_GAP, _GAIN) if limits_jerk else (False, _SMALL_GAIN)
+            if finest or good or fastest.motion_s > before * (1.0 - gain):
                 return fastest, report
             before = fastest.motion_s
         points *= 2
 
 
-def _within_limits(
-    trajectory: Trajectory, usage: Usage, table: PathDynamicsTable, most_usage: float, advice: str
-) -> Trajectory:
-    """Stretch time until all limits hold.
-
-    Raises
-    ------
-    NoSolutionError
-        When a limit is exceeded by too much for that; names it and the place.
-    """
-    if usage.largest > most_usage:
-        try:
-            require_limits(trajectory, table=table)
-        except NoSolutionError as error:
-            advice = f"{advice}, or ask for a smoother path (fewer refine.coefficients)."
-            raise NoSolutionError(error.stage, error.reason, advice, error.diagnosis) from None
+def _within_limits(trajectory: Trajectory, usage: Usage) -> Trajectory:
+    """Stretch time until all limits hold."""
     factor = usage.stretch
     if factor == 1.0:
         return trajectory

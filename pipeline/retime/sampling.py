@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from pipeline.arguments import require_number
 from pipeline.arrays import FloatArray
 from pipeline.errors import UnfitConfigError
 from pipeline.machine.statics import condition_number, statics_matrix
@@ -52,11 +53,14 @@ def sample_trajectory(trajectory: Trajectory, period_s: float) -> TrajectorySamp
 
     Raises
     ------
+    ArgumentError
+        When the period is not positive.
     UnfitConfigError
         When that makes more rows than a table may have.
     ForwardKinematicsError
         Where the closure equations have no solution near the path's known poses.
     """
+    period_s = require_number("period_s", period_s, above=0.0)
     trajectory = whole_periods(trajectory, period_s)
     periods = round(trajectory.duration_s / period_s)
     return sample_at(trajectory, np.arange(periods + 1, dtype=float) * period_s, period_s)

@@ -13,6 +13,7 @@ from pipeline.retime.quantities import (
     QUANTITIES,
     Quantities,
     evaluate,
+    fractions,
     limited,
     limits,
     moving_shares,
@@ -247,9 +248,10 @@ def _usage(trajectory: Trajectory, motion: MotionSamples, quantities: Quantities
     machine = trajectory.path.machine
     allowed, names = limits(machine, quantities), limited(machine, quantities)
     peaks = {name: np.abs(values).max(axis=0) for name, values in motion.values.items()}
+    used = {name: fractions(motion.values[name], allowed[name]) for name in names if name in peaks}
     shares = moving_shares(motion.dynamics, motion.values, quantities)
     return Usage(
-        fractions={name: peaks[name] / allowed[name] for name in names if name in peaks},
+        fractions={name: values.max(axis=0) for name, values in used.items()},
         peaks=peaks,
         jerk_held=not trajectory.jerk_jumps,
         force_stretch=float(np.sqrt(max((float(part.max()) for part in shares.values()), default=1.0))),
@@ -261,14 +263,15 @@ def _exceeded(trajectory: Trajectory, motion: MotionSamples, backwards: bool) ->
     held = _usage(trajectory, motion, QUANTITIES).held()
     name = max(held, key=lambda name: held[name].max())
     quantity, allowed = quantity_named(name), limits(trajectory.path.machine)[name]
-    fractions = np.abs(motion.values[name]) / allowed
-    row, subject = np.unravel_index(np.argmax(fractions), fractions.shape)
-    fraction, limit = float(fractions[row, subject]), float(allowed[subject])
+    used = fractions(motion.values[name], allowed)
+    row, subject = np.unravel_index(np.argmax(used), used.shape)
+    fraction, value = float(used[row, subject]), float(motion.values[name][row, subject])
+    limit = abs(value) / fraction
     s, t = float(motion.s[row]), float(motion.t_s[row])
     s = 1.0 - s if backwards else s
     return NoSolutionError(
         "retime",
-        f"{quantity.subjects[subject]} would reach {fraction * limit:.4g} {quantity.unit}, {fraction:.1%} of its "
+        f"{quantity.subjects[subject]} would reach {abs(value):.4g} {quantity.unit}, {fraction:.1%} of its "
         f"{quantity.words} limit of {limit:g} {quantity.unit}, between two points of the plan, at s = {s:.4f}, "
         f"t = {t:.3f} s",
         "Ask for a smoother path: fewer refine.coefficients, or more refine.corridor_cells.",

@@ -13,9 +13,8 @@ from pipeline.refine.result import Path
 from pipeline.retime.holding_forces import require_standing
 from pipeline.retime.path_dynamics import TABLE_POINTS, PathDynamicsTable, dynamics_table
 from pipeline.retime.result import Trajectory, slowed, stretched
-from pipeline.retime.retime import fastest_trajectory
-from pipeline.retime.sampling import whole_periods
-from pipeline.retime.usage import measure_usage, require_limits
+from pipeline.retime.retime import fastest_trajectory, fitted
+from pipeline.retime.usage import measure_usage
 
 _MOST_STRETCH = 1.01
 """Largest factor by which the reversed motion is slowed down; beyond it, the way back is timed by itself."""
@@ -30,8 +29,8 @@ def way_back(config: Config, trajectory: Trajectory, monitor: Monitor = QUIET) -
     Raises
     ------
     NoSolutionError
-        When forces do not suffice to move the machine on its way back, or a planner fails; says that it is the way
-        back, and reports s along the way there.
+        When forces do not suffice to move the machine on its way back; says that it is the way back, and reports s
+        along the way there.
     UnfitConfigError
         When the motion has more periods than a table may have rows.
     """
@@ -51,9 +50,7 @@ def _back(config: Config, trajectory: Trajectory, monitor: Monitor) -> Trajector
         back = _timed_by_itself(config, back, table, monitor)
     else:
         back = stretched(back, sum(back.dwell_s) + back.motion_s * stretch)
-    back = whole_periods(back, config.retime.period_s)
-    require_limits(back, config.retime.period_s, table, backwards=True)
-    return back
+    return fitted(back, config.retime.period_s, table, backwards=True)
 
 
 def _timed_by_itself(

@@ -2,8 +2,10 @@
 
 import numpy as np
 
-from pipeline.config import RouteConfig
+from pipeline.config import Config, RouteConfig
 from pipeline.errors import InfeasibleError
+from pipeline.limits import relaxations
+from pipeline.machine.geometry import Machine
 from pipeline.route.bounds.shortest_paths import Bounds, fewest_positions, least_use, shortest_route
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.screen import Screen
@@ -20,31 +22,34 @@ def require_route(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> N
     InfeasibleError
         When the goal cannot be reached, or only with more positions or more of a budget than allowed.
     """
-    regions, moves, task = graph.regions, graph.moves, problem.config.task
+    regions, moves = graph.regions, graph.moves
     if not np.isfinite(bounds.optimum):
         reached = int(np.isfinite(bounds.forward).sum())
         raise _infeasible(
             f"no route exists on these {len(regions):,} regions. From the start {reached:,} of them can be reached "
             f"over {len(moves):,} admitted moves, and the goal is not among them (proven by exhausting them)",
-            f"allow more tilt (task.tilt_max_deg is {task.tilt_max_deg:g}), unlock an axis, allow a larger "
-            "route.kappa_max, less clearance or higher force limits, or refine the grid",
+            _not_tried(restrictions(problem.config, problem.machine)),
             regions=len(regions),
             moves=len(moves),
             reached=reached,
         )
     N = problem.options.step_budget
-    if len(shortest_route(regions, moves, problem.cost, bounds)) > N and (fewest := fewest_positions(regions, moves) or 1) > N:
+    if (
+        len(shortest_route(regions, moves, problem.cost, bounds)) > N
+        and (fewest := fewest_positions(regions, moves) or 1) > N
+    ):
         raise _infeasible(
             f"every route needs at least {fewest} positions (proven); route.step_budget allows {N}",
-            f"set route.step_budget to {fewest} or more, or coarsen the grid",
+            f"raise route.step_budget; {fewest} is a lower bound, and may not be enough",
             fewest_positions=fewest,
         )
     for budget in problem.budgets:
         least = least_use(regions, moves, budget)
         if least > budget.left(regions) + ROUNDING:
+            shown = budget.shown(regions, least)
             raise _infeasible(
-                f"every route uses at least {budget.shown(regions, least)} of task.budget.{budget.key} (proven)",
-                f"allow as much, or remove task.budget.{budget.key}",
+                f"every route uses at least {shown} of task.budget.{budget.key} (proven)",
+                f"raise task.budget.{budget.key}, or remove it; {shown} is a lower bound, and may not be enough",
                 budget=budget.key,
             )
 
@@ -57,7 +62,7 @@ def without_route(problem: RouteProblem, graph: StateGraph, screen: Screen) -> I
     return _infeasible(
         f"no route exists on these {len(graph.regions):,} regions within the step budget and the travel along X"
         f"{asked}{because} (proven)",
-        f"raise {' or '.join(_keys_to_raise(problem, screen))}, allow more tilt, or refine the grid",
+        _not_tried(_keys_to_raise(problem, screen)),
         regions=len(graph.regions),
         moves=len(graph.moves),
     )
@@ -77,7 +82,19 @@ def _keys_to_raise(problem: RouteProblem, screen: Screen) -> list[str]:
     """List the keys that would let more routes through; those that most moves failed on come first."""
     failed = [rejection.raise_key for rejection, _ in screen.rejections.most_common() if rejection.raise_key]
     budgets = [f"task.budget.{budget.key}" for budget in problem.budgets]
-    return [*failed, "route.step_budget", "route.x_step_m", *budgets]
+    keys = [*failed, *budgets, "route.step_budget", "route.x_step_m", *restrictions(problem.config, problem.machine)]
+    return list(dict.fromkeys(keys))
+
+
+def restrictions(config: Config, machine: Machine) -> list[str]:
+    """List the keys of all that keeps regions and moves out, and that this configuration has."""
+    keys = [relaxation.key for relaxation in relaxations(config, machine) if not relaxation.part_of]
+    locked = ["task.locked_axes"] if config.task.locked_axes else []
+    return list(dict.fromkeys([*locked, *(["task.visit"] if config.task.visit else []), *keys, "route.grid"]))
+
+
+def _not_tried(keys: list[str]) -> str:
+    return f"let one or more of {', '.join(keys)} give; which of them would do was not tried"
 
 
 def _infeasible(reason: str, advice: str, **facts: object) -> InfeasibleError:

@@ -4,10 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pipeline.arguments import require_whole
+from pipeline.arrays import IntArray
 from pipeline.config import Config, RouteConfig
 from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import move_limits
 from pipeline.machine.geometry import Machine
+from pipeline.parallel import blocks
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.infeasible import require_route, too_few_routes, without_route
@@ -20,12 +23,16 @@ from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route, Search
 from pipeline.route.search.objective import find_best
-from pipeline.route.search.optimum import ProvenOptimum
+from pipeline.route.search.optimum import Optimum
 from pipeline.route.search.placement import PlacedRoute, place_route, rejected_moves
 from pipeline.route.search.states import expand_states, near_route
-from pipeline.solvers.highs import solver_name
 from pipeline.status import Status
 
+_FOLLOWED = 8_192
+"""Moves followed between two looks at the clock."""
+
+_MOST_ROUTES = 1_000
+"""More routes than a search could give."""
 Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
 """Follows the moves of a route; gives the first step of each inadmissible one, and why it is."""
 
@@ -33,14 +40,15 @@ Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
 def plan_route(config: Config, machine: Machine, regions: RegionTable, monitor: Monitor = QUIET) -> Route:
     """Find the route that `route.objective` and `route.alternative` ask for, every move followed continuously.
 
-    By default it is the one of least sum of kappa (5), proven over the admitted moves.
+    By default it is the one of least sum of kappa (5), proven over the admitted moves. When `route.time_limit_s` ends
+    the search it is the best one found so far: its status is then UNPROVEN, and `search` has its bound and gap.
 
     Raises
     ------
     InfeasibleError
         When there is no such route (proven).
     NoSolutionError
-        When the solver's time limit or the rounds run out, or the moves need too much memory.
+        When the time runs out before a route is found, the rounds run out, or the moves need too much memory.
     """
     return chosen_route(config.route, plan_routes(config, machine, regions, config.route.alternative, monitor))
 
@@ -63,15 +71,19 @@ def plan_routes(
 ) -> list[Route]:
     """Find the `count` best routes, each straying `route.alternative_distance` from all better ones somewhere.
 
-    They are in the order of their cost, and fewer when there are no more (proven).
+    They are in the order of their cost, and fewer when there are no more (proven). A route beside a better one that is
+    not proven optimal is not proven either.
 
     Raises
     ------
     InfeasibleError
         When there is no route at all (proven).
     NoSolutionError
-        When the solver's time limit or the rounds run out, or the moves need too much memory.
+        When the time runs out before all are found, the rounds run out, or the moves need too much memory.
+    ArgumentError
+        When the count is not a whole number of at least one.
     """
+    count = require_whole("count", count, 1, _MOST_ROUTES)
     moves = find_moves(config, machine, regions, monitor)
     return solve_problem(RouteProblem.of(config, machine, regions, moves, monitor), count)
 
@@ -88,7 +100,7 @@ def solve_problem(
     follow : callable
         Follows the moves of a route.
     """
-    screen = _screen(problem) if screen is None else screen
+    screen = screen_of(problem) if screen is None else screen
     routes: list[Route] = []
     for rank in range(1, count + 1):
         if rank > 1:
@@ -102,24 +114,37 @@ def solve_problem(
     return routes
 
 
-def _screen(problem: RouteProblem) -> Screen:
+def screen_of(problem: RouteProblem) -> Screen:
+    """Make the screen that follows the moves of a problem, and knows none yet; problems with the same limits share it.
+
+    It raises OutOfTimeError when the time runs out.
+    """
     config, machine, regions = problem.config, problem.machine, problem.regions
     return Screen(
-        lambda source, target: check_pairs(config, machine, regions, source, target).rejections,
+        lambda source, target: [
+            rejection
+            for part in blocks(len(source), _FOLLOWED)
+            for rejection in _check_in_time(problem, source[part], target[part])
+        ],
         len(regions),
         directed=is_directed(move_limits(config, machine)),
     )
+
+
+def _check_in_time(problem: RouteProblem, source: IntArray, target: IntArray) -> list[Rejection | None]:
+    problem.deadline.require()
+    return check_pairs(problem.config, problem.machine, problem.regions, source, target).rejections
 
 
 def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, follow: Follow) -> Route:
     """Find the best route that strays from the better ones: solve, follow, forbid what fails, solve again."""
     options, regions, progress = problem.options, problem.regions, problem.monitor.progress
     near = [near_route(regions, problem.steps, route.region, options.alternative_distance) for route in better]
-    graph = expand_states(regions, problem.moves, np.array(near, dtype=bool).reshape(-1, len(regions)))
+    graph = expand_states(regions, problem.moves, np.array(near, dtype=bool).reshape(-1, len(regions)), options)
     progress("route: shortest paths")
     bounds = priced_bounds(graph.regions, graph.moves, problem.cost, problem.budgets, progress)
     require_route(problem, graph, bounds)
-    best: ProvenOptimum | None = None
+    best: Optimum | None = None
     for round_ in range(1, options.max_rounds + 1):
         progress(f"route: round {round_}, {screen.rejections.total()} moves forbidden")
         best = find_best(problem, graph, bounds, screen, best)
@@ -128,7 +153,9 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
         placed = place_route(problem, best.sequence)
         found = follow(problem, placed)
         if not found:
-            return _route(placed, _search(placed, best, screen, len(problem.moves), round_))
+            proven = best.proven and all(route.status is Status.OPTIMAL for route in better)
+            status = Status.OPTIMAL if proven else Status.UNPROVEN
+            return _route(placed, _search(placed, best, screen, len(problem.moves), round_), status)
         for step, rejection in found:
             # Gates may have been exchanged for their twins: forbid the move between either.
             for rows in (placed.region.tolist(), best.sequence.region.tolist()):
@@ -141,10 +168,10 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
     )
 
 
-def _search(placed: PlacedRoute, best: ProvenOptimum, screen: Screen, moves: int, rounds: int) -> Search:
+def _search(placed: PlacedRoute, best: Optimum, screen: Screen, moves: int, rounds: int) -> Search:
     """Record how the optimum was proven."""
     return Search(
-        solver=solver_name(),
+        solver=best.sequence.solver,
         bound=best.bound,
         gap=_gap(placed.objective, best.bound),
         relaxation=best.relaxation,
@@ -158,7 +185,7 @@ def _search(placed: PlacedRoute, best: ProvenOptimum, screen: Screen, moves: int
     )
 
 
-def _route(placed: PlacedRoute, search: Search) -> Route:
+def _route(placed: PlacedRoute, search: Search, status: Status) -> Route:
     return Route(
         region=placed.region,
         modes=placed.steps.modes,
@@ -168,7 +195,7 @@ def _route(placed: PlacedRoute, search: Search) -> Route:
         q_m=placed.q_m,
         kappa=placed.steps.kappa,
         objective=placed.objective,
-        status=Status.OPTIMAL,
+        status=status,
         search=search,
     )
 

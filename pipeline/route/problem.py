@@ -9,6 +9,7 @@ from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.budgets import Budget, task_budgets
 from pipeline.route.cost.interface import MoveCost
 from pipeline.route.cost.objectives import COSTS
+from pipeline.route.deadline import Deadline
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.table import RegionTable
@@ -31,6 +32,8 @@ class RouteProblem:
         What the objective adds up.
     monitor : Monitor
         Receives progress and decides whether solvers write their logs.
+    deadline : Deadline
+        When the search ends.
     """
 
     config: Config
@@ -41,14 +44,16 @@ class RouteProblem:
     budgets: tuple[Budget, ...]
     cost: MoveCost
     monitor: Monitor
+    deadline: Deadline
 
     @classmethod
     def of(
         cls, config: Config, machine: Machine, regions: RegionTable, moves: Moves, monitor: Monitor = QUIET
     ) -> "RouteProblem":
-        """Derive steps, budgets and costs from the configuration."""
+        """Derive steps, budgets and costs from the configuration, and start the clock of `route.time_limit_s`."""
         steps, cost = step_sizes(config.route), COSTS[config.route.objective](config.route, machine)
-        return cls(config, machine, regions, moves, steps, task_budgets(config), cost, monitor)
+        deadline = Deadline.after(config.route.time_limit_s)
+        return cls(config, machine, regions, moves, steps, task_budgets(config), cost, monitor, deadline)
 
     @property
     def options(self) -> RouteConfig:

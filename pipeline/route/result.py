@@ -11,12 +11,12 @@ from pipeline.status import Status
 
 @dataclass(frozen=True)
 class Search:
-    """How the optimum was proven.
+    """How the route was found, and what is proven of it.
 
     Attributes
     ----------
     solver : str
-        Name and version of the mixed-integer solver.
+        What found it: name and version of the mixed-integer solver, or label setting.
     bound, gap : float
         Proven lower bound on (5), and the relative distance of the objective to it.
     relaxation : float
@@ -24,7 +24,7 @@ class Search:
     threshold : float
         The last core held every route of at most this cost; the proof needs objective <= threshold.
     core_regions, core_columns : int
-        Size of the last core: regions, and columns of the mixed-integer program.
+        Size of the last core: regions, and columns of the mixed-integer program, or arcs where labels were set.
     moves : int
         Number of admitted moves between regions.
     rounds : int
@@ -69,7 +69,7 @@ class Route:
     objective : float
         The sum of kappa over all regions but the goal, (5).
     status : Status
-        OPTIMAL: proven over the admitted moves.
+        OPTIMAL: proven over the admitted moves; UNPROVEN: the best one found in `route.time_limit_s`.
     search : Search
         How it was found.
     """

@@ -15,6 +15,9 @@ _OF_MOTION = ("limits", "dynamics")
 _TOLERANCES_ONLY = ("tolerance_resolution", "monte_carlo_samples")
 """Keys of the proof that only the search for tolerances reads."""
 
+_MARGINS = ("travel_margin_m", "stroke_margin_m")
+"""Keys of stage two that its route keeps, too."""
+
 Part = dict[str, Any]
 
 
@@ -32,6 +35,7 @@ def regions_part(config: Config) -> Part:
         "machine": _machine_part(config),
         "task": _without(whole["task"], "budget"),
         "route": {key: whole["route"][key] for key in ("grid", "kappa_max", *margin)},
+        "refine": {key: whole["refine"][key] for key in _MARGINS},
     }
 
 
@@ -42,13 +46,15 @@ def grid_part(config: Config) -> Part:
         "machine": part["machine"],
         "task": {key: part["task"][key] for key in ("tilt_max_deg", "locked_axes")},
         "route": {key: part["route"][key] for key in ("grid", "kappa_max")},
+        "refine": part["refine"],
     }
 
 
 def route_part(config: Config) -> Part:
     """Give the keys that the route depends on."""
     whole = whole_config(config)
-    return {"machine": _machine_part(config), "task": whole["task"], "route": whole["route"]}
+    margins = {key: whole["refine"][key] for key in _MARGINS}
+    return {"machine": _machine_part(config), "task": whole["task"], "route": whole["route"], "refine": margins}
 
 
 def refine_part(config: Config) -> Part:

@@ -15,15 +15,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """Why there is no route: for the terminal, for the file of the failure, and as a picture."""
+    """Why there is no route: for the terminal, for the file of the failure, and as a picture.
+
+    `advice` is what to change, of what was tried.
+    """
 
     note: str
+    advice: str
     facts: dict[str, Any]
     picture: "Figure"
 
 
 def diagnose(results: "Results", monitor: Monitor) -> Diagnosis:
-    """Find out how far each limit has to give, one at a time, and draw what can be reached."""
+    """Find out what has to give, one thing at a time, and draw what can be reached; Ctrl-C keeps what was found."""
     from pipeline.figures.maps.reach import reach_figure
     from pipeline.route.diagnosis.search import explain_infeasibility
 
@@ -34,15 +38,19 @@ def diagnose(results: "Results", monitor: Monitor) -> Diagnosis:
     facts = {
         "reach": reach,
         "remarks": found.remarks,
+        "not_tried": found.not_tried,
         "findings": [{"sentence": finding.sentence, **asdict(finding)} for finding in found.findings],
         "seconds": time.perf_counter() - began,
     }
-    return Diagnosis(_note(found, reach), facts, picture)
+    return Diagnosis(_note(found, reach), found.advice, facts, picture)
 
 
 def _note(found: "InfeasibilityReport", reach: str) -> str:
     """Write everything in lines, first the changes that open a route."""
     opening = [finding.sentence for finding in found.opening]
     others = [finding.sentence for finding in found.findings if finding not in found.opening]
-    lines = [f"Reach: {reach}", *found.remarks, "One limit at a time, everything else as configured:"]
-    return "\n    ".join(["Why not:", *lines, *(f"- {sentence}" for sentence in opening + others)])
+    lines = [f"Reach: {reach}", *found.remarks, "One change at a time, everything else as configured:"]
+    lines += [f"- {sentence}" for sentence in opening + others]
+    if found.not_tried:
+        lines.append(f"Interrupted; not tried: {', '.join(found.not_tried)}")
+    return "\n    ".join(["Why not:", *lines])

@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pipeline.artifacts import Record, RunFolder, State, existing_files, jsonable, open_run_folder, read_state
-from pipeline.artifacts.layout import failure_names, failure_picture, failure_report
+from pipeline.artifacts.layout import failure_names, failure_picture, failure_report, own_files
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config
 from pipeline.errors import ConfigError, NoSolutionError, PipelineError, UsageError
 from pipeline.machine.geometry import build_machine
 from pipeline.progress import Monitor
-from pipeline.route.regions.endpoints import task_endpoints
+from pipeline.route.regions.counting import require_possible_task
+from pipeline.route.regions.size import require_grid_fits
 from pipeline.run.diagnosis import Diagnosis
 from pipeline.run.failure import failure_product, is_proven_infeasible
 from pipeline.run.options import RunOptions
@@ -24,6 +25,7 @@ from pipeline.run.run_report import Outcome, RunReport
 from pipeline.run.stage_specs import SPECS, Specs, report_of, spec_of
 from pipeline.run.up_to_date.check import expected_fingerprint, matching_records, why_outdated
 from pipeline.stage import Stage
+from pipeline.summary.section import failed_part
 from pipeline.summary.whole import summarise
 
 _DEFAULT = RunOptions()
@@ -52,15 +54,19 @@ def run_pipeline(
     Raises
     ------
     ConfigError
-        When the machine cannot be at the start or goal; nothing was changed.
+        When the machine cannot be at the start or goal, the task is impossible by counting, or the grid takes up more
+        memory than allowed; nothing was changed.
     UsageError
-        When the stages asked for are not a range, or results they need are missing or outdated.
+        When the stages asked for are not a range, results they need are missing or outdated, or the folder is not one
+        that a run may write to.
     NoSolutionError
-        When a stage has no solution; the run folder keeps the reason.
+        When a stage has no solution, and the run folder keeps the reason; or when the route is not proven optimal,
+        and `options.unproven` is not set: it is kept like any result, but no later stage runs.
     """
     out = Path(out)
     machine = build_machine(config.machine)
-    task_endpoints(config, machine)
+    require_grid_fits(config)
+    require_possible_task(config, machine)
     _check_range(out, options.first, options.last)
     with open_run_folder(out, [pattern for spec in specs for pattern in spec.patterns]) as folder:
         recompute = Stage.REGIONS in options.forced
@@ -69,6 +75,7 @@ def run_pipeline(
         if options.first is not None:
             run.require_earlier(options.first)
         outcomes = [run.run(stage) for stage in (*options.last.earlier, options.last)]
+        run.report_missing_part(outcomes[-1])
         return RunReport(out, tuple(outcomes), run.prune_outdated())
 
 
@@ -107,13 +114,24 @@ class _Run:
                 )
 
     def run(self, stage: Stage) -> Outcome:
-        """Run a stage unless its result is up to date."""
+        """Run a stage unless its result is up to date; stop the run at a result that is withheld."""
         if stage not in self._options.forced and not self._why_outdated(stage):
+            outcome: Literal["done", "unchanged"] = "unchanged"
             record = self._records[stage]
-            self._reporter.end(stage, "unchanged", record.seconds)
-            return Outcome(stage, "unchanged", record.seconds, record.summary)
-        record = self._make(stage)
-        return Outcome(stage, "done", record.seconds, record.summary)
+            self._reporter.end(stage, outcome, record.seconds)
+        else:
+            outcome, record = "done", self._make(stage)
+        if not self._options.unproven and (error := spec_of(self._specs, stage).withheld(record.summary)):
+            self.prune_outdated()
+            files = ", ".join(str(self._folder.path / name) for name in record.files)
+            error.add_note(f"What was found is kept, marked as {record.summary['status']}: {files}")
+            raise error
+        return Outcome(stage, outcome, record.seconds, record.summary)
+
+    def report_missing_part(self, last: Outcome) -> None:
+        """Write a report of a run that ends with a result of which a part is missing; a whole run has one anyway."""
+        if failed_part(last.section) is not None and (page := self._failure_page()):
+            self._commit(self._records, {failure_report(last.stage): page}, [])
 
     def prune_outdated(self) -> dict[str, Any]:
         """Move away what does not belong to this configuration; return the summary."""
@@ -132,21 +150,27 @@ class _Run:
         except (ConfigError, UsageError):
             raise
         except PipelineError as error:
-            self._fail(stage, error, expected, time.perf_counter() - began, monitor)
+            failure = self._fail(stage, error, expected, time.perf_counter() - began, monitor)
             self._reporter.end(stage, "failed", time.perf_counter() - began)
-            raise
+            raise failure from error.__cause__
         seconds = time.perf_counter() - began
         record = _record(expected, "done", seconds, product)
         self._replace(stage, record, product.files)
         self._reporter.end(stage, "done", seconds)
         return record
 
-    def _fail(self, stage: Stage, error: PipelineError, expected: str, seconds: float, monitor: Monitor) -> None:
-        """Record a failure first, then again with its diagnosis, so that an interrupted diagnosis loses nothing."""
+    def _fail(
+        self, stage: Stage, error: PipelineError, expected: str, seconds: float, monitor: Monitor
+    ) -> PipelineError:
+        """Record a failure first, then again with its diagnosis, so that an interrupted diagnosis loses nothing.
+
+        Returns the failure with the advice of the diagnosis, where there is one.
+        """
         product = failure_product(self._config, stage, error, seconds, None)
         self._replace(stage, _record(expected, "failed", seconds, product), product.files)
         found = self._diagnose(stage, error, monitor)
         if found is not None:
+            error = error.with_advice(found.advice) if isinstance(error, NoSolutionError) else error
             product = failure_product(self._config, stage, error, seconds, found)
             records = {**self._records, stage: _record(expected, "failed", seconds, product)}
             self._commit(records, product.files, [])
@@ -156,6 +180,7 @@ class _Run:
             self._commit(self._records, {failure_report(stage): page}, [])
             note += f"; a report of the run so far is in {self._folder.path / failure_report(stage)}"
         error.add_note(note)
+        return error
 
     def _diagnose(self, stage: Stage, error: PipelineError, monitor: Monitor) -> Diagnosis | None:
         """Find out what prevents a solution; an interrupt ends the diagnosis only."""
@@ -167,7 +192,7 @@ class _Run:
         try:
             found = explain(self._results, monitor)
         except KeyboardInterrupt:
-            error.add_note("Why not: interrupted; run again to find out what prevents it.")
+            error.add_note("Why not: interrupted before anything was tried; run again to find out what prevents it.")
             return None
         error.add_note(found.note)
         error.add_note(f"A picture of what can be reached is in {self._folder.path / failure_picture(stage)}")
@@ -185,7 +210,11 @@ class _Run:
         self._commit({**self._records, stage: record}, files, self._existing(stage))
 
     def _existing(self, stage: Stage) -> list[str]:
-        return existing_files(self._folder.path, spec_of(self._specs, stage).patterns)
+        path, patterns = self._folder.path, spec_of(self._specs, stage).patterns
+        if self._folder.damaged:
+            return existing_files(path, patterns)
+        recorded = self._records[stage].files if stage in self._records else ()
+        return own_files(path, patterns, recorded)
 
     def _commit(
         self, records: Mapping[Stage, Record], files: Mapping[str, bytes], superseded: list[str]
@@ -212,5 +241,6 @@ def _record(fingerprint: str, status: Literal["done", "failed"], seconds: float,
         status=status,
         seconds=seconds,
         files={name: sha256(content).hexdigest() for name, content in product.files.items()},
+        sizes={name: len(content) for name, content in product.files.items()},
         summary=jsonable({**product.section, "seconds": seconds}),
     )

@@ -30,4 +30,6 @@ def failure_product(
     if found is not None:
         facts["why_not"] = found.facts
     section = failure_section(reason, advice, str(details.get("status", "failed")))
+    if found is not None:
+        section["why_not"] = [line.strip() for line in found.note.splitlines()[1:]]
     return Product(failure_files(stage, facts, details, found.picture if found else None), section)

@@ -21,6 +21,8 @@ class RunOptions:
         Solvers write their logs to the terminal.
     why_not : bool
         If no route exists, find out what prevents it; it is added to the error.
+    unproven : bool
+        The run goes on with a route that is not proven optimal, instead of stopping there.
     tolerances : bool
         The proof also searches calibration tolerances, whatever `certify.what` says.
     """
@@ -30,6 +32,7 @@ class RunOptions:
     force: bool = False
     verbose: bool = False
     why_not: bool = True
+    unproven: bool = False
     tolerances: bool = False
 
     @property

@@ -30,7 +30,7 @@ def open_results(folder: Path | str, *stages: Stage) -> Results:
                 f"{folder} has no result of {stage} yet.\n  What to change: run the pipeline up to there first."
             )
         if record.status == "failed":
-            raise UsageError(f"{folder} has no result of {stage}, which failed: {record.summary['reason']}")
+            raise UsageError(f"{folder} has no result of {stage}, which failed: {record.summary.get('reason')}")
         refuse_damage(folder, record)
     return Results(config, build_machine(config.machine), folder)
 

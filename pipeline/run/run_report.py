@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from pipeline.artifacts.layout import SUMMARY
+from pipeline.artifacts.layout import REPORT, SUMMARY, failure_report
 from pipeline.errors import NoSolutionError
 from pipeline.run.stage_specs import SPECS, Specs, spec_of
 from pipeline.stage import Stage
@@ -41,7 +41,11 @@ class RunReport:
         for outcome in self.outcomes:
             part = failed_part(outcome.section)
             if part is not None:
-                raise NoSolutionError(outcome.stage, part["reason"], part["advice"])
+                error = NoSolutionError(outcome.stage, part["reason"], part["advice"])
+                pages = (self.folder / name for name in (REPORT, failure_report(outcome.stage)))
+                if page := next((page for page in pages if page.exists()), None):
+                    error.add_note(f"A report of the run is in {page}")
+                raise error
 
 
 def files_to_open(folder: Path, stages: Iterable[Stage], specs: Specs = SPECS) -> list[tuple[Path, str]]:

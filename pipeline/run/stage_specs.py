@@ -23,7 +23,7 @@ from pipeline.artifacts.layout import (
     TRAJECTORY_CSV,
     TRAJECTORY_JSON,
     TRAJECTORY_NPZ,
-    failure_pattern,
+    failure_files_of,
 )
 from pipeline.config import Config
 from pipeline.run.config_parts import (
@@ -39,6 +39,7 @@ from pipeline.summary.section import Section, own_or_skipped
 
 if TYPE_CHECKING:
     from pipeline.artifacts import State
+    from pipeline.errors import NoSolutionError
     from pipeline.progress import Monitor
     from pipeline.run.diagnosis import Diagnosis
     from pipeline.run.product import Product
@@ -59,6 +60,10 @@ class Deferred:
 
 def _itself(config: Config) -> tuple[Config, ...]:
     return (config,)
+
+
+def _nothing(section: Section) -> None:
+    return None
 
 
 @dataclass(frozen=True)
@@ -95,6 +100,8 @@ class StageSpec:
         Makes the part of the summary from a section, or from None if there is no result.
     quotes_upstream : bool
         Whether its files quote the parts of the summary of earlier stages.
+    withheld : callable
+        Gives the error with which a run stops at a result, complete but not to be used unasked; None: it goes on.
     explain : callable or None
         Finds out why there is no solution, where that is proven.
     report : callable or None
@@ -115,13 +122,14 @@ class StageSpec:
     sufficient: Callable[[Config], tuple[Config, ...]] = _itself
     in_summary: Callable[[Section | None], Section] = own_or_skipped
     quotes_upstream: bool = False
+    withheld: "Callable[[Section], NoSolutionError | None]" = _nothing
     explain: "Callable[[Results, Monitor], Diagnosis] | None" = None
     report: "Callable[[Results, State], bytes] | None" = None
 
     @property
     def patterns(self) -> tuple[str, ...]:
         """All files of the stage, those of a failure included."""
-        return (*self.files, failure_pattern(self.stage))
+        return (*self.files, *failure_files_of(self.stage))
 
 
 Specs = tuple[StageSpec, ...]
@@ -153,6 +161,7 @@ SPECS: Specs = (
         words=Deferred("pipeline.summary.route", "route_words"),
         shown=((ROUTE_CSV, "the route, one row per step"),),
         next_step="gantry-tau refine {config}{out}",
+        withheld=Deferred("pipeline.summary.route", "unproven_route"),
         explain=Deferred("pipeline.run.diagnosis", "diagnose"),
     ),
     StageSpec(

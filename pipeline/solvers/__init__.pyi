@@ -26,8 +26,5 @@ from .qp import (
     DampedProgram as DampedProgram,
 )
 from .topp_ra import (
-    SpeedProfile as SpeedProfile,
-)
-from .topp_ra import (
     fastest_profile as fastest_profile,
 )

@@ -1,5 +1,7 @@
 """HiGHS: linear, convex quadratic and mixed-integer programs, and one vocabulary for how a solve ended."""
 
+import errno
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,7 +78,17 @@ def write_program(program: LinearProgram, target: Path) -> None:
     solver.passModel(_highs_model(program))
     # HiGHS crashes where it cannot open an LP file.
     if not target.parent.is_dir() or solver.writeModel(str(target)) == highspy.HighsStatus.kError:
-        raise OSError(f"{target} cannot be written")
+        raise OSError(errno.EIO, "cannot be written", str(target))
+    # HiGHS does not notice a full disk.
+    if not _is_complete(target):
+        raise OSError(errno.ENOSPC, "cannot be written to its end: no space left", str(target))
+
+
+def _is_complete(target: Path) -> bool:
+    """Check whether a file of a program has its last line."""
+    with target.open("rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - 16))
+        return file.read().split()[-1:] in ([b"ENDATA"], [b"end"])
 
 
 def solver_name() -> str:

@@ -1,86 +1,41 @@
-"""Running TOPP-RA: the fastest speed profile under rows of linear inequalities on a grid (Pham and Pham, 2018)."""
+"""TOPP-RA: the fastest speed profile under rows of linear inequalities on a grid (Pham and Pham, 2018).
 
-import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+In x = sd^2 and with a constant path acceleration u in a cell of width D, x at the end of the cell is y = x + 2 D u.
+Rows a u + b x + c <= 1 hold at both ends of each cell. A pass from the goal finds the largest x from which the goal can
+still be reached, a pass from the start the largest of these that can be reached. The linear programs of both passes
+have two unknowns and are solved in closed form, without a tolerance: there is a profile for all units and ratios of
+limits, as long as rest is within the limits (c < 1).
+"""
+
+from typing import NamedTuple
 
 import numpy as np
-from toppra.algorithm import TOPPRA
-from toppra.constraint import DiscretizationType, LinearConstraint
-from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
-from toppra.interpolator import AbstractGeometricPath
 
 from pipeline.arrays import FloatArray
-from pipeline.solvers.interrupts import interrupts_noted
 
-_LARGEST = 1e8
+_FREE = 1e150
 """Replaces a squared path speed without a limit."""
+_LEAST_TRADED = 0.25
+"""Rows with 0 < a < 2 D b trade y for x; this part of (1 - c) / b is always left to y, so that no motion is stopped by
+a fast beginning of a cell."""
 
 
-@dataclass(frozen=True, eq=False)
-class SpeedProfile:
-    """What TOPP-RA found on a grid of n points.
+class _Cells(NamedTuple):
+    """Rows a u + b x <= r of k cells, those of both ends, x at the beginning. Shapes (k, m); widths (k, 1)."""
 
-    Attributes
-    ----------
-    sd : (n,)
-        Path speeds; NaN from where no way on was found, and everywhere if there is none from the start.
-    controllable : (n, 2)
-        Bounds on the path speed from which the goal can be reached; NaN where it cannot, or where that is unknown.
-    messages : tuple of str
-        What toppra would have logged.
-    """
-
-    sd: FloatArray
-    controllable: FloatArray
-    messages: tuple[str, ...] = field(default=())
+    a: FloatArray
+    b: FloatArray
+    r: FloatArray
+    width: FloatArray
 
 
-class _Unit(AbstractGeometricPath):  # type: ignore[misc]  # toppra has no types
-    """The interval [0, 1]: all that the planner needs to know of the path is in the rows."""
-
-    @property
-    def dof(self) -> int:
-        return 1
-
-    @property
-    def path_interval(self) -> FloatArray:
-        return np.array([0.0, 1.0])
-
-
-class _GivenRows(LinearConstraint):  # type: ignore[misc]  # toppra has no types
-    """Constraints a sdd + b sd^2 + c <= 1 and caps on sd^2, known at every point of the grid.
-
-    They hold at both ends of every interval ("interpolation" scheme).
-    """
-
-    def __init__(self, rows: tuple[FloatArray, FloatArray, FloatArray], cap: FloatArray) -> None:
-        super().__init__()
-        self.set_discretization_type(DiscretizationType.Interpolation)
-        self.dof = 1
-        self.identical = True
-        self._rows, self._cap = rows, cap
-        self._format_string = f"    {rows[0].shape[1]} rows"
-
-    def compute_constraint_params(self, path: AbstractGeometricPath, gridpoints: FloatArray) -> tuple[object, ...]:
-        count = self._rows[0].shape[1]
-        cap = np.minimum(self._cap**2, _LARGEST)
-        a, b, c, F, g, _, _ = canlinear_colloc_to_interpolate(
-            *self._rows, np.eye(count), np.ones(count), None, None, gridpoints, identical=True
-        )
-        return a, b, c, F, g, None, np.stack([np.zeros_like(cap), cap], axis=1)
-
-
-def fastest_profile(s: FloatArray, rows: tuple[FloatArray, FloatArray, FloatArray], cap: FloatArray) -> SpeedProfile:
-    """Find the fastest speed profile sd(s) from rest to rest.
-
-    Its tolerances are absolute: rows, and speeds in the unit of time chosen, have to be near one.
+def fastest_profile(s: FloatArray, rows: tuple[FloatArray, FloatArray, FloatArray], cap: FloatArray) -> FloatArray:
+    """Find the fastest speed profile sd(s) from rest to rest, positive in between. Shape (n,).
 
     Parameters
     ----------
     s : (n,)
-        Grid, ascending from 0 to 1.
+        Grid, ascending.
     rows : three (n, m)
         Coefficients of a sdd + b sd^2 + c <= 1.
     cap : (n,)
@@ -88,39 +43,76 @@ def fastest_profile(s: FloatArray, rows: tuple[FloatArray, FloatArray, FloatArra
 
     Raises
     ------
-    KeyboardInterrupt
-        When the user interrupts.
+    ValueError
+        Where rest is not within the limits.
     """
-    # Compiled code of toppra's would ignore Ctrl-C, and fail for it.
-    with _messages() as messages, interrupts_noted():
-        planner = TOPPRA([_GivenRows(rows, cap)], _Unit(), gridpoints=s, solver_wrapper="seidel")
-        _, sd, _, controllable = planner.compute_parameterization(0.0, 0.0, return_data=True)
-    speeds = np.full(len(s), np.nan) if sd is None else np.asarray(sd, dtype=float)
-    return SpeedProfile(speeds, np.asarray(controllable, dtype=float), tuple(messages))
+    if not (rows[2] < 1.0).all():
+        raise ValueError("rest is not within the limits: each c has to be below one")
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        cells = _cells(s, *rows)
+        x = np.append(_largest(cells, _caps(cells, np.minimum(cap**2, _FREE))), 0.0)
+        return np.asarray(np.sqrt(_forward(cells, _backward(cells, x))))
 
 
-@contextmanager
-def _messages() -> Iterator[list[str]]:
-    """Collect what toppra would log, and leave its logger as it was."""
-    messages: list[str] = []
-    logger = logging.getLogger("toppra")
-    handler = _Collector(messages)
-    level, propagate = logger.level, logger.propagate
-    logger.addHandler(handler)
-    logger.setLevel(logging.WARNING)
-    logger.propagate = False
-    try:
-        yield messages
-    finally:
-        logger.removeHandler(handler)
-        logger.setLevel(level)
-        logger.propagate = propagate
+def _cells(s: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> _Cells:
+    """Write the rows of both ends of each cell in u and x: a u + b (x + 2 D u) = (a + 2 D b) u + b x."""
+    width, room = np.diff(s)[:, None], 1.0 - c
+    both = ((a[:-1], a[1:] + 2.0 * width * b[1:]), (b[:-1], b[1:]), (room[:-1], room[1:]))
+    a, b, r = (np.concatenate(ends, axis=1) for ends in both)
+    return _Cells(a, b, r, width)
 
 
-class _Collector(logging.Handler):
-    def __init__(self, messages: list[str]) -> None:
-        super().__init__()
-        self._messages = messages
+def _caps(cells: _Cells, cap: FloatArray) -> FloatArray:
+    """Lower caps on x (k + 1,) by the rows that limit it alone, and by those that would trade y for it."""
+    a, b, r, width = cells
+    alone, steep = np.where(b > 0.0, r / b, np.inf), 2.0 * width * b
+    traded = np.where((a > 0.0) & (a < steep), alone * (steep - _LEAST_TRADED * a) / (steep - a), np.inf)
+    own = np.minimum(np.where(a == 0.0, alone, np.inf), traded).min(axis=1)
+    return np.asarray(np.minimum(cap, np.append(own, np.inf)))
 
-    def emit(self, record: logging.LogRecord) -> None:
-        self._messages.append(record.getMessage())
+
+def _largest(cells: _Cells, cap: FloatArray) -> FloatArray:
+    """Find the largest x at which some u keeps all rows of a cell (Newton's method on the width of its interval).
+
+    The width of the interval of u is a concave function of x, piecewise linear and positive at x = 0: from the right,
+    Newton's method ends at its zero after a few steps.
+    """
+    a, b, r, _ = cells
+    up, down = a > 0.0, a < 0.0
+    x, n = cap[:-1].copy(), np.arange(len(a))
+    while True:
+        u = (r - b * x[:, None]) / a
+        i, j = np.where(up, u, np.inf).argmin(axis=1), np.where(down, u, -np.inf).argmax(axis=1)
+        crossed = up[n, i] & down[n, j] & (u[n, i] < u[n, j])
+        rise, fall = a[n, i], -a[n, j]
+        zero = (r[n, i] * fall + r[n, j] * rise) / (b[n, i] * fall + b[n, j] * rise)
+        better = crossed & (zero < x)
+        if not better.any():
+            return x
+        x = np.where(better, zero, x)
+
+
+def _backward(cells: _Cells, x: FloatArray) -> FloatArray:
+    """Lower x (k + 1,) to the largest values from which the goal can be reached: u >= (r - b x) / a where a < 0."""
+    a, b, r, width = cells
+    rest = 2.0 * width * b - a
+    binding = (a < 0.0) & (rest > 0.0)
+    factor = np.where(binding, -a / rest, 0.0)
+    offset = np.where(binding, 2.0 * width * r / rest, np.inf)
+    reaching = x.copy()
+    for k in range(len(a) - 1, -1, -1):
+        reaching[k] = min(x[k], (factor[k] * reaching[k + 1] + offset[k]).min())
+    return reaching
+
+
+def _forward(cells: _Cells, x: FloatArray) -> FloatArray:
+    """Lower x (k + 1,) to the largest values that can be reached from rest: u <= (r - b x) / a where a > 0."""
+    a, b, r, width = cells
+    binding = a > 0.0
+    factor = np.where(binding, 1.0 - 2.0 * width * b / a, 0.0)
+    offset = np.where(binding, 2.0 * width * r / a, np.inf)
+    reached = x.copy()
+    reached[0] = 0.0
+    for k in range(len(a)):
+        reached[k + 1] = min(x[k + 1], (factor[k] * reached[k] + offset[k]).min())
+    return reached

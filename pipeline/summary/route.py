@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+from pipeline.errors import NoSolutionError
+from pipeline.status import Status
 from pipeline.summary.section import Section
 
 if TYPE_CHECKING:
@@ -36,4 +38,19 @@ def route_words(section: Section) -> str:
     return (
         f"{section['steps']} positions, {section['mode_changes']} mode changes; "
         f"sum of kappa {section['objective']:.1f} (gap {section['gap']:.2%}), largest {section['kappa_max']:.1f}"
+    )
+
+
+def unproven_route(section: Section) -> NoSolutionError | None:
+    """Make the error with which a run stops at a route that is not proven optimal; None for one that is."""
+    if section["status"] != Status.UNPROVEN:
+        return None
+    return NoSolutionError(
+        "route",
+        f"not proven optimal: the search ended at route.time_limit_s, after {section['seconds']:.0f} s. The best route "
+        f"so far has a sum of kappa of {section['objective']:.3f}; none has less than {section['bound']:.3f} (proven), "
+        f"a gap of {section['gap']:.2%}",
+        "raise route.time_limit_s for a proof, or go on with this route as it is: the same command (run, refine, "
+        "certify or retime) with --unproven, which does not search again",
+        {"status": section["status"], **{key: section[key] for key in ("objective", "bound", "gap")}},
     )

@@ -1,5 +1,6 @@
 """A stage's part of `summary.json`: what all of them have in common."""
 
+from collections.abc import Mapping
 from typing import Any
 
 SKIPPED = "skipped"
@@ -12,10 +13,15 @@ def failure_section(reason: str, advice: str, status: str = "failed") -> Section
     return {"status": status, "reason": reason, "advice": advice}
 
 
-def failed_part(section: Section) -> Section | None:
+def without_part(name: str, failure: Section) -> Section:
+    """Describe a stage whose result is there but for a part, which failed."""
+    return {"status": "done in part", name: failure}
+
+
+def failed_part(section: Mapping[str, Any]) -> Section | None:
     """Give the part that failed (the way back) of a stage that has a result; None if none failed."""
-    back: Section = section.get("back", {})
-    return back if back.get("status") == "failed" else None
+    back = section.get("back")
+    return back if isinstance(back, dict) and back.get("status") == "failed" else None
 
 
 def own_or_skipped(section: Section | None) -> Section:

@@ -5,7 +5,7 @@ import platform
 from importlib import metadata
 
 PACKAGE = "gantry-tau"
-_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "toppra", "python-flint", "matplotlib", "plotly")
+_LIBRARIES = ("numpy", "scipy", "highspy", "casadi", "python-flint", "matplotlib", "plotly")
 
 
 @functools.cache

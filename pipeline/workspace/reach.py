@@ -9,7 +9,8 @@ from pipeline.machine.geometry import Machine
 from pipeline.workspace.usable import usable_windows
 
 STEP_M = 0.04
-"""Default grid step: fine enough for a table of a machine."""
+"""Least grid step: fine enough for a table of a machine."""
+_MOST_POINTS = 40_000
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,11 @@ class Reach:
     area_m2: float
 
 
+def reach_step(machine: Machine) -> float:
+    """Choose a grid step for a machine: larger for a large one, so that it takes no longer."""
+    return max(STEP_M, float(np.sqrt(np.prod(np.ptp(_extent(machine), axis=0)) / _MOST_POINTS)))
+
+
 def usable_reach(machine: Machine, mode: int, kappa_max: float, step_m: float = STEP_M) -> Reach:
     """Measure on a grid where the machine is usable at some x.
 
@@ -32,9 +38,7 @@ def usable_reach(machine: Machine, mode: int, kappa_max: float, step_m: float = 
     step_m : float
         Grid step in y and z.
     """
-    size = np.nansum([np.nanmax(machine.lengths_m), np.linalg.norm(machine.platform_points_m, axis=1).max()])
-    low, high = machine.rails_m.min(axis=0) - size, machine.rails_m.max(axis=0) + size
-    y, z = (np.arange(a, b, step_m) for a, b in zip(low, high, strict=True))
+    y, z = (np.arange(low, high, step_m) for low, high in _extent(machine).T)
     controlled = np.zeros((len(y) * len(z), 5))
     controlled[:, 1:3] = np.stack(np.meshgrid(y, z), axis=-1).reshape(-1, 2)
     windows = usable_windows(machine, kappa_max, controlled, np.full(len(controlled), mode))
@@ -43,6 +47,12 @@ def usable_reach(machine: Machine, mode: int, kappa_max: float, step_m: float = 
         return Reach(None, None, None, 0.0)
     y, z = controlled[usable, 1], controlled[usable, 2]
     return Reach(_span(windows[usable]), _span(y), _span(z), len(y) * step_m**2)
+
+
+def _extent(machine: Machine) -> FloatArray:
+    """Least and largest y and z beyond which no link reaches, as two rows. Shape (2, 2)."""
+    size = np.nansum([np.nanmax(machine.lengths_m), np.linalg.norm(machine.platform_points_m, axis=1).max()])
+    return np.array([machine.rails_m.min(axis=0) - size, machine.rails_m.max(axis=0) + size])
 
 
 def _span(values: FloatArray) -> tuple[float, float]:

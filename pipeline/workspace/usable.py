@@ -14,7 +14,9 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.arguments import require_number
 from pipeline.arrays import FloatArray, IntArray
+from pipeline.errors import UsageError
 from pipeline.limits import admitted, pose_limits
 from pipeline.limits.actuators import x_windows
 from pipeline.machine.geometry import MODES, PRIMARY, Machine
@@ -24,6 +26,8 @@ from pipeline.parallel import blocks
 
 _BLOCK = 20_000
 """Batch size in poses: what is computed of them fits into a hundred megabytes."""
+MOST_CELLS = 5_000_000
+"""Most cells of a workspace: a gigabyte for the usable lengths in all working modes, and some minutes."""
 
 
 @dataclass(frozen=True)
@@ -38,12 +42,23 @@ class WorkspaceSetting:
         The tilt at which the workspace is taken.
     step_m : float
         Side of the square cells of the YZ plane, of which the centres are looked at.
+
+    Raises
+    ------
+    ArgumentError
+        If one of them is no finite number, `kappa_max` is less than one, or the step is not positive.
     """
 
     kappa_max: float = 40.0
     rx_rad: float = 0.0
     rz_rad: float = 0.0
     step_m: float = 0.005
+
+    def __post_init__(self) -> None:
+        require_number("kappa_max", self.kappa_max, least=1.0)
+        require_number("rx_rad", self.rx_rad)
+        require_number("rz_rad", self.rz_rad)
+        require_number("step_m", self.step_m, above=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +119,13 @@ def usable_workspace(machine: Machine, setting: WorkspaceSetting) -> Workspace:
 
     The cells cover everything the primary links can reach. Volumes converge with the step: cells on the rim are
     counted whole or not at all, so that errors are of the first order in it, but mostly cancel.
+
+    Raises
+    ------
+    UsageError
+        When that makes more than `MOST_CELLS`.
     """
+    _require_countable(machine, setting)
     y, z = (_centres(least, largest, setting.step_m) for least, largest in _extents(machine))
     mesh = np.meshgrid(y, z)
     controlled = np.zeros((mesh[0].size, 5))
@@ -113,6 +134,28 @@ def usable_workspace(machine: Machine, setting: WorkspaceSetting) -> Workspace:
     windows = np.stack([_windows_of_mode(machine, setting, controlled, mode) for mode in range(len(MODES))])
     least, largest = np.moveaxis(windows.reshape(len(MODES), len(z), len(y), 2), -1, 0)
     return Workspace(setting, y, z, least, largest)
+
+
+def step_for(machine: Machine, step_m: float, most_cells: int) -> float:
+    """Return a grid step that makes at most about so many cells for a machine: this one, or a larger one."""
+    return max(step_m, float(np.sqrt(np.prod(_sides(machine)) / most_cells)))
+
+
+def _sides(machine: Machine) -> FloatArray:
+    """Lengths along y and z of what all primary links can reach; zero where they cannot meet. Shape (2,)."""
+    least, largest = _extents(machine).T
+    return np.asarray(np.maximum(largest - least, 0.0), dtype=float)
+
+
+def _require_countable(machine: Machine, setting: WorkspaceSetting) -> None:
+    sides = _sides(machine)
+    cells = float(np.prod(np.ceil(sides / setting.step_m)))
+    if cells > MOST_CELLS:
+        least = step_for(machine, setting.step_m, MOST_CELLS)
+        raise UsageError(
+            f"a step of {setting.step_m:g} m makes {cells:,.0f} cells of the {sides[0]:.3g} m by {sides[1]:.3g} m that "
+            f"this machine may reach; allowed are {MOST_CELLS:,}: take a step of at least {1.05 * least:.2g} m (--step)"
+        )
 
 
 def _windows_of_mode(machine: Machine, setting: WorkspaceSetting, controlled: FloatArray, mode: int) -> FloatArray:

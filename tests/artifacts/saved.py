@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.config import Config
 from pipeline.machine import Machine
 
 
@@ -14,6 +15,7 @@ class SavedRun:
 
     folder: Path
     machine: Machine
+    config: Config | None = None
 
 
 def put(folder: Path, files: dict[str, bytes]) -> None:

@@ -2,6 +2,10 @@
 
 import json
 import math
+import os
+import resource
+import signal
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +25,7 @@ from pipeline.artifacts import (
 from pipeline.artifacts.files import staged
 from pipeline.stage import Stage
 from pipeline.status import Status
+from tests.artifacts.saved import put
 
 
 class TestWriting:
@@ -61,11 +66,51 @@ class TestWriting:
         assert not list(tmp_path.rglob("*.part"))
 
     def test_killed_writer_is_cleaned_up_after(self, tmp_path: Path) -> None:
-        """What a killed process left under a temporary name is removed by the next run."""
-        (tmp_path / "figures").mkdir()
-        (tmp_path / "figures" / ".a.png.99.part").write_bytes(b"x")
-        with open_run_folder(tmp_path):
-            assert not list(tmp_path.rglob("*.part"))
+        """What a killed process left under a temporary name is removed by the next run, and nothing else."""
+        own = ["figures/.a.png.99.part", ".summary.json.0a1b.part", ".route.csv.12.part"]
+        others = [".movie.mkv.part", "downloads/.route.csv.1.part", "figures/.a.txt.1.part", ".route.csv.part"]
+        patterns = ("figures/*.png", "route.csv")
+        put(tmp_path, dict.fromkeys([*own, *others], b"x"))
+        with open_run_folder(tmp_path, patterns):
+            assert [name for name in own if (tmp_path / name).exists()] == []
+            assert [name for name in others if not (tmp_path / name).exists()] == []
+
+    @pytest.mark.parametrize("make", [os.mkfifo, Path.mkdir, lambda path: path.symlink_to("elsewhere")])
+    def test_only_regular_files_are_replaced(self, tmp_path: Path, make: Callable[[Path], None]) -> None:
+        """What is something else stays what it is."""
+        make(tmp_path / "a")
+        before = (tmp_path / "a").lstat()
+        with pytest.raises(OSError, match="not a regular file") as refused:
+            write_whole(tmp_path / "a", b"new")
+        assert refused.value.filename == str(tmp_path / "a")
+        assert (tmp_path / "a").lstat() == before
+        assert [entry.name for entry in tmp_path.iterdir()] == ["a"]
+
+    def test_errors_name_the_file(self, tmp_path: Path) -> None:
+        """Neither a temporary name, nor none at all, as when the disk is full."""
+        size = resource.getrlimit(resource.RLIMIT_FSIZE)
+        ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, size[1]))
+        try:
+            with pytest.raises(OSError, match="too large") as refused:
+                write_whole(tmp_path / "a.txt", b"x" * 2000)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, size)
+            signal.signal(signal.SIGXFSZ, ignored)
+        assert refused.value.filename == str(tmp_path / "a.txt")
+        assert list(tmp_path.iterdir()) == []
+
+    def test_long_names(self, tmp_path: Path) -> None:
+        """A name may be as long as the system allows, although it is written under another one first."""
+        name = "ä" * 127
+        write_whole(tmp_path / name, b"new")
+        assert (tmp_path / name).read_bytes() == b"new"
+
+    def test_permissions_stay(self, tmp_path: Path) -> None:
+        """A file that is replaced stays as private as it was."""
+        (tmp_path / "a").touch(0o600)
+        write_whole(tmp_path / "a", b"new")
+        assert (tmp_path / "a").stat().st_mode & 0o777 == 0o600
 
     def test_permissions_follow_umask(self, tmp_path: Path) -> None:
         """Results are as readable as any file the user makes."""

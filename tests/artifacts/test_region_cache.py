@@ -1,5 +1,6 @@
 """Regions of grid and gates cached beside the run folders."""
 
+import hashlib
 import os
 from dataclasses import fields
 from pathlib import Path
@@ -23,6 +24,11 @@ def _assert_same(one, other):
         a, b = getattr(one, field.name), getattr(other, field.name)
         assert a.dtype == b.dtype
         np.testing.assert_array_equal(a, b)
+
+
+def _key(name: str) -> str:
+    """Make a key as the hash of something is one."""
+    return hashlib.sha256(name.encode()).hexdigest()
 
 
 def _kept(runs: Path) -> list[str]:
@@ -62,14 +68,50 @@ def test_a_damaged_file_is_as_good_as_none(tmp_path, table, damage):
 def test_the_tables_used_last_stay(tmp_path, table):
     """What was read counts as used; leftovers of killed processes grow old like tables do."""
     for age in range(KEPT):
-        keep_grid(tmp_path, f"{age}", table)
-        os.utime(tmp_path / region_cache.FOLDER / f"{age}.npz", (1000 + age, 1000 + age))
-    leftover = tmp_path / region_cache.FOLDER / ".x.npz.1.part"
+        keep_grid(tmp_path, _key(f"{age}"), table)
+        os.utime(tmp_path / region_cache.FOLDER / f"{_key(f'{age}')}.npz", (1000 + age, 1000 + age))
+    leftover = tmp_path / region_cache.FOLDER / f".{_key('x')[:40]}.1.part"
     leftover.write_bytes(b"half")
     os.utime(leftover, (1, 1))
-    assert load_grid(tmp_path, "0") is not None
-    keep_grid(tmp_path, "new", table)
-    assert _kept(tmp_path) == sorted(["new.npz", "0.npz", *(f"{age}.npz" for age in range(2, KEPT))])
+    assert load_grid(tmp_path, _key("0")) is not None
+    keep_grid(tmp_path, _key("new"), table)
+    kept = ["new", "0", *(f"{age}" for age in range(2, KEPT))]
+    assert _kept(tmp_path) == sorted(f"{_key(name)}.npz" for name in kept)
+
+
+def test_files_of_others_stay(tmp_path, table):
+    """However old, and however many: only tables are dropped."""
+    folder = tmp_path / region_cache.FOLDER
+    folder.mkdir()
+    names = [*(f"mine{number}.npz" for number in range(KEPT)), ".movie.mkv.part", "notes.txt"]
+    for name in names:
+        (folder / name).write_text("mine")
+        os.utime(folder / name, (1, 1))
+    (folder / f"{_key('link')}.npz").symlink_to("notes.txt")
+    keep_grid(tmp_path, _key("a"), table)
+    keep_grid(tmp_path, _key("link"), table)
+    assert load_grid(tmp_path, _key("link")) is None
+    assert {(folder / name).read_text() for name in names} == {"mine"}
+    assert len(_kept(tmp_path)) == len(names) + 2
+
+
+def test_nothing_is_kept_through_a_link(tmp_path, table):
+    """A link in the place of the folder: its target is left alone."""
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / region_cache.FOLDER).symlink_to("elsewhere")
+    keep_grid(tmp_path, _key("a"), table)
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+    assert load_grid(tmp_path, _key("a")) is None
+
+
+def test_a_pipe_is_not_waited_for(tmp_path, table):
+    """What is not a regular file is neither read nor replaced."""
+    folder = tmp_path / region_cache.FOLDER
+    folder.mkdir()
+    os.mkfifo(folder / f"{_key('a')}.npz")
+    assert load_grid(tmp_path, _key("a")) is None
+    keep_grid(tmp_path, _key("a"), table)
+    assert (folder / f"{_key('a')}.npz").is_fifo()
 
 
 def test_a_run_goes_on_where_nothing_can_be_kept(tmp_path, table):

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-PACKAGES = ("gantry-tau", "numpy", "scipy", "highspy", "pyscipopt", "ortools", "toppra", "casadi", "ruckig")
+PACKAGES = ("gantry-tau", "numpy", "scipy", "highspy", "pyscipopt", "ortools", "casadi", "ruckig")
 
 
 def describe_host() -> dict[str, object]:

@@ -138,7 +138,7 @@ def solve_with_scipy(config: Config, nodes: int, coefficients: int, method: str)
             known[x.tobytes()] = iterate_at(peak.points, x.reshape(-1, 5), first.samples.pose) or first
         return known[x.tobytes()]
 
-    low, high = np.tile(peak.actuator_limits_m.T, (1, coefficients))
+    low, high = np.tile(peak.actuator_range_m.T, (1, coefficients))
     x0 = first.coefficients.ravel()
     low[:5] = high[:5] = x0[:5]
     low[-5:] = high[-5:] = x0[-5:]

@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
-from pipeline.certify import Certificate
+from pipeline.certify import Certificate, chain
 from pipeline.certify.chain import close_chain
 from pipeline.certify.problem import build_problem
 from pipeline.certify.reasons import ACTUATORS_JUMP, JUMP, NO_INCLUSION, NO_POSE, SPLINES_INCOMPLETE
@@ -190,3 +190,14 @@ def _gate(machine: Machine, mode: int) -> np.ndarray:
         return float(inverse_kinematics(machine, pose, np.array([mode])).discriminants_m2[0, 0])
 
     return np.array([1.02, 0.5, brentq(discriminant, 0.5, 0.8), 0.0, 0.0])
+
+
+def test_a_chain_of_too_many_boxes_is_refused(
+    machine: Machine, line: Path, monkeypatch: pytest.MonkeyPatch, prove: Callable[..., Certificate]
+) -> None:
+    """It could not be kept: the proof ends there, and says what to change."""
+    monkeypatch.setattr(chain, "MOST_BOXES", 2)
+    failure = prove(machine, line).failure
+    assert failure is not None
+    assert failure.reason == chain.TOO_MANY_BOXES
+    assert "100,000 boxes" in failure.reason.text

@@ -35,7 +35,7 @@ def test_a_true_certificate_is_verified(run: pathlib.Path) -> None:
     for reported in (
         "cap 100",
         "required 0.03",
-        "limits 0 to 2.1 m",
+        "limits 0.005 to 2.095 m",
         "limit 30 degrees",
         "stated 0.1 mm",
         "stated 0.02 mm",

@@ -23,9 +23,10 @@ DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
     "no bound of kappa": (_set("bounds", "kappa", to=None), "bounds.kappa: is null; expected a number"),
     "words for a bound": (_set("bounds", "kappa", to="30"), 'bounds.kappa: is "30"; expected a number'),
     "no bounds": (_set("bounds", to=None), "bounds: is null; expected a section"),
-    "another format": (_set("format", to=99), "is of format 99; this version reads format 2"),
-    "the format before": (_set("format", to=1), "is of format 1; this version reads format 2"),
-    "no format": (lambda data: data.pop("format"), "names no format; this version reads format 2"),
+    "another format": (_set("format", to=99), "is of format 99; this version reads format 3"),
+    "the format before": (_set("format", to=2), "is of format 2; this version reads format 3"),
+    "a format that only equals it": (_set("format", to=3.0), "is of format 3.0; this version reads format 3"),
+    "no format": (lambda data: data.pop("format"), "names no format; this version reads format 3"),
     "another verdict": (_set("verdict", to="perhaps"), "verdict: is \"perhaps\"; expected 'certified'"),
     "a refusal": (_set("verdict", to="not certified"), "says that the path is not certified"),
     "a refusal that is certified": (_set("refused_at_s", to=0.5), "refused_at_s: is 0.5; expected null"),
@@ -55,7 +56,24 @@ DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
         'path_sha256: is "yes"; expected 64 hexadecimal digits',
     ),
     "a number without end": (_set("bounds", "kappa", to=10**400), "bounds.kappa: is 1000"),
-    "many faults": (_set("chains", 0, "radius", to=[[-1.0] * 6] * 9), "more"),
+    "many faults": (lambda data: data.update({f"key {k}": k for k in range(9)}), "and 4 more"),
+    "a thousand faults in a list": (
+        _set("chains", 0, "radius", to=[[-1.0] * 6] * 1_000),
+        "chains[0].radius[0][0]: is -1.0",
+    ),
+    "a truth value for a sign": (_set("bounds", "det_sign", to=True), "bounds.det_sign: is true; expected"),
+    "a fraction for a sign": (_set("bounds", "det_sign", to=1.0), "bounds.det_sign: is 1.0; expected"),
+    "a truth value for a number": (_set("bounds", "kappa", to=True), "bounds.kappa: is true; expected a number"),
+    "a truth value for a count": (_set("boxes", to=True), "boxes: is true; expected a whole number"),
+    "a truth value in a list": (
+        _set("chains", 0, "pose", 0, 0, 0, to=True),
+        "chains[0].pose[0][0][0]: is true; expected a number",
+    ),
+    "far too many chains": (lambda data: data.update(chains=data["chains"] * 3), "chains: is a list of 9 entries"),
+    "far too many keys": (
+        lambda data: data["bounds"].update(distance_m={f"links {k}": 1.0 for k in range(2_000)}),
+        "has a section of 2,000 keys; at most 1,000 are read",
+    ),
 }
 
 

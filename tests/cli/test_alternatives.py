@@ -10,6 +10,7 @@ from typer.testing import Result
 from pipeline.config import Config
 from pipeline.config.file import dump_config, load_config
 from pipeline.run import open_results
+from pipeline.status import Status
 from tests.cli.calls import invoke
 from tests.run.fake_stages import FakeStages
 
@@ -93,3 +94,12 @@ def test_again_is_nothing_new(alternatives: Any) -> None:
     again = alternatives("--alternatives", 2)
     assert again.exit_code == 0
     assert again.stdout == first.stdout
+
+
+def test_routes_that_are_not_proven_optimal(alternatives: Any, stages: FakeStages) -> None:
+    """All are shown and kept, and the exit code says that there is something to know."""
+    stages.route_status = Status.UNPROVEN
+    result = alternatives("--alternatives", 2)
+    assert result.exit_code == 1
+    assert "not proven optimal" in result.stderr
+    assert [line.split()[0] for line in result.stdout.splitlines() if "results/quick" in line][:2] == ["1", "2"]

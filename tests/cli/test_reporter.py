@@ -1,12 +1,15 @@
 """Progress on terminals and elsewhere."""
 
+import re
 from io import StringIO
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 
+import pipeline
 from pipeline.cli.reporter import LiveReporter, PlainReporter, make_reporter
-from pipeline.stage import Stage
+from pipeline.stage import STAGES, Stage
 
 HIDE_CURSOR, SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 
@@ -42,6 +45,12 @@ class TestReporters:
             "route: done (11.0 s)",
             "refine: unchanged",
         ]
+
+    def test_no_message_names_its_stage_twice(self) -> None:
+        """A line begins with its stage, and leaves out `stage: ` in front of a message: nothing else names it."""
+        doubled = re.compile(rf'progress\(\s*f?"(?:{"|".join(STAGES)}) |label = f?"(?:{"|".join(STAGES)}) ')
+        sources = (Path(pipeline.__file__).parent).rglob("*.py")
+        assert [str(path) for path in sources if doubled.search(path.read_text())] == []
 
     @pytest.mark.parametrize("colour", [True, False])
     def test_live_line(self, colour: bool) -> None:

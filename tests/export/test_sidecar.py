@@ -1,6 +1,7 @@
 """The sidecar: it describes the CSV column by column, and says what the machine may do."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,3 +93,16 @@ def test_limits_are_the_machine_s(described: dict, machine: Machine) -> None:
     }
     assert described["shared_limits"] == {"link_force_n": 2000.0, "tcp_speed_mps": None, "tcp_acceleration_mps2": None}
     assert [limit["velocity_mps"] for limit in described["limits"].values()] == machine.velocity_mps.tolist()
+
+
+def test_push_and_pull_are_listed_where_they_differ(
+    agder_config: Config, machine: Machine, samples: TrajectorySamples
+) -> None:
+    """One number for both signs, a section for two."""
+    force = machine.force_n.copy()
+    force[1, 3] = 800.0
+    lopsided = replace(machine, force_n=force, link_force_n=np.array([1_500.0, 2_000.0]))
+    described = sidecar(agder_config, lopsided, samples, Usage({}))
+    assert described["limits"]["l2b"]["force_n"] == {"push": 1000.0, "pull": 800.0}
+    assert described["limits"]["l3b"]["force_n"] == 1000.0
+    assert described["shared_limits"]["link_force_n"] == {"push": 1500.0, "pull": 2000.0}

@@ -38,7 +38,7 @@ def test_limits_are_drawn(figure: Figure) -> None:
 def test_curves_are_the_samples(figure: Figure, coarse: PathSamples, refined: PathSamples) -> None:
     """Distances as they are, the largest share of a force limit, tilts in degrees."""
     distance, force, rx, rz = figure.axes
-    limits = np.append(refined.machine.force_n, np.full(6, refined.machine.link_force_n))
+    limits, _ = refined.machine.force_limits_n
     for k, samples in enumerate((coarse, refined)):
         np.testing.assert_array_equal(distance.get_lines()[k].get_ydata(), samples.link_distance_m)
         shares = np.abs(samples.holding_forces_n) / limits

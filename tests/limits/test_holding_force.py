@@ -16,6 +16,7 @@ from pipeline.machine import Machine, build_machine
 from pipeline.machine.dynamics import inverse_dynamics
 from pipeline.machine.samples import PoseSamples
 from pipeline.route import build_regions
+from tests.machine.test_statics import mirrored
 
 
 @pytest.fixture(scope="module")
@@ -56,31 +57,71 @@ def _resting(samples: PoseSamples) -> tuple[np.ndarray, np.ndarray]:
     return found.drive_n, found.link_n
 
 
+def _lopsided(machine: Machine, seed: int) -> Machine:
+    """Draw limits that differ for push and pull, of every drive and of the links."""
+    random = np.random.default_rng(seed)
+    force, link = machine.force_n * random.uniform(0.3, 1.5, (2, 5)), random.uniform(300.0, 2_000.0, 2)
+    return replace(machine, force_n=force, link_force_n=link)
+
+
 @given(seed=st.integers(0, 2**32 - 1))
 def test_a_pose_is_held_exactly_if_dynamics_at_rest_say_so(heavy: Machine, draw_poses, seed: int):
-    """|F| - R <= fraction L for drives, |F| <= fraction L for links."""
+    """Push F - R <= fraction L, pull -F - R <= fraction L with its own L; links have no friction R."""
+    heavy = _lopsided(heavy, seed)
     samples = _samples(heavy, draw_poses, seed)
     drive, link = _resting(samples)
     for fraction in (1.0, 0.4):
         (limit,) = for_poses(replace(heavy, holding_fraction=fraction), 100.0)
-        held = (np.abs(drive) - heavy.masses.friction_n <= fraction * heavy.force_n).all(axis=1)
-        held &= (np.abs(link) <= fraction * heavy.link_force_n).all(axis=1)
+        held = (drive - heavy.masses.friction_n <= fraction * heavy.force_n[0]).all(axis=1)
+        held &= (-drive - heavy.masses.friction_n <= fraction * heavy.force_n[1]).all(axis=1)
+        held &= ((link <= fraction * heavy.link_force_n[0]) & (-link <= fraction * heavy.link_force_n[1])).all(axis=1)
         np.testing.assert_array_equal((limit.margins(samples) >= 0.0).all(axis=1), held)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_push_and_pull_change_sides_in_a_mirror(heavy: Machine, draw_poses, seed: int):
+    """Reflected in x = 0, carts push where they pulled; telescopes and links do as before."""
+    machine = _lopsided(heavy, seed)
+    samples = _samples(machine, draw_poses, seed)
+    carts_swapped = np.column_stack([machine.force_n[::-1, :3], machine.force_n[:, 3:]])
+    reflected = replace(mirrored(machine), force_n=carts_swapped)
+    # R = Rx(rx) Rz(rz) Ry(ry): a reflection turns ry and rz the other way round.
+    image = PoseSamples(reflected, samples.pose * [-1, 1, 1, 1, -1, -1], samples.q_m * [-1, -1, -1, 1, 1])
+    (limit,), (other,) = for_poses(machine, 100.0), for_poses(reflected, 100.0)
+    signs = np.append(np.full(3, -1.0), np.ones(8))
+    np.testing.assert_allclose(image.holding_forces_n, signs * samples.holding_forces_n, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(other.shares(image), limit.shares(samples), rtol=1e-6, atol=1e-9)
+
+
+def test_pull_and_push_are_told_apart(heavy: Machine):
+    """A telescope in tension is told what it may pull, in compression what it may push."""
+    masses = replace(heavy.masses, friction_n=np.zeros(5))
+    force = np.array([[400.0, 400.0, 400.0, 90.0, 1e3], [400.0, 400.0, 400.0, 70.0, 1e3]])
+    pose, q = np.array([[1.0, 0.3, 0.9, 0.0, 0.0, 0.0]]), np.ones((1, 5))
+    for sign, words in ((1.0, "of push from l2b to hold the machine; at most 90 N"), (-1.0, "of pull from l2b")):
+        H = np.eye(6)[None]
+        H[0, 2, 2] = 0.1 * sign
+        (limit,) = for_poses(replace(heavy, masses=masses, force_n=force, link_force_n=np.inf), 100.0)
+        (message,) = limit.violations(PoseSamples(heavy, pose, q).with_known(H=H))
+        assert words in message
 
 
 @given(seed=st.integers(0, 2**32 - 1))
 def test_a_path_has_to_overcome_friction_in_the_direction_it_goes(rubbing: Machine, heavy_config, draw_poses, seed):
     """The drive has F + R sign(velocity) to give, and holds against F - R at rest."""
+    rubbing = _lopsided(rubbing, seed)
     samples = _samples(rubbing, draw_poses, seed)
     directions = np.random.default_rng(seed).integers(-1, 2, (len(samples), 5)).astype(float)
     drive, link = _resting(samples)
     (limit,) = for_path(heavy_config, rubbing)
     assert isinstance(limit, HoldingForce)
-    needed = np.abs(drive + directions * rubbing.masses.friction_n)
-    needed = np.where(directions == 0.0, np.abs(drive) - rubbing.masses.friction_n, needed)
-    kept = (needed <= rubbing.holding_fraction * rubbing.force_n).all(axis=1) & (
-        np.abs(link) <= rubbing.holding_fraction * rubbing.link_force_n
-    ).all(axis=1)
+    push, pull = rubbing.holding_fraction * rubbing.force_n
+    friction = rubbing.masses.friction_n
+    # Only the force in the direction of motion has friction to overcome; at rest, and against it, friction helps.
+    kept = (drive - np.where(directions > 0.0, -friction, friction) <= push).all(axis=1)
+    kept &= (-drive - np.where(directions < 0.0, -friction, friction) <= pull).all(axis=1)
+    push, pull = rubbing.holding_fraction * np.asarray(rubbing.link_force_n)
+    kept &= ((link <= push) & (-link <= pull)).all(axis=1)
     counted = (limit.margins(samples) >= 0.0) | ~limit.applies(directions)
     np.testing.assert_array_equal(counted.all(axis=1), kept)
 
@@ -122,10 +163,12 @@ def test_what_is_not_limited_refuses_nothing(machine: Machine):
     """Bounds may be infinite for a drive without a limit."""
     (limit,) = for_poses(replace(machine, force_n=np.append(np.full(3, np.inf), [1e3, 1e3])), 100.0)
     assert isinstance(limit, HoldingForce)
-    bounds = np.column_stack([np.full(11, -np.inf), np.append(np.full(3, np.inf), np.full(8, 900.0))])
+    bounds = np.append(np.full(3, np.inf), np.full(8, 900.0))[:, None] * [-1.0, 1.0]
     assert limit.unproven(bounds) == ""
-    bounds[3, 1] = 1_001.0
-    assert limit.unproven(bounds).startswith("l2b is not proven to hold")
+    for side, value in ((0, -1_001.0), (1, 1_001.0)):
+        wrong = bounds.copy()
+        wrong[3, side] = value
+        assert limit.unproven(wrong).startswith("l2b is not proven to hold the machine (bound 1001 N)")
 
 
 def test_regions_are_those_that_can_be_held(heavy_config: Config, heavy: Machine):
@@ -141,6 +184,7 @@ def test_regions_are_those_that_can_be_held(heavy_config: Config, heavy: Machine
 @given(seed=st.integers(0, 2**32 - 1))
 def test_rows_hold_exactly_where_the_values_do(heavy_config: Config, heavy: Machine, draw_poses, seed: int):
     """At the initial guess the forces close the equilibrium, and rows are kept where values keep their margin."""
+    heavy = _lopsided(heavy, seed)
     samples = _samples(heavy, draw_poses, seed)
     samples = samples.take(slice(0, 12))
     directions = np.random.default_rng(seed).integers(-1, 2, (len(samples), 5)).astype(float)

@@ -26,6 +26,8 @@ def config(vary) -> Config:
         "task.goal.x_m": 0.75,
         "machine.clearance.link_rail_m": 0.01,
         "machine.limits.holding_fraction": 0.4,
+        "refine.travel_margin_m": 0.05,
+        "refine.stroke_margin_m": 0.12,
         "machine.dynamics.friction": {"carts_n": 20.0, "telescopes_n": 10.0},
     }
     rails = {f"machine.rails.{k}.travel_m": [0.25, 1.8] for k in range(3)}
@@ -47,6 +49,8 @@ def by_key(config: Config) -> dict[str, Relaxation]:
         ("machine.clearance.link_rail_m", 0.0, 0.45),
         ("machine.limits.holding_fraction", 1.0, 0.45),
         (FORCES_KEY, 10.0, 1.2),
+        ("refine.travel_margin_m", 0.0, 0.03),
+        ("refine.stroke_margin_m", 0.0, 0.1),
         (TRAVEL_KEY, 1.0, 0.05),
         (TRAVEL_KEY, 1.0, 0.0),
     ],
@@ -75,7 +79,8 @@ def test_values_become_milder(config: Config) -> None:
     for relaxation in by_key(config).values():
         assert relaxation.levels[0] == relaxation.configured
         steps = np.diff(relaxation.levels)
-        assert (steps < 0.0).all() if "clearance" in relaxation.key else (steps > 0.0).all()
+        falls = "clearance" in relaxation.key or "margin" in relaxation.key
+        assert (steps < 0.0).all() if falls else (steps > 0.0).all()
         assert relaxation.segments[-1] == len(relaxation.levels)
         assert list(relaxation.segments) == sorted(set(relaxation.segments))
 
@@ -123,8 +128,10 @@ def test_values_of_kappa_are_whole_then_geometric(config: Config, vary, configur
 
 
 def test_what_refuses_nothing_is_left_out(config: Config, vary) -> None:
-    """No clearance asked for, rails unchecked, the largest tilt there is: these cannot be the reason."""
+    """No clearance or margin asked for, rails unchecked, the largest tilt there is: these cannot be the reason."""
     changes = {
+        "refine.travel_margin_m": 0.0,
+        "refine.stroke_margin_m": 0.0,
         "machine.clearance.link_link_m": 0.0,
         "machine.clearance.link_rail_m": None,
         "task.tilt_max_deg": 85.0,

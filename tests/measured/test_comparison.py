@@ -1,8 +1,12 @@
 """A measured motion against the commanded one, in numbers."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from pipeline.errors import UsageError
+from pipeline.export import format_csv
 from pipeline.machine.pose import CONTROLLED
 from pipeline.measured import (
     Measurement,
@@ -10,6 +14,8 @@ from pipeline.measured import (
     Reflectors,
     compare_measurement,
     error_rows,
+    measurement_columns,
+    read_measurement,
     reflector_positions,
 )
 from pipeline.measured.comparison import COORDINATES, TABLE_HEADER, table_cells
@@ -69,3 +75,51 @@ def test_cells_are_in_millimetres_and_degrees() -> None:
     assert cells[0][:4] == ("x", "mm", "+1.0000", "1.0000")
     assert cells[3][:4] == ("rx", "deg", "+2.0000", "2.0000")
     assert cells[0][6:] == ("-", "-")
+
+
+def _reflectors() -> np.ndarray:
+    return reflector_positions(POINTS, POSE)
+
+
+def _beside(row: int) -> np.ndarray:
+    positions = _reflectors()
+    positions[row, 0] += 0.1
+    return positions
+
+
+@pytest.mark.parametrize(
+    ("measurement", "expected"),
+    [
+        (Measurement(T, 1e3 * _reflectors(), None), "index 0: x1_m, y1_m, .*: values look like millimetres"),
+        (
+            Measurement(T, None, POSE[:, CONTROLLED] * [1, 1, 1, 57.2958, 57.2958]),
+            "rx_rad, rz_rad: values look like deg",
+        ),
+        (Measurement(T, _reflectors()[::-1], None), "it is the other way"),
+        (Measurement(T, None, POSE[::-1, CONTROLLED]), "it is the other way"),
+        (Measurement(T, _beside(7), None), "index 7: the measured reflectors are"),
+        (Measurement(T, _reflectors()[1:], None), "measured reflectors must have the shape"),
+        (Measurement(T, None, POSE * np.nan), "measured poses must have the shape"),
+        (Measurement(T, None, POSE[:, CONTROLLED] * np.nan), "measured poses are not finite at index 0"),
+        (Measurement(T[1:], _reflectors(), None), "commanded poses must have the shape"),
+        (Measurement(T, None, None), "needs positions of reflectors or poses"),
+        (Measurement(T[:0], _reflectors()[:0], None), "no rows"),
+    ],
+)
+def test_what_cannot_be_compared(measurement: Measurement, expected: str) -> None:
+    """Other units, the other direction, other shapes and gaps are refused with the row."""
+    with pytest.raises(UsageError, match=expected):
+        compare_measurement(measurement, POSE, Reflectors(POINTS, 1e-4))
+
+
+def test_lines_of_the_file_are_named(tmp_path: Path) -> None:
+    """What is wrong with a row is told by its line, with lines that were skipped counted; the account goes along."""
+    file = tmp_path / "seen.csv"
+    for positions in (_beside(7), _reflectors()):
+        file.write_text("Tracker\n" + format_csv(measurement_columns(T, positions)).replace("\n", "\n\n"))
+        given = read_measurement(file, 1.0)
+        try:
+            comparison = compare_measurement(given, POSE, Reflectors(POINTS, 1e-4))
+        except UsageError as error:
+            assert str(error).startswith(f"{file}, line 18: the measured reflectors are")
+    assert comparison.account is given.account

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.arrays import FloatArray
+from pipeline.errors import UsageError
 from pipeline.machine import Machine, inverse_kinematics
 from pipeline.measured import Reflectors, SimulationSetting, reflector_positions, simulate_measurement
 from pipeline.measured.simulate import perturbed
@@ -66,3 +67,19 @@ def test_what_is_perturbed(machine: Machine) -> None:
     others = [name for name, value in vars(machine).items() if isinstance(value, np.ndarray) and name not in names]
     assert "strokes_m" in others
     assert all(np.array_equal(getattr(real, name), getattr(machine, name)) for name in others)
+
+
+@pytest.mark.parametrize(("std_m", "seed"), [(-1e-4, 0), (np.nan, 0), (np.inf, 0), (1e-4, -1), (1e-4, 0.5)])
+def test_what_cannot_be_simulated(std_m: float, seed: int) -> None:
+    """Errors and seeds that are none are refused."""
+    with pytest.raises(UsageError):
+        SimulationSetting(std_m, seed)
+
+
+def test_a_motion_has_as_many_actuators_as_poses(machine: Machine, motion: tuple[FloatArray, FloatArray]) -> None:
+    """Other shapes, and gaps, are refused by name."""
+    q_m, pose = motion
+    with pytest.raises(UsageError, match="commanded poses must have the shape"):
+        simulate_measurement(machine, q_m, pose[1:], QUIET, SimulationSetting())
+    with pytest.raises(UsageError, match="actuators are not finite at index 0"):
+        simulate_measurement(machine, q_m * np.nan, pose, QUIET, SimulationSetting())

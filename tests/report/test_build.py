@@ -142,6 +142,14 @@ class TestVerdicts:
         assert (limits.answer, limits.mood) == ("Exceeded", "bad")
         assert "c2" in limits.detail
 
+    def test_a_route_that_is_not_proven_optimal_is_no_good_news(self, complete: RunResults) -> None:
+        """It is called what it is, with its gap."""
+        section = {**complete.facts[Stage.ROUTE].section, "status": "not proven optimal", "gap": 0.073}
+        facts = {**complete.facts, Stage.ROUTE: replace(complete.facts[Stage.ROUTE], section=section)}
+        route = next(verdict for verdict in verdicts(facts) if verdict.topic == "Route")
+        assert (route.answer, route.mood) == ("Not proven optimal", "open")
+        assert route.detail.startswith("Gap 7.30 %")
+
     def test_limits_that_do_not_exist_are_left_out(self) -> None:
         """Only kinds with limits are shown, and of them the subject that uses most."""
         used = used_limits({"usage": {"velocity": [0.1, 0.2, 0.9, None, 0.3], "tcp_speed": "skipped"}})

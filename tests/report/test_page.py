@@ -194,3 +194,27 @@ def test_a_run_that_was_not_begun_has_a_page(complete: RunResults) -> None:
     assert "<script" not in render_page(report)
     assert report.workspace is not None
     assert base64.b64decode(report.workspace_picture).startswith(b"\x89PNG")
+
+
+def test_a_missing_part_is_no_success(complete: RunResults) -> None:
+    """A run without a way back is not reported as done: the page says what is missing, why, and what to change."""
+    timing = complete.facts[Stage.RETIME]
+    back = {"status": "failed", "reason": "on the way back, c2 is <too> weak", "advice": "a stronger one"}
+    section = {**timing.section, "status": "done in part", "back": back}
+    report = build_report(replace(complete, facts={**complete.facts, Stage.RETIME: replace(timing, section=section)}))
+    assert (report.headline.answer, report.headline.mood) == ("Done in part", "bad")
+    assert (report.verdicts[0].answer, report.verdicts[0].mood) == ("Exit code 1", "bad")
+    row = next(row for row in report.stages if row.name == Stage.RETIME)
+    assert (row.status, row.mood, row.advice) == ("done in part", "bad", "a stronger one")
+    assert "on the way back, c2 is &lt;too&gt; weak" in render_page(report)
+    assert len(report.motions) == 2
+
+
+def test_what_prevents_a_route_is_listed(
+    complete: RunResults, failed_at: Callable[[RunResults, Stage], RunResults]
+) -> None:
+    """The page of a run without a route has all that was found out about it."""
+    run = failed_at(complete, Stage.ROUTE)
+    found = {**run.facts[Stage.ROUTE].section, "why_not": ["Reach: little", "- more <steps>: a route exists"]}
+    page = render_page(build_report(replace(run, facts={**run.facts, Stage.ROUTE: StageFacts(True, found)})))
+    assert "<li>Reach: little</li><li>- more &lt;steps&gt;: a route exists</li>" in page

@@ -8,7 +8,7 @@ import pytest
 from pipeline.refine.result import Path
 from pipeline.retime.constraints import largest_speed, limit_rows
 from pipeline.retime.path_dynamics import evaluate_dynamics
-from pipeline.retime.quantities import evaluate, limits
+from pipeline.retime.quantities import evaluate, fractions, limits
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def test_rows_say_what_the_quantities_say(tight: Path) -> None:
     for kind in ("acceleration", "force", "link_force", "tcp_acceleration"):
         those = [k for k, (name, _) in enumerate(rows.labels) if name == kind]
         largest = (rows.a * w[:, None] + rows.b * v[:, None] ** 2 + rows.c)[:, those].max(axis=1)
-        expected = (np.abs(values[kind]) / allowed[kind]).max(axis=1)
+        expected = fractions(values[kind], allowed[kind]).max(axis=1)
         assert np.all(largest >= expected * (1.0 - 1e-9))
         assert np.all(largest <= expected * (1.0013 if kind == "tcp_acceleration" else 1.0 + 1e-9))
     outer = limit_rows(dynamics, outer=True)

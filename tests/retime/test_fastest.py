@@ -1,6 +1,5 @@
 """The planner: known fastest times, an independent optimum, symmetries, convergence, honest failure."""
 
-import logging
 from dataclasses import replace
 
 import numpy as np
@@ -14,10 +13,8 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine import Machine
 from pipeline.refine.result import Path
 from pipeline.retime import measure_usage
-from pipeline.retime.constraints import limit_rows
-from pipeline.retime.fastest import plan, plan_rows
-from pipeline.retime.path_dynamics import evaluate_dynamics, grid
-from pipeline.solvers.topp_ra import SpeedProfile
+from pipeline.retime.fastest import plan
+from pipeline.retime.path_dynamics import grid
 
 
 def _with_limits(path: Path, velocity: float = 1.0, acceleration: float = 1.0, travel: float = 1.0) -> Path:
@@ -162,43 +159,18 @@ def test_slow_drives_with_strong_motors_are_planned(path: Path, slower: float) -
 
 
 @pytest.mark.parametrize("waves", [1, 8])
-def test_a_path_that_stops_fails_with_a_place_and_nothing_is_printed(line, waves: int, capfd, caplog) -> None:
-    """Where q'(s) vanishes the planner gives up; it says where, and its own messages stay in the diagnosis."""
+def test_a_path_that_stops_has_a_plan_and_nothing_is_printed(line, waves: int, capfd) -> None:
+    """Where q'(s) vanishes the path speed peaks: the plan goes through, and takes longer than the line by itself."""
     stopping = line(0.9, lambda s: s - np.sin(2.0 * np.pi * waves * (s - 0.5)) / (2.0 * np.pi * waves), 400)
-    before = (logging.getLogger("toppra").level, logging.getLogger("toppra").propagate)
-    with pytest.raises(NoSolutionError, match=r"at s = [01]\.\d+") as caught:
-        plan(stopping, 1_000)
-    assert caught.value.stage == "retime"
-    assert 0.0 <= caught.value.diagnosis["s"] <= 1.0
-    assert caught.value.diagnosis["solver_messages"]
+    assert 2.05 < plan(stopping, 4_000).duration_s < 2.0 * 2.05
     assert capfd.readouterr() == ("", "")
-    assert not caplog.records
-    assert (logging.getLogger("toppra").level, logging.getLogger("toppra").propagate) == before
 
 
-_STUCK = np.r_[0.0, np.full(39, 1.0), np.full(60, np.nan)]
-_STOPS = np.r_[0.0, np.full(59, 1.0), 0.0, np.full(38, 1.0), 0.0]
-_NONE = np.full(100, np.nan)
-_REACHABLE = np.tile([0.0, 1.0], (100, 1))
-
-
-@pytest.mark.parametrize(
-    ("sd", "controllable", "place", "reason"),
-    [
-        (_NONE, np.where(np.arange(100)[:, None] == 30, np.nan, _REACHABLE), 30, "no velocity"),
-        (_NONE, _REACHABLE, 0, "no velocity"),
-        (_STUCK, _REACHABLE, 40, "no way on"),
-        (_STOPS, _REACHABLE, 60, "no way on"),
-        (np.r_[0.0, np.full(98, 1.0), np.nan], _REACHABLE, 99, "no way on"),
-    ],
-)
-def test_every_way_the_planner_can_fail_is_reported(
-    path: Path, sd: np.ndarray, controllable: np.ndarray, place: int, reason: str
-) -> None:
-    """No controllable velocity, a velocity that is not a number, a stop on the way: an error with the place."""
-    s = grid(100)
-    profile = SpeedProfile(sd, controllable, ("solver said so",))
-    with pytest.raises(NoSolutionError, match=reason) as caught:
-        plan_rows(path, s, limit_rows(evaluate_dynamics(path, s)), lambda *_: profile)
-    assert caught.value.diagnosis["s"] == s[place]
-    assert caught.value.diagnosis["solver_messages"] == ("solver said so",)
+def test_only_rest_beyond_a_limit_has_no_plan(path: Path) -> None:
+    """Gravity that takes more than a drive has is refused with the drive, its share and the place."""
+    weak = replace(path, machine=replace(path.machine, force_n=np.array([100.0, 400.0, 400.0, 1_000.0, 1_000.0])))
+    with pytest.raises(NoSolutionError, match=r"c1 needs 156\.\d% of its force limit at rest at s = 0\.\d+") as caught:
+        plan(weak, 500)
+    assert caught.value.stage == "retime"
+    assert caught.value.diagnosis["limit"] == "force"
+    assert 0.0 <= caught.value.diagnosis["s"] <= 1.0

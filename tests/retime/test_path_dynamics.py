@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.errors import ForwardKinematicsError
 from pipeline.refine.result import Path
 from pipeline.retime.path_dynamics import evaluate_dynamics, grid, tabulate_dynamics
 from pipeline.retime.quantities import at_rest, evaluate
@@ -27,7 +28,9 @@ def test_a_table_gives_what_evaluating_gives(tight: Path) -> None:
 
 def test_without_masses_and_tcp_limits_no_pose_is_needed(path: Path) -> None:
     """Then there are no forces and nothing of the TCP, and the path need not close."""
-    bare = replace(path, machine=replace(path.machine, masses=None), node_pose=np.full_like(path.node_pose, np.nan))
+    bare = replace(path, machine=replace(path.machine, masses=None), node_pose=path.node_pose + 50.0)
+    with pytest.raises(ForwardKinematicsError):
+        bare.pose(0.3)
     dynamics = tabulate_dynamics(bare, grid(51)).at(np.array([0.3]))
     assert set(evaluate(dynamics, *np.ones((3, 1)))) == {"velocity", "acceleration", "jerk"}
 

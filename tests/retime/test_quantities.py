@@ -13,7 +13,16 @@ from pipeline.retime import TrajectoryFigures, measure_usage
 from pipeline.retime.constraints import limit_rows
 from pipeline.retime.fastest import plan, plan_rows
 from pipeline.retime.path_dynamics import PathDynamics, evaluate_dynamics, grid
-from pipeline.retime.quantities import QUANTITIES, Quantity, at_rest, evaluate, limited, limits, moving_shares
+from pipeline.retime.quantities import (
+    QUANTITIES,
+    Quantity,
+    at_rest,
+    evaluate,
+    fractions,
+    limited,
+    limits,
+    moving_shares,
+)
 from pipeline.summary.trajectory import trajectory_section
 
 
@@ -61,7 +70,7 @@ def test_limits_are_optional(machine: Machine) -> None:
     assert limited(replace(machine, masses=None)) == ("velocity", "acceleration", "jerk")
     bare = replace(machine, jerk_mps3=np.full(5, np.inf), force_n=np.full(5, np.inf), link_force_n=np.inf)
     assert limited(bare) == ("velocity", "acceleration")
-    assert [len(limits(machine)[row.name]) for row in QUANTITIES] == [len(row.subjects) for row in QUANTITIES]
+    assert [limits(machine)[row.name].shape[-1] for row in QUANTITIES] == [len(row.subjects) for row in QUANTITIES]
     assert [row.words for row in QUANTITIES][4:] == ["link force", "TCP speed", "TCP acceleration"]
 
 
@@ -70,12 +79,12 @@ def test_a_share_of_one_is_the_limit(dynamics: PathDynamics, w: float) -> None:
     """A force is above its limit where the share is above one, and nowhere else."""
     v, w_all = np.full(60, 0.3), np.full(60, w)
     values = evaluate(dynamics, v, w_all, 0.0 * v)
-    force = np.array([120.0, 120.0, 120.0, 450.0, 450.0])
-    weak = replace(dynamics, machine=replace(dynamics.machine, force_n=force, link_force_n=450.0))
+    force = np.array([[120.0, 120.0, 120.0, 450.0, 450.0], [90.0, 130.0, 140.0, 300.0, 500.0]])
+    weak = replace(dynamics, machine=replace(dynamics.machine, force_n=force, link_force_n=np.array([450.0, 350.0])))
     allowed = limits(weak.machine)
     for name, share in moving_shares(weak, values).items():
-        held = np.abs(at_rest(dynamics)[name]) < allowed[name]
-        assert np.array_equal((share > 1.0)[held], (np.abs(values[name]) > allowed[name])[held])
+        held = fractions(at_rest(dynamics)[name], allowed[name]) < 1.0
+        assert np.array_equal((share > 1.0)[held], (fractions(values[name], allowed[name]) > 1.0)[held])
 
 
 def test_time_stretched_by_two_takes_a_quarter(dynamics: PathDynamics) -> None:
@@ -132,7 +141,7 @@ def test_a_row_with_coefficients_is_planned_with(path: Path) -> None:
         "belt_force",
         "N",
         ACTUATORS,
-        limit=lambda machine: np.array([150.0, np.inf, np.inf, np.inf, np.inf]),
+        limit=lambda machine: np.array([170.0, np.inf, np.inf, np.inf, np.inf]),
         value=lambda path, t: path.a[:, :5] * t.sdd + path.b[:, :5] * t.sd**2 + path.c[:, :5],
         known=lambda machine: machine.masses is not None,
         linear=lambda path: (path.a[:, :5], path.b[:, :5], path.c[:, :5]),

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pipeline.route.bounds.budget_prices import priced_bounds
 from scipy.optimize import linprog
 
 from pipeline.config import Config
-from pipeline.route.bounds.budget_prices import priced_bounds
 from pipeline.route.bounds.budgets import task_budgets
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem

@@ -44,12 +44,18 @@ def test_what_the_graph_allows_is_not_refused(posed):
             "task.tilt_max_deg",
             "reached",
         ),
-        ({"route.step_budget": 3}, None, "at least 4 positions", "route.step_budget to 4", "fewest_positions"),
+        (
+            {"route.step_budget": 3},
+            None,
+            "at least 4 positions",
+            "4 is a lower bound, and may not be enough",
+            "fewest_positions",
+        ),
         (
             {"task.budget.travel_m": 3.4},
             None,
             r"at least 3.5 of task\.budget\.travel_m",
-            "task.budget.travel_m",
+            "3.5 is a lower bound, and may not be enough",
             "budget",
         ),
     ],
@@ -65,12 +71,14 @@ def test_what_the_graph_excludes_is_refused_with_the_key(posed, values, pairs, r
 
 
 def test_the_keys_most_moves_failed_on_come_first(posed):
-    """Then step budget, travel along X and the budgets of the task."""
+    """Then the budgets of the task, the step budget and travel along X, and all else that restricts the task."""
     flaws = [TILT, KAPPA, TILT]
     screen = Screen(lambda source, target: flaws, 4)
     problem, graph, _ = posed({"task.budget.tilt_deg": 30.0})
     screen.screen(problem.moves, problem.moves, np.arange(4))
     error = without_route(problem, graph, screen)
-    keys = ["task.tilt_max_deg", "route.kappa_max", "route.step_budget", "route.x_step_m", "task.budget.tilt_deg"]
-    assert error.advice.startswith(f"raise {' or '.join(keys)}, ")
+    keys = ["task.tilt_max_deg", "route.kappa_max", "task.budget.tilt_deg", "route.step_budget", "route.x_step_m"]
+    assert error.advice.startswith(f"let one or more of {', '.join(keys)}, machine.clearance.link_link_m, ")
+    assert "task.avoid" not in error.advice
+    assert error.advice.endswith("was not tried")
     assert "after 3 moves were forbidden" in error.reason

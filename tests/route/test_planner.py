@@ -1,6 +1,6 @@
 """Stage one as a whole."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +13,7 @@ from pipeline.machine import build_machine
 from pipeline.progress import Monitor
 from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.deadline import Deadline
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.moves.rejections import Rejection
 from pipeline.route.moves.screen import Screen
@@ -186,14 +187,48 @@ def test_x_that_takes_more_steps_than_there_are_is_proven_impossible(quick_confi
     assert "x_step_m" in caught.value.advice
 
 
-def test_a_time_limit_is_reported_as_such_with_the_best_known_route(quick, vary):
-    """No proof, no result: objective, bound and the key to change."""
+def test_too_little_time_to_find_a_route_is_reported_as_such(quick, vary):
+    """Not as a proof: with what is proven, and the key to change."""
     config = vary(quick.config, {"route.time_limit_s": 1e-6})
-    with pytest.raises(NoSolutionError, match="without a proof") as caught:
+    with pytest.raises(NoSolutionError, match=r"no route was found within .* at least 2\d\d\.\d+ \(proven\)") as caught:
         plan_route(config, quick.machine, quick.regions)
     assert not isinstance(caught.value, InfeasibleError)
     assert caught.value.diagnosis["status"] == "time limit"
     assert "route.time_limit_s" in caught.value.advice
+
+
+@dataclass(frozen=True)
+class SolversWithoutTime(Deadline):
+    """A clock that gives everything its time but the solver."""
+
+    @property
+    def left_s(self) -> float:
+        """None."""
+        return 0.0
+
+
+@pytest.mark.parametrize("objective", ["sum", "bottleneck"])
+def test_the_best_route_so_far_is_the_answer_when_the_time_is_up(twenty, vary, assert_rules, objective):
+    """It keeps all rules, is not called optimal, and lies above a bound that the optimum keeps."""
+    config = vary(twenty.config, {"route.objective": objective})
+    problem = replace(_problem(twenty, config), deadline=SolversWithoutTime(1.0, np.inf))
+    route = solve_problem(problem)[0]
+    assert_rules(config, twenty.machine, route)
+    assert route.status is Status.UNPROVEN
+    best = solve_problem(_problem(twenty, config))[0]
+    assert best.status is Status.OPTIMAL
+    assert route.search.bound <= best.objective <= route.objective + 1e-9
+    assert route.search.gap == pytest.approx(1.0 - route.search.bound / route.objective)
+
+
+def test_a_budget_of_travel_that_is_all_but_used_up(quick, vary, assert_rules):
+    """1.3571 m is the least that a route needs, and the same route is the best with 1.36 m: found, and proven."""
+    config = vary(quick.config, {"task.budget.travel_m": 1.36})
+    route = plan_route(config, quick.machine, quick.regions)
+    assert_rules(config, quick.machine, route)
+    assert (route.status, route.search.solver) == (Status.OPTIMAL, "label setting")
+    assert route.objective == pytest.approx(481.819769)
+    assert 1.35 < np.abs(np.diff(route.pose[:, :3], axis=0)).sum() <= 1.36
 
 
 @pytest.mark.parametrize("margin", [1e-12, 0.05])

@@ -23,6 +23,7 @@ from pipeline.run.makers.trajectory import trajectory_product
 from pipeline.run.product import Product
 from pipeline.run.stage_specs import SPECS, Specs
 from pipeline.stage import Stage
+from pipeline.status import Status
 from tests.run.short_results import make_certificate, make_refinement, make_regions, make_route, make_trajectory
 
 Messages = list[tuple[str, float | None]]
@@ -37,6 +38,7 @@ class FakeStages:
     failures: dict[str, BaseException] = field(default_factory=dict)
     messages: dict[str, Messages] = field(default_factory=dict)
     objective: float = 100.0
+    route_status: Status = Status.OPTIMAL
     routes: int | None = None
     caches: bool = False
     grids: int = 0
@@ -92,11 +94,11 @@ class FakeStages:
         self.verbose.append(monitor.verbose)
         self._enter("route", monitor)
         if self.routes is None:
-            return route_product(results, make_route(results.machine, self.objective))
+            return route_product(results, make_route(results.machine, self.objective, self.route_status))
         rank = results.config.route.alternative
         if rank > self.routes:
             raise NoSolutionError("route", f"there are {self.routes} routes", "ask for fewer")
-        return route_product(results, make_route(results.machine, self.objective + rank))
+        return route_product(results, make_route(results.machine, self.objective + rank, self.route_status))
 
     def _path(self, results: Results, monitor: Monitor) -> Product:
         assert len(results.route) == 4

@@ -31,7 +31,7 @@ def make_regions(machine: Machine, count: int = 5) -> RegionTable:
     return RegionTable(
         controlled=pose[:, [0, 1, 2, 3, 5]],
         ry_rad=pose[:, 4],
-        modes=np.arange(count),
+        modes=np.arange(count) % 8,
         gates=np.arange(count) % 4,
         q_m=q,
         kappa=np.geomspace(20.0, 30.0, count),
@@ -42,8 +42,9 @@ def make_regions(machine: Machine, count: int = 5) -> RegionTable:
     )
 
 
-def make_route(machine: Machine, objective: float = 100.0) -> Route:
-    """Make a route of four steps with one change of working mode."""
+def make_route(machine: Machine, objective: float = 100.0, status: Status = Status.OPTIMAL) -> Route:
+    """Make a route of four steps with one change of working mode; the bound is 100 where it is not proven optimal."""
+    bound = objective if status is Status.OPTIMAL else 100.0
     pose, q = line_of_poses(machine, 4)
     return Route(
         region=np.array([3, 0, 1, 4]),
@@ -54,8 +55,8 @@ def make_route(machine: Machine, objective: float = 100.0) -> Route:
         q_m=q,
         kappa=np.array([25.0, 1.0 / 0.03, 30.0, 24.0]),
         objective=objective,
-        status=Status.OPTIMAL,
-        search=Search("HiGHS 1", objective, 0.0, 99.0, 105.0, 5, 40, 12, 2, 7, 3),
+        status=status,
+        search=Search("HiGHS 1", bound, 1.0 - bound / objective, 99.0, 105.0, 5, 40, 12, 2, 7, 3),
     )
 
 

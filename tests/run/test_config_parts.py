@@ -87,13 +87,17 @@ def test_config_parts_grow(fast_config: Config) -> None:
         ("machine__dynamics__load_kg", 5.0, True),
         ("machine__dynamics__friction__carts_n", 5.0, True),
         ("machine__dynamics__platform__inertia_kgm2", (0.2, 0.2, 0.2), False),
+        ("machine__limits__carts__force_n", {"push": 400.0, "pull": 300.0}, True),
+        ("machine__characteristic_length_m", 0.9, True),
+        ("refine__travel_margin_m", 0.004, True),
+        ("refine__stroke_margin_m", 0.001, True),
         ("machine__limits__telescopes__velocity_mps", 0.2, False),
         ("machine__limits__carts__jerk_mps3", 20.0, False),
         ("machine__limits__tcp__speed_mps", 0.2, False),
     ],
 )
 def test_planning_depends_on_what_holds_the_machine(fast_config: Config, change: Change, key, value, counts) -> None:
-    """Regions, route and path depend on forces that hold the machine; other limits only cost a new trajectory."""
+    """Regions, route and path depend on forces that hold the machine and on margins; other limits cost a trajectory."""
     for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE):
         part = spec_of(SPECS, stage).config_part
         assert (part(change(fast_config, **{key: value})) != part(fast_config)) is counts

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from markupsafe import escape
 from typer.testing import CliRunner
 
 from pipeline.artifacts import read_state
@@ -31,7 +32,7 @@ def narrow(change) -> Config:
     config = load_config(CONFIGS / "tiny.yaml")
     tilts = {"route__grid__rx_step_deg": 10, "route__grid__rz_step_deg": 10, "task__tilt_max_deg": 10}
     forces = ("carts__force_n", "telescopes__force_n", "link_force_n")
-    return change(config, **tilts, **{f"machine__limits__{key}": None for key in forces}, route__step_budget=4)
+    return change(config, **tilts, **{f"machine__limits__{key}": None for key in forces}, route__step_budget=5)
 
 
 def test_proofs_alone_are_diagnosed() -> None:
@@ -55,16 +56,22 @@ def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
     with pytest.raises(NoSolutionError) as caught:
         run_pipeline(narrow, tmp_path / "out", RunOptions(last=Stage.ROUTE))
     note, shown, kept = caught.value.__notes__
+    assert caught.value.advice == f"set {KEY} to 8 (tried: a route exists)"
     assert note.startswith("Why not:\n    Reach: of ")
-    assert f"\n    - {KEY} 8 instead of 4: a route exists, sum of kappa " in note
+    assert f"\n    - {KEY} 8 instead of 5: a route exists, sum of kappa " in note
     assert note.index(KEY) < note.index("task.tilt_max_deg")
     assert str(tmp_path / "out" / "failed" / "route.png") in shown
     assert str(tmp_path / "out" / "failed" / "route.json") in kept
     told = json.loads((tmp_path / "out" / "failed" / "route.json").read_text())["why_not"]
-    assert set(told) == {"reach", "remarks", "findings", "seconds"}
+    assert json.loads((tmp_path / "out" / "failed" / "route.json").read_text())["advice"] == caught.value.advice
+    assert set(told) == {"reach", "remarks", "not_tried", "findings", "seconds"}
     (opening,) = (finding for finding in told["findings"] if finding["verdict"] == "a route exists")
-    assert (opening["key"], opening["configured"], opening["value"], opening["refused"]) == (KEY, 4, 8, 7)
+    assert (opening["key"], opening["configured"], opening["value"], opening["refused"]) == (KEY, 5, 8, 7)
     assert opening["sentence"] in note
+    listed = json.loads((tmp_path / "out" / "summary.json").read_text())["route"]["why_not"]
+    assert f"- {opening['sentence']}" in listed
+    page = (tmp_path / "out" / "failed" / "route.html").read_text()
+    assert f"<li>{escape(listed[-1])}</li>" in page
     assert (tmp_path / "out" / "failed" / "route.png").read_bytes().startswith(b"\x89PNG")
     assert not (tmp_path / "out" / "superseded").exists()
 
@@ -129,7 +136,7 @@ def test_option(tmp_path: Path, narrow: Config, command: str) -> None:
     assert "What to change" in short.stderr
     full = CliRunner().invoke(app, [command, str(path), "--out", str(tmp_path / "b")])
     assert full.exit_code == 1
-    assert f"\n    - {KEY} 8 instead of 4: a route exists" in full.stderr
+    assert f"\n    - {KEY} 8 instead of 5: a route exists" in full.stderr
 
 
 def test_progress_says_what_is_looked_at(tmp_path: Path, narrow: Config, machine) -> None:

@@ -43,7 +43,7 @@ class TestWhole:
         assert told == json.loads(json.dumps(report.summary))
         assert told["name"] == "quick"
         assert told["config_sha256"] == config_sha256(fast_config)
-        assert {"gantry-tau", "python", "numpy", "scipy", "highspy", "casadi", "toppra"} <= set(told["versions"])
+        assert {"gantry-tau", "python", "numpy", "scipy", "highspy", "casadi"} <= set(told["versions"])
         assert told["regions"]["count"] == 5
         assert told["regions"]["gates"] == make["regions"](machine).gate_count
         assert told["regions"]["nominal_variables"] == (13 + 5) * 25

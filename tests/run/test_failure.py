@@ -73,11 +73,23 @@ class TestFailure:
                 again.require_complete()
             assert caught.value.exit_code == 1
         told = summary(tmp_path)["trajectory"]
-        assert (told["status"], told["back"]["status"]) == ("done", "failed")
+        assert (told["status"], told["back"]["status"]) == ("done in part", "failed")
         assert (told["back"]["reason"], told["back"]["advice"]) == ("on the way back, c2 is too weak", "a stronger one")
         kept = files(tmp_path)
         assert {"trajectory.csv", "trajectory.npz", "figures/route.png"} <= kept
         assert not {"trajectory_back.csv", "trajectory_back.json"} & kept
+
+    def test_a_run_that_ends_with_a_missing_part_has_a_report(
+        self, tmp_path: Path, fast_config: Config, stages: FakeStages
+    ) -> None:
+        """As a failed one has; one that goes on to the end has its own. The error says where it is."""
+        stages.no_way_back = NoSolutionError("retime", "on the way back, c2 is too weak", "a stronger one")
+        for last, page in ((Stage.RETIME, "failed/retime.html"), (Stage.FIGURES, "report.html")):
+            report = stages.run(fast_config, tmp_path / last, last=last)
+            with pytest.raises(NoSolutionError) as caught:
+                report.require_complete()
+            assert caught.value.__notes__ == [f"A report of the run is in {tmp_path / last / page}"]
+            assert {name for name in files(tmp_path / last) if name.endswith(".html")} == {page}
 
     def test_a_trajectory_too_long_to_write_leaves_nothing_stale(
         self, tmp_path: Path, fast_config: Config, stages: FakeStages, change: Change

@@ -51,6 +51,7 @@ class TestReading:
         state = json.loads((tmp_path / "state.json").read_text())
         for record in state["stages"].values():
             record["fingerprint"] = "0" * 64
+        del state["seal"]
         (tmp_path / "state.json").write_text(json.dumps(state))
         stages.taken()
         results = open_results(tmp_path, *list(Stage)[:-1])

@@ -1,9 +1,11 @@
 """What a machine can use without tilt."""
 
+from dataclasses import replace
+
 import pytest
 
 from pipeline.machine import MODES, Machine
-from pipeline.workspace.reach import usable_reach
+from pipeline.workspace.reach import STEP_M, reach_step, usable_reach
 
 HIDE_CURSOR, SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 
@@ -21,3 +23,11 @@ def test_no_reach(machine: Machine) -> None:
     """A machine that can be nowhere has an empty reach."""
     reach = usable_reach(machine, 0, 1.0)
     assert (reach.x_m, reach.y_m, reach.z_m, reach.area_m2) == (None, None, None, 0.0)
+
+
+def test_a_large_machine_takes_no_longer(machine: Machine) -> None:
+    """Its grid is as coarse as it is large; that of the reference machine is the default."""
+    large = replace(machine, rails_m=machine.rails_m * 20.0, lengths_m=machine.lengths_m * 15.0)
+    assert reach_step(machine) == STEP_M
+    assert STEP_M < reach_step(large) < 1.0
+    assert usable_reach(large, 0, 100.0, reach_step(large)).area_m2 >= 0.0

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.errors import UsageError
 from pipeline.machine import MODES, Machine, condition_number, inverse_kinematics, min_distances, statics_matrix
 from pipeline.workspace.usable import Workspace, WorkspaceSetting, union_length, usable_windows, usable_workspace
 
@@ -188,3 +189,10 @@ def test_the_rim_shrinks_with_the_step(machine: Machine) -> None:
     """A quarter of the step leaves less than half of the rim, though slivers come up that a coarse grid overlooks."""
     coarse, fine = (rim_m3(usable_workspace(machine, WorkspaceSetting(step_m=step_m))) for step_m in (0.02, 0.005))
     assert fine < coarse / 2.0
+
+
+def test_more_cells_than_memory_are_not_computed(machine: Machine) -> None:
+    """They are counted first, and the message has a step that would do."""
+    with pytest.raises(UsageError, match=r"a step of 0\.0001 m makes 185,\d{3},\d{3} cells .* \(--step\)") as caught:
+        usable_workspace(machine, WorkspaceSetting(step_m=1e-4))
+    assert "at least 0.00064 m" in str(caught.value)

@@ -4,7 +4,7 @@ import json
 import pathlib
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from pipeline.artifacts.files import jsonable
 from pipeline.artifacts.layout import CERTIFICATE_JSON
 from pipeline.artifacts.results.certificate_bounds import read_bounds, state_bounds
+from pipeline.artifacts.results.certificate_json import ADVICE, MOST_BOXES, read_certificate_json
 from pipeline.artifacts.results.certificate_shape import FORMAT, ChainShape, ToleranceShape, certificate_shape, explain
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.certify.guess import point_box
@@ -22,7 +23,6 @@ from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.limits import certificate_keys
 
-_ADVICE = "\n  What to change: certify the path again: gantry-tau certify CONFIG --force"
 _SHOWN = 5
 """Number of faults reported: a damaged file may have thousands."""
 
@@ -84,19 +84,22 @@ def read_certificate(file: pathlib.Path) -> Statement:
     UsageError
         When the file does not exist, is damaged or of another format, or says that the path is not certified.
     """
-    data = _read_json(file)
-    if (version := data.get("format")) != FORMAT:
+    data = read_certificate_json(file)
+    # 3.0 and true are no versions, although Python has them equal to whole numbers.
+    if type(version := data.get("format")) is not int or version != FORMAT:
         written = "names no format" if version is None else f"is of format {json.dumps(version, default=str)[:40]}"
-        raise UsageError(f"{file} {written}; this version reads format {FORMAT}.{_ADVICE}")
+        raise UsageError(f"{file} {written}; this version reads format {FORMAT}.{ADVICE}")
     if (verdict := data.get("verdict")) == NOT_CERTIFIED:
-        raise UsageError(f"{file} says that the path is {verdict}: there is nothing to verify.{_ADVICE}")
+        raise UsageError(f"{file} says that the path is {verdict}: there is nothing to verify.{ADVICE}")
     try:
         shape = certificate_shape(certificate_keys()).model_validate(data)
     except ValidationError as error:
         wrong = [explain(one) for one in error.errors(include_url=False)]
         more = [f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else []
         lines = "\n  ".join(["", *wrong[:_SHOWN], *more])
-        raise UsageError(f"{file} is not a certificate that can be verified:{lines}{_ADVICE}") from None
+        raise UsageError(f"{file} is not a certificate that can be verified:{lines}{ADVICE}") from None
+    if (boxes := sum(len(chain.s) - 1 for chain in shape.chains)) > MOST_BOXES:
+        raise UsageError(f"{file} has {boxes:,} boxes; at most {MOST_BOXES:,} are verified.{ADVICE}")
     return Statement(
         path_sha256=shape.path_sha256,
         premises_sha256=shape.premises_sha256,
@@ -106,34 +109,6 @@ def read_certificate(file: pathlib.Path) -> Statement:
         coordinates=_stated(shape.tolerances.coordinates),
         chains=tuple(_chain(chain) for chain in shape.chains),
     )
-
-
-def _read_json(file: pathlib.Path) -> dict[str, Any]:
-    """Read a JSON object, with finite numbers and without duplicate keys."""
-
-    def no_number(text: str) -> NoReturn:
-        raise UsageError(f"{file} holds {text} where a number is expected.{_ADVICE}")
-
-    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        section = dict(pairs)
-        if len(section) < len(pairs):
-            names = [name for name, _ in pairs]
-            twice = next(name for name in section if names.count(name) > 1)
-            raise UsageError(f"{file} has the key {twice} twice in one section.{_ADVICE}")
-        return section
-
-    try:
-        data = json.loads(file.read_bytes(), parse_constant=no_number, object_pairs_hook=unique)
-    except FileNotFoundError:
-        raise UsageError(f"{file} does not exist.\n  What to change: give the certificate.json of a run.") from None
-    except json.JSONDecodeError as error:
-        place = f"line {error.lineno}, column {error.colno}"
-        raise UsageError(f"{file} is damaged: it is not JSON from {place} on.{_ADVICE}") from None
-    except (ValueError, RecursionError):
-        raise UsageError(f"{file} is damaged: it is not JSON.{_ADVICE}") from None
-    if not isinstance(data, dict):
-        raise UsageError(f"{file} is not a certificate: it has no keys.{_ADVICE}")
-    return data
 
 
 def _stated(shape: ToleranceShape | None) -> StatedTolerance | None:

@@ -4,21 +4,31 @@ import json
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, FailFast, Field, create_model, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from pipeline.config.messages import key_path
 from pipeline.limits import CertificateKey, Side
 
-FORMAT = 2
+FORMAT = 3
 """Version of the file format, increased when its meaning changes."""
+_MOST_CHAINS = 8
+"""More than a certificate has: each takes a while to be refused."""
+
+
+def _whole(value: object) -> object:
+    """Let a whole number pass, but not what Python has equal to one: 1.0 and true."""
+    if type(value) is not int:
+        raise PydanticCustomError("whole", "expected a whole number")
+    return value
+
 
 _Number = Annotated[float, Field(ge=0.0)]
 _PartOfPath = Annotated[float, Field(ge=0.0, le=1.0)]
 _Count = Annotated[int, Field(ge=0)]
-_Six = Annotated[list[float], Field(min_length=6, max_length=6)]
-_Radius = Annotated[list[_Number], Field(min_length=6, max_length=6)]
-_Cubic = Annotated[list[_Six], Field(min_length=4, max_length=4)]
+_Six = Annotated[list[float], FailFast(), Field(min_length=6, max_length=6)]
+_Radius = Annotated[list[_Number], FailFast(), Field(min_length=6, max_length=6)]
+_Cubic = Annotated[list[_Six], FailFast(), Field(min_length=4, max_length=4)]
 _Range = Annotated[list[float], Field(min_length=2, max_length=2)]
 _Hash = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
@@ -37,14 +47,17 @@ class UncertaintyShape(_Part):
 
 
 class ChainShape(_Part):
-    """A chain: n boxes between n + 1 values of s, with a joint at each."""
+    """A chain: n boxes between n + 1 values of s, with a joint at each.
+
+    The first fault of a list is enough: a damaged file may have a million.
+    """
 
     uncertainty: UncertaintyShape
-    s: Annotated[list[_PartOfPath], Field(min_length=2)]
-    pose: list[_Cubic]
-    radius: list[_Radius]
-    joint_pose: list[_Six]
-    joint_radius: list[_Radius]
+    s: Annotated[list[_PartOfPath], FailFast(), Field(min_length=2)]
+    pose: Annotated[list[_Cubic], FailFast()]
+    radius: Annotated[list[_Radius], FailFast()]
+    joint_pose: Annotated[list[_Six], FailFast()]
+    joint_radius: Annotated[list[_Radius], FailFast()]
 
     @model_validator(mode="after")
     def _lengths_agree(self) -> Self:
@@ -83,7 +96,7 @@ class TolerancesShape(_Part):
 class CertificateShape(_Part):
     """The whole file; `settings`, `versions` and `seconds` say how it was made."""
 
-    format: Literal[2]
+    format: Annotated[Literal[3], BeforeValidator(_whole)]
     verdict: Literal["certified"]
     refused_at_s: None
     refused_because: None
@@ -98,7 +111,7 @@ class CertificateShape(_Part):
     settings: dict[str, Any] = {}
     versions: dict[str, str] = {}
     seconds: _Number = 0.0
-    chains: list[ChainShape]
+    chains: Annotated[list[ChainShape], Field(max_length=_MOST_CHAINS)]
 
     @model_validator(mode="after")
     def _tolerances_agree(self) -> Self:
@@ -158,7 +171,7 @@ _VALUES: dict[Side, Any] = {
     Side.BOTH: _Range,
     Side.LARGEST: _Number,
     Side.LEAST: _Number,
-    Side.SIGN: Literal[-1, 1],
+    Side.SIGN: Annotated[Literal[-1, 1], BeforeValidator(_whole)],
 }
 _WITHOUT_VALUE = {"missing": "is missing", "extra_forbidden": "is not a key of this format"}
 _WANTED = {
@@ -173,6 +186,7 @@ _WANTED = {
     "greater_than_equal": "a number of at least {ge}",
     "less_than_equal": "a number of at most {le}",
     "literal_error": "{expected}",
+    "whole": "a whole number",
     "string_pattern_mismatch": "64 hexadecimal digits",
     "too_short": "a list of at least {min_length} entries",
     "too_long": "a list of at most {max_length} entries",

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pipeline.artifacts.npz import Arrays
+from pipeline.arrays import FloatArray
+from pipeline.artifacts.checked import CheckedArrays
 from pipeline.export.trajectory_columns import POSITIONS
 
 CONTROLLED_COLUMNS = ("x_m", "y_m", "z_m", "rx_rad", "rz_rad")
@@ -19,6 +20,6 @@ def split_columns(names: tuple[str, ...], table: npt.NDArray[Any]) -> dict[str, 
     return dict(zip(names, table.T, strict=True))
 
 
-def stack_columns(arrays: Arrays, names: tuple[str, ...]) -> npt.NDArray[Any]:
+def stack_columns(arrays: CheckedArrays, names: tuple[str, ...], finite: bool = True) -> FloatArray:
     """Put named columns of shape (n,) side by side, as an array of shape (n, len(names))."""
-    return np.stack([arrays[name] for name in names], axis=1)
+    return np.stack([arrays.floats(name, "n", finite=finite) for name in names], axis=1)

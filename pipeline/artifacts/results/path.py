@@ -5,9 +5,10 @@ import pathlib
 import numpy as np
 from scipy.interpolate import BSpline
 
-from pipeline.artifacts.files import write_whole
+from pipeline.artifacts.checked import CheckedArrays
 from pipeline.artifacts.layout import PATH_CSV, PATH_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
+from pipeline.artifacts.output import write_output
 from pipeline.artifacts.results.columns import Q_COLUMNS, split_columns
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.export.csv import format_csv
@@ -17,6 +18,8 @@ from pipeline.machine.working_modes import mode_names, working_modes
 from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Path, Refinement
 from pipeline.status import Status
+
+_MOST_DEGREE = 10
 
 
 def path_files(refinement: Refinement, samples: PathSamples) -> dict[str, bytes]:
@@ -40,7 +43,7 @@ def load_refinement(run: SavedRun) -> Refinement:
 
 def save_path(file: pathlib.Path | str, path: Path) -> None:
     """Write degree, knots, coefficients and node poses of a path as an .npz file."""
-    write_whole(pathlib.Path(file), npz_bytes(pack_path(path, "")))
+    write_output(pathlib.Path(file), npz_bytes(pack_path(path, "")))
 
 
 def load_path(file: pathlib.Path | str, machine: Machine) -> Path:
@@ -72,17 +75,25 @@ def pack_refinement(refinement: Refinement) -> dict[str, object]:
 
 
 def unpack_refinement(arrays: Arrays, machine: Machine) -> Refinement:
-    """Rebuild both paths for the machine they were made for."""
+    """Rebuild both paths for the machine they were made for.
+
+    Raises
+    ------
+    ValueError
+        When an array is missing, or is not one of a refinement.
+    """
+    checked = CheckedArrays(arrays)
+    change = checked.number("mesh_change")
     return Refinement(
         path=unpack_path(arrays, "", machine),
         coarse=unpack_path(arrays, "coarse_", machine),
-        status=Status(arrays["status"].item()),
-        iterations=arrays["iterations"].item(),
-        rounds=arrays["rounds"].item(),
-        meshes=arrays["meshes"].item(),
-        mesh_change=None if np.isnan(arrays["mesh_change"]) else arrays["mesh_change"].item(),
-        nodes=arrays["nodes"].item(),
-        surrogate_integral=arrays["surrogate_integral"].item(),
+        status=Status(checked.text("status")),
+        iterations=checked.count("iterations"),
+        rounds=checked.count("rounds"),
+        meshes=checked.count("meshes"),
+        mesh_change=None if np.isnan(change) else change,
+        nodes=checked.count("nodes"),
+        surrogate_integral=checked.number("surrogate_integral"),
     )
 
 
@@ -98,6 +109,22 @@ def pack_path(path: Path, prefix: str) -> dict[str, object]:
 
 
 def unpack_path(arrays: Arrays, prefix: str, machine: Machine) -> Path:
-    """Rebuild a path for the machine it was made for."""
-    spline = BSpline(arrays[f"{prefix}knots"], arrays[f"{prefix}coefficients"], arrays[f"{prefix}degree"].item())
-    return Path(machine, spline, arrays[f"{prefix}node_s"], arrays[f"{prefix}node_pose"])
+    """Rebuild a path for the machine it was made for.
+
+    Raises
+    ------
+    ValueError
+        When an array is missing, or they are not those of a path over s from 0 to 1.
+    """
+    checked = CheckedArrays(arrays)
+    degree = checked.count(f"{prefix}degree")
+    knots, coefficients = checked.floats(f"{prefix}knots", "k"), checked.floats(f"{prefix}coefficients", "c", 5)
+    if not 1 <= degree <= _MOST_DEGREE or len(knots) != len(coefficients) + degree + 1:
+        raise ValueError(f"{len(knots)} knots and {len(coefficients)} coefficients are no splines of degree {degree}")
+    node_s, node_pose = checked.floats(f"{prefix}node_s", "m"), checked.floats(f"{prefix}node_pose", "m", 6)
+    spline = BSpline(knots, coefficients, degree)
+    if (spline.t[degree], spline.t[-degree - 1]) != (0.0, 1.0):
+        raise ValueError(f"{prefix}knots are not those of s from 0 to 1")
+    if len(node_s) < 2 or (np.diff(node_s) <= 0.0).any():
+        raise ValueError(f"{prefix}node_s does not increase")
+    return Path(machine, spline, node_s, node_pose)

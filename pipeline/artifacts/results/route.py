@@ -1,17 +1,23 @@
 """The route as files: `route.npz` to load it back, `route.csv` for people and programs."""
 
+from collections.abc import Callable
 from dataclasses import fields
+from typing import Any, get_type_hints
 
 import numpy as np
 
+from pipeline.artifacts.checked import CheckedArrays
 from pipeline.artifacts.layout import ROUTE_CSV, ROUTE_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
 from pipeline.artifacts.results.columns import Q_COLUMNS, split_columns
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.export.csv import format_csv
 from pipeline.export.trajectory_columns import POSE
+from pipeline.machine.geometry import MODES
 from pipeline.route.result import Route, Search
 from pipeline.status import Status
+
+_ARMS, _ENDS = 3, 2
 
 
 def route_files(route: Route) -> dict[str, bytes]:
@@ -52,16 +58,26 @@ def pack_route(route: Route) -> dict[str, object]:
 
 
 def unpack_route(arrays: Arrays) -> Route:
-    """Rebuild the route."""
+    """Rebuild the route.
+
+    Raises
+    ------
+    ValueError
+        When an array is missing, or is not one of a route.
+    """
+    checked = CheckedArrays(arrays)
+    if len(checked.whole("region", "n")) < _ENDS:
+        raise ValueError("it has no rows for start and goal")
+    read: dict[type, Callable[[str], Any]] = {str: checked.text, int: checked.count, float: checked.number}
     return Route(
-        region=arrays["region"],
-        modes=arrays["mode"],
-        gates=arrays["gate"],
-        visits=arrays["visit"],
-        pose=arrays["pose"],
-        q_m=arrays["q_m"],
-        kappa=arrays["kappa"],
-        objective=arrays["objective"].item(),
-        status=Status(arrays["status"].item()),
-        search=Search(**{field.name: arrays[f"search_{field.name}"].item() for field in fields(Search)}),
+        region=checked.whole("region", "n"),
+        modes=checked.whole("mode", "n", most=len(MODES) - 1),
+        gates=checked.whole("gate", "n", most=_ARMS),
+        visits=checked.whole("visit", "n"),
+        pose=checked.floats("pose", "n", 6),
+        q_m=checked.floats("q_m", "n", 5),
+        kappa=checked.floats("kappa", "n"),
+        objective=checked.number("objective"),
+        status=Status(checked.text("status")),
+        search=Search(**{name: read[kind](f"search_{name}") for name, kind in get_type_hints(Search).items()}),
     )

@@ -3,11 +3,13 @@
 import pathlib
 from typing import Protocol
 
+from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 
 
 class SavedRun(Protocol):
-    """A run folder, and the machine its results were made for."""
+    """A run folder, and the configuration and machine its results were made for."""
 
     folder: pathlib.Path
+    config: Config
     machine: Machine

@@ -1,11 +1,13 @@
 """The trajectory as files: `trajectory.npz` to load it back, tables with their sidecars for controllers."""
 
-from collections.abc import Mapping
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, fields
+from typing import Any, get_type_hints
 
+import numpy as np
 from scipy.interpolate import PPoly
 
+from pipeline.artifacts.checked import CheckedArrays
 from pipeline.artifacts.files import json_bytes
 from pipeline.artifacts.layout import BACK_CSV, BACK_JSON, TRAJECTORY_CSV, TRAJECTORY_JSON, TRAJECTORY_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
@@ -17,6 +19,9 @@ from pipeline.export.trajectory_columns import trajectory_columns
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples
+
+_MOST_COEFFICIENTS = 10
+_ROUNDING = 1e-6
 
 
 def trajectory_files(
@@ -55,11 +60,32 @@ def pack_trajectory(trajectory: Trajectory) -> dict[str, object]:
 
 
 def unpack_trajectory(arrays: Arrays, path: Path) -> Trajectory:
-    """Rebuild the time law along its path."""
-    how = {name.removeprefix("quality_"): array.item() for name, array in arrays.items() if name.startswith("quality_")}
-    start, goal = arrays["dwell_s"].tolist()
-    time_law = PPoly(arrays["coefficients"], arrays["t_s"])
-    return Trajectory(path, time_law, (start, goal), TimingReport(**how) if how else None)
+    """Rebuild the time law along its path.
+
+    Raises
+    ------
+    ValueError
+        When an array is missing, or they are not those of a time law.
+    """
+    checked = CheckedArrays(arrays)
+    start, goal = checked.floats("dwell_s", 2).tolist()
+    t_s = checked.floats("t_s", "t")
+    if len(t_s) < 2 or (np.diff(t_s) <= 0.0).any() or min(start, goal) < 0.0:
+        raise ValueError("time does not increase from each of t_s to the next, or something waits less than no time")
+    coefficients = checked.floats("coefficients", "d", len(t_s) - 1)
+    if not 1 <= len(coefficients) <= _MOST_COEFFICIENTS:
+        raise ValueError(f"coefficients has the shape {coefficients.shape}")
+    time_law = PPoly(coefficients, t_s)
+    if not np.allclose(time_law(t_s[[0, -1]]), [0.0, 1.0], rtol=0.0, atol=_ROUNDING):
+        raise ValueError("s does not run from 0 to 1")
+    return Trajectory(path, time_law, (start, goal), _timing(checked))
+
+
+def _timing(checked: CheckedArrays) -> TimingReport | None:
+    if not any(f"quality_{field.name}" in checked for field in fields(TimingReport)):
+        return None
+    read: dict[type, Callable[[str], Any]] = {bool: checked.flag, int: checked.count, float: checked.number}
+    return TimingReport(**{name: read[kind](f"quality_{name}") for name, kind in get_type_hints(TimingReport).items()})
 
 
 def _trajectory_csv(machine: Machine, samples: TrajectorySamples) -> bytes:

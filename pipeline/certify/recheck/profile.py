@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray
+from pipeline.certify.recheck.arithmetic.chain import SEGMENT
 from pipeline.certify.recheck.arithmetic.inclusion import build_boxes, include
 from pipeline.certify.recheck.claims.kappa import kappa_bounds
 from pipeline.certify.result import ProvenChain
 from pipeline.machine.geometry import Machine
+from pipeline.parallel import blocks
 from pipeline.refine.result import Path
 
 
@@ -22,9 +24,12 @@ class KappaProfile:
 
 def kappa_profile(machine: Machine, path: Path, chain: ProvenChain) -> KappaProfile:
     """Bound kappa over every box of a chain."""
-    boxes = build_boxes(machine, path, chain.boxes)
+    kappa = []
     # NaN compares as false: what cannot be computed is not proven.
     with np.errstate(all="ignore"):
-        found = include(machine, boxes, chain.uncertainty)
-        kappa, _ = kappa_bounds(machine, boxes, found.image)
-    return KappaProfile(np.append(boxes.first, boxes.last[-1]), np.where(found.proven, kappa, np.inf))
+        for part in blocks(len(chain.boxes), SEGMENT):
+            boxes = build_boxes(machine, path, chain.boxes[part])
+            found = include(machine, boxes, chain.uncertainty)
+            kappa.append(np.where(found.proven, kappa_bounds(machine, boxes, found.image)[0], np.inf))
+    edges = np.array([chain.boxes[0].first, *(box.last for box in chain.boxes)])
+    return KappaProfile(edges, np.concatenate(kappa))

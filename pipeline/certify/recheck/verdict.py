@@ -1,14 +1,15 @@
 """A stored certificate checked against its path and configuration: which of its claims are verified."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.certify.premises import premises_sha256
-from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain, evaluate_chain
-from pipeline.certify.recheck.claims import chain, checks, inventory
+from pipeline.certify.recheck.arithmetic.chain import evaluate_chain, evaluate_ends
+from pipeline.certify.recheck.claims import chain, checks, endpoints, inventory
 from pipeline.certify.recheck.claims.claim import Claim
-from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.certify.recheck.claims.poses import POSES, pose_claim
 from pipeline.certify.recheck.claims.splines import SPLINES, spline_claim
 from pipeline.certify.recheck.statement import Statement
 from pipeline.certify.result import ProvenChain, path_sha256
@@ -29,6 +30,8 @@ MANDATORY = (
     *inventory.CLAIMS,
     *(f"{_CONFIGURED}: {what}" for what in chain.CLAIMS),
     *(what for module in checks.CHECKS for what in module.CLAIMS),
+    *endpoints.CLAIMS,
+    POSES,
 )
 """What has to be verified of any certificate, whatever it contains."""
 
@@ -45,31 +48,39 @@ def verify(
         *inventory.inventory_claims(stated),
     ]
 
-    def bound_claims(evaluated: EvaluatedChain) -> Iterator[Claim]:
-        return checks.bound_claims(Evidence(config, machine, ends, evaluated), stated.bounds)
+    def of_configured(proven: ProvenChain, found: list[FloatArray]) -> Iterable[Claim]:
+        yield from checks.bound_claims(config, machine, found, stated.bounds)
+        yield from endpoints.endpoint_claims(machine, ends, evaluate_ends(machine, path, proven), stated.bounds)
+        yield pose_claim(path, proven)
 
     # Boxes say nothing about splines that are not a function.
     if splines.verified:
         for proven in stated.chains:
-            claims += _chain_claims(machine, path, proven, bound_claims)
+            claims += _chain_claims(machine, path, proven, of_configured)
     known = {claim.what for claim in claims}
     return claims + [Claim(what, verified=False, found="missing") for what in MANDATORY if what not in known]
 
 
 def _chain_claims(
-    machine: Machine, path: Path, proven: ProvenChain, bound_claims: Callable[[EvaluatedChain], Iterator[Claim]]
+    machine: Machine,
+    path: Path,
+    proven: ProvenChain,
+    of_configured: Callable[[ProvenChain, list[FloatArray]], Iterable[Claim]],
 ) -> list[Claim]:
     """Verify a chain; for the configured machine also the bounds that are stated of it."""
-    of = _name(proven.uncertainty)
+    of, counted, found = _name(proven.uncertainty), chain.BoxCounts(), None
     # NaN compares as false: what cannot be computed is not verified.
     with np.errstate(all="ignore"):
         try:
-            evaluated = evaluate_chain(machine, path, proven)
-            bounds = [] if proven.uncertainty.any else bound_claims(evaluated)
-            return [*chain.chain_claims(of, evaluated), *bounds]
+            for segment in evaluate_chain(machine, path, proven):
+                counted += chain.count_boxes(segment)
+                if not proven.uncertainty.any:
+                    found = checks.measure_all(machine, segment, found)
+            bounds = [] if found is None else of_configured(proven, found)
+            return [*chain.chain_claims(of, proven, counted), *bounds]
         except (np.linalg.LinAlgError, ValueError, OverflowError):
-            found = "some numbers are too large, or give matrices without an inverse"
-            return [Claim(f"{of}: its boxes can be evaluated", verified=False, found=found)]
+            text = "some numbers are too large, or give matrices without an inverse"
+            return [Claim(f"{of}: its boxes can be evaluated", verified=False, found=text)]
 
 
 def _name(uncertainty: Uncertainty) -> str:

@@ -1,5 +1,6 @@
 """The command that proves a path, or verifies a certificate again."""
 
+import contextlib
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -8,10 +9,11 @@ from typing import Annotated
 import typer
 
 from pipeline.cli.console import results_console
-from pipeline.cli.options import ForceOption, OutOption, VerboseOption, load_task, specs_of
+from pipeline.cli.options import ForceOption, OutOption, UnprovenOption, VerboseOption, load_task, specs_of
 from pipeline.cli.output import text_table
 from pipeline.cli.run_stages import run_stages
 from pipeline.errors import NoSolutionError, UsageError
+from pipeline.regular_file import open_regular_file
 from pipeline.stage import Stage
 
 
@@ -23,6 +25,7 @@ def certify(
     out: OutOption = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,
+    unproven: UnprovenOption = False,
     tolerance: Annotated[
         bool,
         typer.Option("--tolerance", help="Also search the calibration errors the path is proven to bear."),
@@ -41,7 +44,7 @@ def certify(
     certify.what: tolerances in CONFIG every run searches them.
     """
     if check is not None:
-        if config is not None or out is not None or force or tolerance:
+        if config is not None or out is not None or force or tolerance or unproven:
             raise UsageError("--check FILE excludes other options: the configuration is the one beside the certificate")
         verify_file(check)
         return
@@ -49,7 +52,7 @@ def certify(
         raise UsageError("certify needs a CONFIG, or --check FILE")
     from pipeline.run import RunOptions
 
-    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, tolerances=tolerance)
+    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, unproven=unproven, tolerances=tolerance)
     run_stages(config, load_task(config), out, options, specs_of(context))
 
 
@@ -63,6 +66,7 @@ def verify_file(file: Path) -> None:
     NoSolutionError
         When a claim is not verified; the table shows every claim.
     """
+    from pipeline.artifacts.files import MOST_BYTES
     from pipeline.artifacts.layout import CERTIFICATE_JSON
     from pipeline.artifacts.results.certificate import read_certificate
     from pipeline.certify.recheck import verify
@@ -70,6 +74,8 @@ def verify_file(file: Path) -> None:
     from pipeline.run.reading import open_results
 
     file = file / CERTIFICATE_JSON if file.is_dir() else file
+    with contextlib.suppress(FileNotFoundError):
+        open_regular_file(file, MOST_BYTES).close()
     stated = read_certificate(file)
     results = open_results(file.parent)
     config, machine, path = results.config, results.machine, results.refinement.path

@@ -24,7 +24,10 @@ def check(
 ) -> None:
     """Check a configuration, and show the machine: degrees of freedom, reach, grid, start and goal.
 
-    Exits with 2 if a key is wrong, or the machine cannot be at the start or goal within its limits.
+    Exits with 2 if a key is wrong, the grid takes more memory than allowed,
+    the machine cannot be at the start or goal within its limits, or counting
+    shows that the task is impossible: too few positions, mode changes, travel
+    or tilt, or a box to avoid without a way round it.
     """
     if schema:
         from pipeline.config import Config
@@ -42,11 +45,13 @@ def check(
     from pipeline.cli.machine_report import machine_report
     from pipeline.limits.kappa import require_ends_below_cap
     from pipeline.machine.geometry import build_machine
-    from pipeline.route.regions.endpoints import task_endpoints
+    from pipeline.route.regions.counting import require_possible_task
+    from pipeline.route.regions.size import require_table_fits
 
     loaded = load_task(config)
     machine = build_machine(loaded.machine)
-    ends = task_endpoints(loaded, machine)
+    ends = require_possible_task(loaded, machine)
+    require_table_fits(loaded, machine)
     require_ends_below_cap(loaded, [end.kappa for end in ends])
     console = results_console()
     for part in machine_report(loaded, machine, ends):

@@ -8,7 +8,7 @@ import typer
 
 from pipeline.cli.console import messages_console
 from pipeline.cli.options import RunArgument
-from pipeline.cli.output import refuse_inside
+from pipeline.cli.output import check_output
 from pipeline.export.formats import MOST_DECIMALS, AngleUnit, Format, LengthUnit, Separator
 from pipeline.stage import Stage
 
@@ -50,13 +50,13 @@ def export(
     is stretched to the next whole number of periods, so that limits still
     hold and the last row is the goal at rest.
     """
-    from pipeline.artifacts import write_whole
+    check_output(output, run)
+    from pipeline.artifacts.output import write_output
     from pipeline.export import CsvOptions, format_samples
     from pipeline.retime import sample_trajectory, slowed, way_back
     from pipeline.run.reading import open_results, with_retime
 
     results = open_results(run, Stage.REFINE, Stage.RETIME)
-    refuse_inside(output, run)
     config = with_retime(results.config, period_s=period_s, speed=speed)
     trajectory = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
     samples = sample_trajectory(way_back(config, trajectory) if back else trajectory, config.retime.period_s)
@@ -66,7 +66,7 @@ def export(
     if output is None:
         typer.echo(text, nl=False)
         return
-    write_whole(output, text.encode())
+    write_output(output, text.encode())
     messages_console().print(
         f"{output}: {len(samples):,} rows {samples.period_s:g} s apart, {samples.duration_s:g} s", soft_wrap=True
     )

@@ -1,5 +1,7 @@
 """Commands for measurements: compare a measured motion with the commanded one, and simulate a measurement."""
 
+import json
+import os
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -9,12 +11,12 @@ import typer
 
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.options import RunArgument
-from pipeline.cli.output import check_picture, refuse_inside, save_picture, text_table
+from pipeline.cli.output import check_output, check_picture, save_picture, text_table
 from pipeline.errors import UsageError
+from pipeline.regular_file import read_regular_file
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
-    from pipeline.export.csv import Column
     from pipeline.measured import MeasurementComparison, Reflectors
     from pipeline.retime import Trajectory
 
@@ -39,11 +41,14 @@ _Period = Annotated[
     float | None,
     typer.Option("--period", metavar="S", help="Period at which it was driven, as exported. Default: that of the run."),
 ]
+_Back = Annotated[bool, typer.Option("--back", help="The way back, as exported with --back.")]
 _FIRST: _Point = (0.0, 0.10, 0.05)
 _SECOND: _Point = (0.0, 0.40, 0.05)
 _NOISE_M = 5e-5
-_SEPARATORS = (",", ";", "\t")
+_FARTHEST_M = 20.0
+"""A reflector is on the platform: what is farther away was given in another unit."""
 _FACTS = ".json"
+_MOST_FACTS_BYTES = 2**20
 
 
 def measured(
@@ -54,6 +59,7 @@ def measured(
     noise_m: _Noise = _NOISE_M,
     speed: _Speed = None,
     period_s: _Period = None,
+    back: _Back = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded, in metres and radians.")] = False,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Draw the motion over time: .png, .pdf or .svg.")
@@ -65,19 +71,26 @@ def measured(
     positions of two reflectors on the platform (x1_m, y1_m, z1_m, x2_m,
     y2_m, z2_m), or the pose (x_m, y_m, z_m, rx_rad, rz_rad), which comes
     without error bars. From reflectors rx and rz are estimated with ry as
-    commanded; error bars are those of the noise. Values are separated by
-    commas, semicolons or tabs. If the motion was exported with --speed or
-    --period, give them here too.
-    """
-    check_picture(picture)
-    from pipeline.measured import compare_measurement, parse_measurement
+    commanded; error bars are those of the noise. If the motion was exported
+    with --speed, --period or --back, give them here too.
 
-    trajectory, _ = _driven(run, speed, period_s)
-    columns = _read_columns(measurement)
-    given = parse_measurement(columns, trajectory.duration_s)
+    Values are separated by commas, semicolons or tabs, decimals by points or
+    commas. Lines above the header, of units, blank ones, comments (#), and
+    rows with gaps (empty, ---, NaN, #N/A) are skipped, and counted on stderr
+    and in the JSON with their lines; anything else is refused.
+    """
+    check_picture(picture, run)
+    from pipeline.measured import compare_measurement, read_measurement
+
+    reflectors = _reflectors(first, second, noise_m)
+    trajectory, _ = _driven(run, speed, period_s, back)
+    given = read_measurement(measurement, trajectory.duration_s)
+    assert given.account is not None
+    messages_console().print(given.account.message(), soft_wrap=True)
     commanded = trajectory.pose(given.t_s.clip(0.0, trajectory.duration_s))
-    comparison = compare_measurement(given, commanded, _reflectors(first, second, noise_m))
-    _show(comparison, as_json, f"{measurement} against {run}, {len(given.t_s):,} rows")
+    comparison = compare_measurement(given, commanded, reflectors)
+    way = f"the way back of {run}" if back else f"{run}"
+    _show(comparison, as_json, f"{measurement} against {way}, {len(given.t_s):,} rows")
     if picture is not None:
         from pipeline.figures.time.measured import measured_figure
 
@@ -85,26 +98,16 @@ def measured(
         messages_console().print(f"{picture}: commanded and measured over time, with errors", soft_wrap=True)
 
 
-def _driven(run: Path, speed: float | None, period_s: float | None) -> "tuple[Trajectory, float]":
-    """Give the motion of a run as it is exported at a part of the speed and another period, and that period."""
-    from pipeline.retime import slowed, whole_periods
+def _driven(run: Path, speed: float | None, period_s: float | None, back: bool) -> "tuple[Trajectory, float]":
+    """Give the motion of a run as it is exported at a part of the speed, another period, or back, and its period."""
+    from pipeline.retime import slowed, way_back, whole_periods
     from pipeline.run.reading import open_results, with_retime
 
     results = open_results(run, Stage.REFINE, Stage.RETIME)
-    options = with_retime(results.config, period_s=period_s, speed=speed).retime
-    trajectory = slowed(results.trajectory, 1.0 if speed is None else options.speed)
-    return whole_periods(trajectory, options.period_s), options.period_s
-
-
-def _read_columns(file: Path) -> "dict[str, Column]":
-    """Read a table; the separator is the one most frequent in its first line."""
-    from pipeline.export import read_csv
-
-    try:
-        text = file.read_text()
-        return read_csv(text, max(_SEPARATORS, key=text.partition("\n")[0].count))
-    except ValueError as error:
-        raise UsageError(f"{file}: {error}") from None
+    config = with_retime(results.config, period_s=period_s, speed=speed)
+    there = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
+    trajectory = way_back(config, there) if back else whole_periods(there, config.retime.period_s)
+    return trajectory, config.retime.period_s
 
 
 def _show(comparison: "MeasurementComparison", as_json: bool, title: str) -> None:
@@ -114,7 +117,10 @@ def _show(comparison: "MeasurementComparison", as_json: bool, title: str) -> Non
     rows = error_rows(comparison)
     if as_json:
         units = {"rx": "rad", "rz": "rad"}
-        typer.echo(json_bytes([{**asdict(row), "unit": units.get(row.quantity, "m")} for row in rows]), nl=False)
+        assert comparison.account is not None
+        read = comparison.account.as_json()
+        table = [{**asdict(row), "unit": units.get(row.quantity, "m"), **read} for row in rows]
+        typer.echo(json_bytes(table), nl=False)
         return
     results_console().print(text_table(title, TABLE_HEADER, table_cells(rows), (0, 1)))
 
@@ -136,6 +142,7 @@ def simulate_measurement(
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the random numbers.")] = 0,
     speed: _Speed = None,
     period_s: _Period = None,
+    back: _Back = False,
 ) -> None:
     """Simulate what a tracker measures of two reflectors while a slightly inaccurate machine drives the trajectory.
 
@@ -144,44 +151,65 @@ def simulate_measurement(
     the same file, with one row per period.
     """
     from pipeline.artifacts import json_bytes, write_whole
+    from pipeline.artifacts.output import write_output
     from pipeline.export.csv import format_csv
     from pipeline.measured import SimulationSetting, measurement_columns
     from pipeline.measured import simulate_measurement as simulate
     from pipeline.retime import sample_trajectory
 
-    if output is not None:
-        _check_output(output, run)
-    trajectory, period_s = _driven(run, speed, period_s)
+    beside = None if output is None else _check_output(output, run)
+    reflectors, setting = _reflectors(first, second, noise_m), SimulationSetting(geometry_m, seed)
+    trajectory, period_s = _driven(run, speed, period_s, back)
     samples = sample_trajectory(trajectory, period_s)
-    reflectors = _reflectors(first, second, noise_m)
-    setting = SimulationSetting(geometry_m, seed)
     positions = simulate(trajectory.path.machine, samples.q_m, samples.pose, reflectors, setting)
     text = format_csv(measurement_columns(samples.t_s, positions))
     if output is None:
         typer.echo(text, nl=False)
         return
-    write_whole(output, text.encode())
-    facts: dict[str, Any] = {
-        "simulated": True,
-        "run": str(run),
-        "speed": 1.0 if speed is None else speed,
-        "period_s": period_s,
-        "reflectors": reflectors,
-        "setting": setting,
-    }
-    write_whole(output.with_suffix(_FACTS), json_bytes(facts))
-    messages_console().print(
-        f"{output}: {len(samples):,} rows of a simulated measurement; {output.with_suffix(_FACTS)}: how it was made",
-        soft_wrap=True,
-    )
+    write_output(output, text.encode())
+    made = f"{output}: {len(samples):,} rows of a simulated measurement"
+    if beside is not None:
+        facts: dict[str, Any] = {
+            "simulated": True,
+            "run": str(run),
+            "speed": 1.0 if speed is None else speed,
+            "period_s": period_s,
+            "back": back,
+            "reflectors": reflectors,
+            "setting": setting,
+        }
+        write_whole(beside, json_bytes(facts))
+        made += f"; {beside}: how it was made"
+    messages_console().print(made, soft_wrap=True)
 
 
-def _check_output(output: Path, run: Path) -> None:
-    refuse_inside(output, run)
+def _check_output(output: Path, run: Path) -> Path | None:
+    """Check where the table goes; give the name of the file beside it that says how it was made, if there is one."""
+    from pipeline.artifacts.output import is_written_through
+
+    check_output(output, run)
+    if is_written_through(output):
+        return None
     if output.suffix == _FACTS:
         raise UsageError(
             f"--output {output}: a {_FACTS} file beside the table says how it was made: give another ending"
         )
+    facts = output.with_suffix(_FACTS)
+    if os.path.lexists(facts) and not _is_simulated(facts):
+        raise UsageError(
+            f"--output {output}: {facts} would say how the table was made, but is there already, and says something "
+            "else: give another name"
+        )
+    return facts
+
+
+def _is_simulated(facts: Path) -> bool:
+    """Check whether a file says of a table that it is simulated."""
+    try:
+        value = {} if facts.is_symlink() else json.loads(read_regular_file(facts, _MOST_FACTS_BYTES))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(value, dict) and value.get("simulated") is True and "setting" in value
 
 
 def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":
@@ -189,6 +217,11 @@ def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":
 
     from pipeline.measured import Reflectors
 
+    for option, point in (("--reflector-1", first), ("--reflector-2", second)):
+        if (most := max(map(abs, point))) > _FARTHEST_M:
+            raise UsageError(
+                f"{option} has a coordinate of {most:g} m; allowed are at most {_FARTHEST_M:g} m either way"
+            )
     return Reflectors(np.array([first, second]), noise_m)
 
 
@@ -200,6 +233,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau measured results/agder tracker.csv --reflector-1 0 0.1 0.05 --reflector-2 0 0.4 0.05",
             "gantry-tau measured results/agder tracker.csv --noise 0.00003 --json",
             "gantry-tau measured results/agder slow.csv --speed 0.3",
+            "gantry-tau measured results/agder back.csv --back",
         ),
     ),
     (

@@ -8,7 +8,7 @@ import typer
 
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.options import RunArgument, specs_of
-from pipeline.cli.output import refuse_inside
+from pipeline.cli.output import check_output
 
 
 def report(
@@ -25,10 +25,11 @@ def report(
     """
     from pipeline.run.reporting import write_report
 
-    refuse_inside(output, run)
+    check_output(output, run)
     with messages_console().status("writing the report"):
         target = write_report(run, output, specs_of(context))
-    results_console().print(f"{target}: {target.stat().st_size / 1e3:,.0f} kB", soft_wrap=True)
+    size = f": {target.stat().st_size / 1e3:,.0f} kB" if target.is_file() else ""
+    results_console().print(f"{target}{size}", soft_wrap=True)
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

@@ -8,14 +8,15 @@ import typer
 
 from pipeline.cli.console import messages_console
 from pipeline.cli.options import (
-    RESULTS,
     ConfigArgument,
     ForceOption,
     NoWhyNotOption,
     OutOption,
     SpeedOption,
+    UnprovenOption,
     VerboseOption,
     load_task,
+    results_folder,
     specs_of,
 )
 from pipeline.cli.run_stages import run_stages
@@ -41,6 +42,7 @@ def run(
     force: ForceOption = False,
     verbose: VerboseOption = False,
     no_why_not: NoWhyNotOption = False,
+    unproven: UnprovenOption = False,
 ) -> None:
     """Run everything: regions, route, path, certificate, trajectory, figures and report.
 
@@ -51,7 +53,7 @@ def run(
     """
     from pipeline.run import RunOptions
 
-    options = RunOptions(first, last or STAGES[-1], force, verbose, why_not=not no_why_not)
+    options = RunOptions(first, last or STAGES[-1], force, verbose, not no_why_not, unproven)
     _run(context, config, out, options, speed)
 
 
@@ -80,7 +82,9 @@ def route(
     """Stage one: find the regions, and the best route through them (a mixed-integer program).
 
     The route is proven optimal over all admitted moves between regions, or
-    proven not to exist. Alternatives differ from each better route by
+    proven not to exist. When route.time_limit_s ends the search first, the
+    best route so far is kept with its bound and gap, and the exit code is 1.
+    Alternatives differ from each better route by
     route.alternative_distance grid steps, or by their working modes.
     """
     if alternatives > 1 and write_mps is not None:
@@ -97,7 +101,7 @@ def route(
     if alternatives > 1:
         from pipeline.cli.alternatives import plan_alternatives
 
-        plan_alternatives(chosen, out or RESULTS / chosen.name, alternatives, options, specs_of(context))
+        plan_alternatives(chosen, out or results_folder(chosen), alternatives, options, specs_of(context))
         return
     run_stages(config, chosen, out, options, specs_of(context))
 
@@ -108,6 +112,7 @@ def refine(
     out: OutOption = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,
+    unproven: UnprovenOption = False,
 ) -> None:
     """Stage two: smooth the route into a path of splines in actuator space (a nonlinear program).
 
@@ -115,7 +120,7 @@ def refine(
     """
     from pipeline.run import RunOptions
 
-    _run(context, config, out, RunOptions(last=Stage.REFINE, force=force, verbose=verbose))
+    _run(context, config, out, RunOptions(last=Stage.REFINE, force=force, verbose=verbose, unproven=unproven))
 
 
 def retime(
@@ -125,6 +130,7 @@ def retime(
     speed: SpeedOption = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,
+    unproven: UnprovenOption = False,
 ) -> None:
     """Stage three: time the path within all limits, and write trajectory.csv and that of the way back.
 
@@ -133,7 +139,7 @@ def retime(
     """
     from pipeline.run import RunOptions
 
-    _run(context, config, out, RunOptions(last=Stage.RETIME, force=force, verbose=verbose), speed)
+    _run(context, config, out, RunOptions(last=Stage.RETIME, force=force, verbose=verbose, unproven=unproven), speed)
 
 
 def _run(

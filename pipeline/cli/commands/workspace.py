@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.output import check_picture, save_picture, text_table
+from pipeline.cli.output import check_picture, refuse_same, save_picture, text_table
 
 
 def workspace(
@@ -39,7 +39,8 @@ def workspace(
     step, to show how far they have converged.
     """
     check_picture(picture)
-    check_picture(volume, "--picture-3d")
+    check_picture(volume, option="--picture-3d")
+    refuse_same(picture, volume, "--picture and --picture-3d")
     from pipeline.artifacts import json_bytes
     from pipeline.config.file import load_config
     from pipeline.machine.geometry import build_machine

@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.arguments import require_array, require_whole
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import GridConfig
-from pipeline.machine.geometry import Machine
+from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
-from pipeline.machine.statics import condition_number, statics_matrix
+from pipeline.machine.statics import condition_number, moment_unit, statics_matrix
 
 _COARSE_POINTS = 40
 _MARGIN_M = 0.05
@@ -34,13 +35,16 @@ class KappaMap:
     y_m, z_m : (ny,), (nz,)
         Grid values.
     kappa, det : (nz, ny)
-        Condition number and determinant of H, moments in metres.
+        Condition number and determinant of H.
+    moment_unit : str
+        What moments are measured in.
     """
 
     y_m: FloatArray
     z_m: FloatArray
     kappa: FloatArray
     det: FloatArray
+    moment_unit: str = "moments in m"
 
     @property
     def has_singularities(self) -> bool:
@@ -57,17 +61,25 @@ def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tupl
     """Evaluate kappa and det H over y (ny,) and z (nz,) at tilt (rx, rz) in a working mode; they do not depend on x.
 
     Only reach decides where there is a value: strokes, travel and clearance are not checked.
+
+    Raises
+    ------
+    ArgumentError
+        If y, z or the tilt have other shapes or hold what is no finite number, or there is no such mode.
     """
+    y_m, z_m = require_array("y_m", y_m, ("ny",)), require_array("z_m", z_m, ("nz",))
+    tilt = require_array("tilt_rad", tilt_rad, (2,))
+    mode = require_whole("mode", mode, 0, len(MODES) - 1)
     y, z = np.meshgrid(y_m, z_m)
     controlled = np.zeros((y.size, 5))
     controlled[:, 1], controlled[:, 2] = y.ravel(), z.ravel()
-    controlled[:, 3:] = tilt_rad
+    controlled[:, 3:] = tilt
     solution = inverse_kinematics(machine, controlled, np.full(y.size, mode))
     rows = np.flatnonzero(solution.reachable)
     H = statics_matrix(machine, solution.pose[rows], solution.q_m[rows, :3])
     kappa, det = np.full(y.size, np.nan), np.full(y.size, np.nan)
     kappa[rows], det[rows] = condition_number(H), np.linalg.det(H)
-    return KappaMap(y_m, z_m, kappa.reshape(y.shape), det.reshape(y.shape))
+    return KappaMap(y_m, z_m, kappa.reshape(y.shape), det.reshape(y.shape), moment_unit(machine))
 
 
 def seen_window(

@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from pipeline.arguments import require_number
+from pipeline.errors import ArgumentError
 from pipeline.figures import style
 from pipeline.figures.maps.kappa_map import KappaMap
 
@@ -26,7 +28,15 @@ def kappa_map_figure(maps: Mapping[str, KappaMap], kappa_max: float = 100.0) -> 
     """Draw maps of kappa side by side under their titles, in one colour scale that ends at `kappa_max`.
 
     Dark is near a Type-II singularity, the yellow loops are det H = 0, the hatched area is out of reach.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no map, or `kappa_max` is not more than one.
     """
+    if not maps:
+        raise ArgumentError("maps: expected at least one")
+    kappa_max = require_number("kappa_max", kappa_max, above=1.0)
     columns = min(_COLUMNS, len(maps))
     rows = -(-len(maps) // columns)
     first = next(iter(maps.values()))
@@ -40,7 +50,7 @@ def kappa_map_figure(maps: Mapping[str, KappaMap], kappa_max: float = 100.0) -> 
     for axes in panels[len(maps) :]:
         axes.remove()
     style.label_yz_panels(panels[: len(maps)], columns)
-    add_kappa_bar(figure, panels[: len(maps)], norm, extend="max")
+    add_kappa_bar(figure, panels[: len(maps)], norm, first.moment_unit, extend="max")
     figure.legend(handles=map_handles(), loc="outside lower center", ncols=2)
     return figure
 
@@ -84,13 +94,13 @@ def _extent(a_map: KappaMap) -> tuple[float, float, float, float]:
 
 
 def add_kappa_bar(
-    figure: Figure, panels: list[Axes], norm: LogNorm, extend: Literal["neither", "max"] = "neither"
+    figure: Figure, panels: list[Axes], norm: LogNorm, unit: str, extend: Literal["neither", "max"] = "neither"
 ) -> None:
-    """Add the colour bar of kappa below the panels."""
+    """Add the colour bar of kappa below the panels; `unit` is that of its moments."""
     bar = figure.colorbar(
         ScalarMappable(norm, COLORMAP), ax=panels, location="bottom", extend=extend, aspect=35, pad=0.02, shrink=0.9
     )
-    bar.set_label("κ, the condition number of H (moments in m)")
+    bar.set_label(f"κ, the condition number of H ({unit})")
     bar.ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
     bar.ax.xaxis.set_minor_locator(NullLocator())
     bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

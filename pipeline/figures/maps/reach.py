@@ -12,8 +12,8 @@ from matplotlib.patches import Patch
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.figures import style
+from pipeline.limits.actuator_margins import controlled_pose
 from pipeline.machine.geometry import MODES
-from pipeline.route.regions.endpoints import controlled_pose
 from pipeline.route.regions.table import RegionTable
 
 _COLUMNS = 4

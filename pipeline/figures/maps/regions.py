@@ -11,7 +11,8 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.maps.panels import COLORMAP, add_kappa_bar
-from pipeline.machine.geometry import MODES
+from pipeline.machine.geometry import MODES, build_machine
+from pipeline.machine.statics import moment_unit
 from pipeline.route.regions.table import RegionTable
 
 _COLUMNS = 4
@@ -43,7 +44,7 @@ def regions_figure(config: Config, regions: RegionTable) -> Figure:
     for axes in panels[len(modes) :]:
         axes.remove()
     style.label_yz_panels(panels[: len(modes)], columns)
-    add_kappa_bar(figure, panels[: len(modes)], norm)
+    add_kappa_bar(figure, panels[: len(modes)], norm, moment_unit(build_machine(config.machine)))
     rx, rz = np.rad2deg(shown.controlled[0, 3:])
     figure.legend(
         handles=_legend_handles(shown),

@@ -108,7 +108,7 @@ def _draw(canvas: _Canvas, steps: IntArray, maps: list[KappaMap]) -> Figure:
     for axes in panels[len(steps) :]:
         axes.remove()
     style.label_yz_panels(panels[: len(steps)], columns)
-    add_kappa_bar(figure, panels[: len(steps)], canvas.norm, extend="max")
+    add_kappa_bar(figure, panels[: len(steps)], canvas.norm, maps[0].moment_unit, extend="max")
     figure.legend(handles=_legend_handles(canvas), loc="outside lower center", ncols=3)
     return figure
 

@@ -15,7 +15,7 @@ from pipeline.arrays import FloatArray
 from pipeline.figures import style
 from pipeline.machine.geometry import ACTUATORS, LINKS
 from pipeline.retime.path_dynamics import grid, tabulate_dynamics
-from pipeline.retime.quantities import JERK, QUANTITIES, Quantities, evaluate, limited, limits
+from pipeline.retime.quantities import JERK, QUANTITIES, Quantities, both_sides, evaluate, fractions, limited, limits
 from pipeline.retime.result import Trajectory
 
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE, style.SKY_BLUE)
@@ -50,7 +50,7 @@ _ROWS = (
 
 @dataclass(frozen=True, eq=False)
 class _Loads:
-    """Every quantity (n, subjects) at instants t (n,), and its limits."""
+    """Every quantity (n, subjects) at instants t (n,), and its limits (subjects,) or (2, subjects)."""
 
     t_s: FloatArray
     values: dict[str, FloatArray]
@@ -111,17 +111,20 @@ def loads_figure(trajectory: Trajectory) -> Figure:
 
 def _draw(axes: Axes, loads: _Loads, panel: _Panel) -> None:
     """Draw a panel; a limit far above the curves would only flatten them, and is written next to the axis instead."""
-    values, allowed = loads.values[panel.quantity][:, panel.which], loads.allowed[panel.quantity][panel.which]
+    values, allowed = loads.values[panel.quantity][:, panel.which], loads.allowed[panel.quantity][..., panel.which]
     for value, colour, name in zip(values.T, _COLOURS[panel.which], panel.names[panel.which], strict=True):
         axes.plot(loads.t_s, value, color=colour, linewidth=0.7, label=name)
     used = float(np.abs(values).max())
     axes.set_ylabel(panel.label)
-    for limit in np.unique(allowed[np.isfinite(allowed)]):
-        if limit <= 2.0 * used:
-            for bound in (-limit, limit):
-                axes.axhline(bound, **style.LIMIT_LINE)
-        else:
-            axes.set_ylabel(f"{panel.label}\nlimit {limit:g}")
+    far = []
+    for sign, limits_of_side in zip((1.0, -1.0), both_sides(allowed), strict=True):
+        for limit in np.unique(limits_of_side[np.isfinite(limits_of_side)]):
+            if limit <= 2.0 * used:
+                axes.axhline(sign * limit, **style.LIMIT_LINE)
+            else:
+                far.append(float(limit))
+    if far:
+        axes.set_ylabel(f"{panel.label}\nlimit {', '.join(f'{limit:g}' for limit in dict.fromkeys(far))}")
     axes.yaxis.set_major_locator(MaxNLocator(5))
 
 
@@ -137,7 +140,7 @@ def usage_figure(trajectory: Trajectory, quantities: Quantities = QUANTITIES) ->
     figure = style.new_figure(_PANEL_IN * len(shown) + _REST_IN)
     panels = figure.subplots(len(shown), sharex=True, sharey=True, squeeze=False)[:, 0]
     for axes, quantity, colour in zip(panels, shown, cycle((*_COLOURS, style.BLACK)), strict=False):
-        share = (np.abs(loads.values[quantity.name]) / loads.allowed[quantity.name]).max(axis=1)
+        share = fractions(loads.values[quantity.name], loads.allowed[quantity.name]).max(axis=1)
         axes.fill_between(loads.t_s, share, color=colour, alpha=0.25, linewidth=0.0)
         axes.plot(loads.t_s, share, color=colour, linewidth=0.7, label=quantity.words)
         axes.axhline(1.0, **style.LIMIT_LINE)

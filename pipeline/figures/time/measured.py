@@ -24,7 +24,7 @@ def measured_figure(comparison: MeasurementComparison) -> Figure:
     """Draw x, y, z, rx, rz over time: commanded and measured on the left, their difference on the right.
 
     On the left some of the measured points are shown, on the right all of them, with a band of two standard deviations
-    of their noise if it is known.
+    of their noise if it is known. The legend counts rows of the file that were skipped for a gap.
     """
     figure = style.new_figure(5.6)
     panels = figure.subplots(len(COORDINATES), 2, sharex=True)
@@ -39,7 +39,8 @@ def measured_figure(comparison: MeasurementComparison) -> Figure:
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     for column in panels.T:
         figure.align_ylabels(column)
-    figure.legend(handles=_handles(comparison.std is not None), loc="outside lower center", ncols=3)
+    handles = _handles(comparison)
+    figure.legend(handles=handles, loc="outside lower center", ncols=3 if len(handles) < 4 else 2)
     return figure
 
 
@@ -75,12 +76,14 @@ def _dots() -> dict[str, Any]:
     }
 
 
-def _handles(band: bool) -> list[Line2D | Patch]:
-    """Make entries for commanded, measured and, if it is known, the band of noise."""
+def _handles(comparison: MeasurementComparison) -> list[Line2D | Patch]:
+    """Make entries for commanded, measured, the band of noise if it is known, and rows with gaps if there are any."""
     handles: list[Line2D | Patch] = [
         Line2D([], [], color=style.COARSE, label="commanded"),
         Line2D([], [], label="measured", **_dots()),
     ]
-    if band:
+    if comparison.std is not None:
         handles.append(Patch(facecolor=style.SKY_BLUE, alpha=0.5, label="two standard deviations of noise"))
+    if comparison.account is not None and (gaps := comparison.account.gap_count):
+        handles.append(Line2D([], [], linestyle="none", label=f"left out: {gaps:,} row{'s'[: gaps > 1]} with gaps"))
     return handles

@@ -37,6 +37,10 @@ class Relaxation:
         Returns the filter of the regions of a wide table: their poses and x windows (n, 2).
     locked_axes : tuple of str or None
         Tilt axes that stay locked, if the change is to unlock others.
+    removes : bool
+        That the change is to remove it, and nothing lies between.
+    part_of : str
+        Key of the relaxation that removes this and others like it: if that does not help, this does not.
     """
 
     key: str
@@ -46,6 +50,22 @@ class Relaxation:
     change: Callable[[float], Config]
     prepare: Callable[[PoseSamples, FloatArray], RegionFilter]
     locked_axes: tuple[str, ...] | None = None
+    removes: bool = False
+    part_of: str = ""
+
+    @classmethod
+    def removal(cls, key: str, without: Config, part_of: str = "") -> Self:
+        """Remove something that the task asks for; `without` is the configuration without it."""
+        return cls(
+            key=key,
+            configured=0.0,
+            levels=np.array([0.0, 1.0]),
+            segments=(2,),
+            change=lambda value: without,
+            prepare=lambda samples, windows_m: lambda value: (windows_m, np.ones(len(windows_m), dtype=bool)),
+            removes=True,
+            part_of=part_of,
+        )
 
     @classmethod
     def of_one_table(
@@ -64,6 +84,17 @@ class Relaxation:
 def threshold_filter(needed: FloatArray, windows_m: FloatArray, at_most: bool = True) -> RegionFilter:
     """Admit the regions whose needed value (n,) is at most the limit's value, or at least it; windows stay."""
     return lambda value: (windows_m, needed <= value if at_most else needed >= value)
+
+
+def removals(config: Config, key: str) -> list[Relaxation]:
+    """Remove the entries of a list of the task, `task.<key>`: all of them, and each one alone."""
+    entries = getattr(config.task, key)
+    whole = f"task.{key}" if len(entries) > 1 else ""
+    found = [Relaxation.removal(whole, with_values(config, "task", **{key: ()}))] if whole else []
+    for k in range(len(entries)):
+        others = entries[:k] + entries[k + 1 :]
+        found.append(Relaxation.removal(f"task.{key}[{k}]", with_values(config, "task", **{key: others}), whole))
+    return found
 
 
 def with_values(config: Config, section: str, **values: Any) -> Config:

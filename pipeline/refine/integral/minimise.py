@@ -4,6 +4,7 @@ from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
 from pipeline.limits import node_limits
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
@@ -46,7 +47,7 @@ def solve_on_mesh(
         If IPOPT does not converge; its last path is in the `diagnosis`.
     """
     mesh = initial.mesh
-    label = f"refine ({len(mesh.s)} nodes, {mesh.coefficients} coefficients)"
+    label = f"refine: {len(mesh.s)} nodes, {mesh.coefficients} coefficients"
     problem.monitor.progress(f"{label}: building the program")
     # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
     with interrupts_noted():
@@ -72,6 +73,7 @@ def program_data(problem: Problem, initial: MeshSolution, exponent: float, evenn
         reach_m=float(problem.steps[:3].max()),
         steps=problem.steps,
         directions=problem.directions,
+        actuator_range_m=planned_range_m(config, problem.machine),
         exponent=exponent,
         evenness=evenness,
         smoothness=problem.smoothness.form(initial.mesh.knots),

@@ -1,8 +1,7 @@
 """The nonlinear program of stage two, written in CasADi.
 
-Unknowns: pose (6) and actuators (5) of every collocation node, the spline coefficients, unknowns of limits (a
-separating vector for every pair of axes that come near), and the length. With the actuators as unknowns of their own
-the Hessian is sparse: a node touches itself and its neighbour, and the splines enter linear equations only.
+Unknowns: pose (6) and actuators (5) of every collocation node, spline coefficients, what limits bring, and the length.
+With the actuators as unknowns of their own the Hessian is sparse: a node touches itself and its neighbour.
 
     minimise    the integral of kappa: over neighbouring nodes, (kappa_k + kappa_k+1) / 2 times their distance in
                 the route's metric
@@ -17,6 +16,7 @@ the Hessian is sparse: a node touches itself and its neighbour, and the splines 
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -129,11 +129,12 @@ class ProgramData:
         The metric: largest moves per step of the route.
     directions : (2, 5)
         Unit vectors in which the actuators leave the start and reach the goal, NaN where they are free.
+    actuator_range_m : (5, 2)
+        Least and largest position of every actuator along the path.
     exponent : float
         Exponent of the smooth kappa, a Schatten condition number.
     evenness : float
-        Cost of uneven speed along s, in units of kappa. The integral itself does not change if a path is traversed
-        differently: without this cost nothing holds the nodes in place, and IPOPT creeps.
+        Cost of uneven speed along s, in units of kappa: the integral alone leaves the nodes free, and IPOPT creeps.
     smoothness : (5 n, 5 n)
         Form of the cost of a path that is not smooth.
     """
@@ -145,6 +146,7 @@ class ProgramData:
     reach_m: float
     steps: FloatArray
     directions: FloatArray
+    actuator_range_m: FloatArray
     exponent: float
     evenness: float
     smoothness: csr_array
@@ -212,7 +214,7 @@ def _unknowns(
 ) -> list[Unknowns]:
     """List all unknowns with guess and bounds; `own` are those of the limits."""
     nodes, count = guess.nodes, len(guess.coefficients)
-    low, high = (np.tile(bound, (count, 1)) for bound in nodes.machine.actuator_limits_m.T)
+    low, high = (np.tile(bound, (count, 1)) for bound in data.actuator_range_m.T)
     low[[0, -1]] = high[[0, -1]] = guess.coefficients[[0, -1]]
     free = np.full_like(nodes.q_m, np.inf)
     return [
@@ -226,11 +228,10 @@ def _unknowns(
 
 def _path_rows(machine: Machine, mesh: Mesh, x: _Symbols, squared: ca.MX, distance: ca.MX) -> list[Row]:
     """Write closure, splines, the speed along s and the length."""
-    closure = closure_function(machine).map(len(mesh.s))(x.pose, x.q)
     fraction = ca.DM(np.diff(mesh.s)).T * x.length
     least, largest = SPEED_RANGE
     return [
-        Row("closure", ca.vec(closure), 0.0, 0.0),
+        Row("closure", ca.vec(closure_function(machine).map(len(mesh.s))(x.pose, x.q)), 0.0, 0.0),
         Row("spline", ca.vec(x.q - x.coefficients @ _sparse(basis(mesh.knots, mesh.s)).T), 0.0, 0.0),
         Row("speed along the path (least)", ca.vec(squared - (least * fraction) ** 2), 0.0, np.inf),
         Row("speed along the path (largest)", ca.vec(squared - (largest * fraction) ** 2), -np.inf, 0.0),
@@ -290,9 +291,8 @@ def _unevenness(mesh: Mesh, distance: ca.MX, length: ca.MX, first_length: float)
 
 
 def _blocks(rows: Sequence[Row]) -> tuple[Block, ...]:
-    sizes = [row.expression.numel() for row in rows]
-    ends = np.cumsum(sizes).tolist()
-    return tuple(Block(row.name, end - size, end) for row, size, end in zip(rows, sizes, ends, strict=True))
+    ends = np.cumsum([row.expression.numel() for row in rows]).tolist()
+    return tuple(Block(row.name, *span) for row, span in zip(rows, pairwise([0, *ends]), strict=True))
 
 
 def _joined(parts: Iterable[FloatArray]) -> FloatArray:

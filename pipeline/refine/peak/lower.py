@@ -7,6 +7,7 @@ from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
 from pipeline.limits import counting, node_limits
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.kappa import path_cap
 from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.mesh import midpoints
@@ -46,7 +47,7 @@ def lower_peak(problem: Problem, initial: MeshSolution) -> MeshSolution:
     smoothness = problem.smoothness.form(initial.mesh.knots)
     objective = PeakObjective(row.mean_weight, row.peak_weight, target, cap, problem.length, smoothness)
     problem.monitor.progress(
-        f"refine ({len(initial.mesh.s)} nodes): lowering the largest kappa, now {iterate.kappa.max():.2f}"
+        f"refine: {len(initial.mesh.s)} nodes: lowering the largest kappa, now {iterate.kappa.max():.2f}"
     )
     solution = initial
     if iterate.kappa.max() > cap:
@@ -82,7 +83,8 @@ def peak_problem(problem: Problem, initial: MeshSolution) -> tuple[PeakProblem, 
         ],
     )
     one_way = one_way_legs(limits, iterate.samples, s, initial.mesh.knots)
-    return PeakProblem(points, required, problem.directions, machine.actuator_limits_m, one_way), iterate
+    range_m = planned_range_m(config, machine)
+    return PeakProblem(points, required, problem.directions, range_m, one_way), iterate
 
 
 def _target_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:

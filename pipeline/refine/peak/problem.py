@@ -57,7 +57,7 @@ class PeakProblem:
         What the poses there have to keep.
     directions : (2, 5)
         Directions of the actuators at both ends, NaN where they are free.
-    actuator_limits_m : (5, 2)
+    actuator_range_m : (5, 2)
         Bounds of the coefficients.
     one_way : tuple of OneWayLeg
         Legs of the control polygon along which an actuator must not move one way.
@@ -66,7 +66,7 @@ class PeakProblem:
     points: EvaluationPoints
     required: PathConstraints
     directions: FloatArray
-    actuator_limits_m: FloatArray
+    actuator_range_m: FloatArray
     one_way: tuple[OneWayLeg, ...] = ()
 
     def constraints(self, iterate: Iterate) -> Iterator[Constraint]:

@@ -51,12 +51,12 @@ class StepProgram:
             gradient=weight * slope + objective.peak_weight * peak,
             matrix=vstack(rows),
             row_bounds=(np.concatenate(low), np.concatenate(high)),
-            column_bounds=self._variable_bounds(problem.actuator_limits_m),
+            column_bounds=self._variable_bounds(problem.actuator_range_m),
         )
 
-    def _variable_bounds(self, actuator_limits_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _variable_bounds(self, actuator_range_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         coefficients, target = self._iterate.coefficients, self._objective.target
-        low, high = (actuator_limits_m[:, side] - coefficients for side in (0, 1))
+        low, high = (actuator_range_m[:, side] - coefficients for side in (0, 1))
         for change in (low, high):
             change[[0, -1]] = 0.0
         length = float(self._iterate.distances.sum())

@@ -88,7 +88,7 @@ function createMapView(parts, report) {
       [motion, shown] = [chosen, -1];
       const { maps } = motion;
       const colour = colours[motion.name];
-      drawScale(scale, colours.map, maps.kappaRange);
+      drawScale(scale, colours.map, maps.kappaRange, report.scene.momentUnit);
       Plotly.restyle(
         div,
         { x: [maps.y], y: [maps.z], zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]) },
@@ -115,7 +115,7 @@ function createMapView(parts, report) {
 }
 
 /** The colours of kappa from least to largest, evenly on a logarithmic scale, with round numbers below. */
-function drawScale(scale, colours, [least, largest]) {
+function drawScale(scale, colours, [least, largest], unit) {
   const bar = document.createElement("div");
   bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
   const label = (text, part) => {
@@ -130,7 +130,7 @@ function drawScale(scale, colours, [least, largest]) {
   );
   const place = (kappa) => Math.log(kappa / least) / Math.log(largest / least);
   const ticks = round.map((kappa) => label(String(kappa), place(kappa)));
-  scale.replaceChildren(bar, ...ticks, label(`≥ ${largest}`, 1), label("κ (moments in m)"));
+  scale.replaceChildren(bar, ...ticks, label(`≥ ${largest}`, 1), label(`κ (${unit})`));
 }
 
 function ends(values) {

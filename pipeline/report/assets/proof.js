@@ -37,7 +37,7 @@ function createProofView(div, report) {
       gridcolor: "#e5e5e5",
       zeroline: false,
     },
-    yaxis: { title: { text: "κ (moments in m)", standoff: 6 }, gridcolor: "#e5e5e5", zeroline: false },
+    yaxis: { title: { text: `κ (${report.scene.momentUnit})`, standoff: 6 }, gridcolor: "#e5e5e5", zeroline: false },
   };
   return Plotly.newPlot(div, traces, layout, CALM);
 }

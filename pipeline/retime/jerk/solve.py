@@ -1,6 +1,6 @@
 """The shortest motion with bounded jerk: guess, solve, check within pieces and solve again, until all limits hold."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from pipeline.retime.jerk.options import DEFAULTS, JerkOptions
 from pipeline.retime.jerk.program import Checks, build_program, solve_program
 from pipeline.retime.jerk.quartic_law import QuarticLaw, halved, slowed
 from pipeline.retime.path_dynamics import PathDynamicsTable
-from pipeline.retime.quantities import evaluate, limited, limits, moving_shares
+from pipeline.retime.quantities import evaluate, fractions, limited, limits, moving_shares
 from pipeline.retime.result import Trajectory
 from pipeline.solvers import interrupts_noted
 
@@ -26,6 +26,8 @@ _HALVED = 1.01
 """Fraction from which on, after the first round, a piece and its neighbours are halved."""
 _SETTLED = 1e-3
 """Least relative gain in time that is worth another round: in each, seconds change within bounds only."""
+_STILL = 0.01
+"""Least acceleration of an actuator, relative to that of the fastest one, by which its jerk is judged."""
 _SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
@@ -48,6 +50,7 @@ def limit_jerk(
 ) -> JerkLimited:
     """Find the shortest motion along the path under all limits, from rest to rest without acceleration at either end.
 
+    Jerk limits so high that accelerations would build up within a tiny part of the motion are lowered (`most_ramps`).
     Limits hold at breakpoints and in the middle of every piece. After each solve they are evaluated in between; where
     they are exceeded, the next program checks them, and after the first solve pieces are halved there.
 
@@ -56,14 +59,21 @@ def limit_jerk(
     NoSolutionError
         When a program is not solved.
     """
+    path, table = table.path, _resolved(table, fastest, options.most_ramps)
     law = first_guess(table, fastest, pieces, options.pieces_per_width)
     checks = _midpoints(law)
     iterations, before = 0, np.inf
     for number in range(options.rounds):
-        law, took = _solve(table, law, checks, monitor, options)
+        try:
+            law, took = _solve(table, law, checks, monitor, options)
+        except NoSolutionError:
+            if number == 0:
+                raise
+            # The last law is slowed down to keep what this round would have mended.
+            break
         iterations += took
         largest, settled = _fractions(table, law), law.h.sum() > before * (1.0 - _SETTLED)
-        if largest.max() <= _HELD and settled:
+        if (largest.max() <= _HELD and settled) or iterations >= options.all_iterations:
             break
         before = law.h.sum()
         if number == 0 and largest.max() > _HALVED:
@@ -71,8 +81,25 @@ def limit_jerk(
             checks = _midpoints(law)
         else:
             checks = _add_checks(checks, largest)
-    trajectory = Trajectory(table.path, law.time_law())
+    trajectory = Trajectory(path, law.time_law())
     return JerkLimited(trajectory, len(law.h), number + 1, iterations)
+
+
+def _resolved(table: PathDynamicsTable, fastest: Trajectory, most_ramps: float) -> PathDynamicsTable:
+    """Lower jerk limits until accelerations take at least 1 / most_ramps of the motion to build up.
+
+    The accelerations are those of the fastest motion, or what takes it to its velocities in that time.
+    """
+    law = fastest.time_law
+    middle, least_s = fastest.dwell_s[0] + (law.x[1:] + law.x[:-1]) / 2.0, fastest.motion_s / most_ramps
+    velocity, acceleration = (np.abs(fastest.q(middle, order)).max(axis=0) for order in (1, 2))
+    used = np.minimum(acceleration, velocity / least_s)
+    machine = table.path.machine
+    enough = np.maximum(used, _STILL * used.max()) / least_s
+    machine = replace(
+        machine, jerk_mps3=np.where(np.isfinite(machine.jerk_mps3), np.minimum(machine.jerk_mps3, enough), np.inf)
+    )
+    return replace(table, path=replace(table.path, machine=machine))
 
 
 def _solve(
@@ -120,7 +147,7 @@ def _fractions(table: PathDynamicsTable, law: QuarticLaw) -> FloatArray:
     s, *state = law.state(np.repeat(np.arange(count), len(_PARTS)), np.tile(_PARTS, count))
     dynamics = table.at(s.clip(0.0, 1.0))
     values, allowed = evaluate(dynamics, *state), limits(machine)
-    parts = [np.abs(values[name]) / allowed[name] for name in limited(machine)]
+    parts = [fractions(values[name], allowed[name]) for name in limited(machine)]
     # Where rest takes nearly all of a force, a small part of the limit is most of what is left for motion.
     parts += moving_shares(dynamics, values).values()
     return np.asarray(np.max([part.max(axis=1) for part in parts], axis=0).reshape(count, -1))

@@ -55,9 +55,9 @@ class Budget:
         return used
 
     def shown(self, regions: RegionTable, used: float) -> str:
-        """Format a use in the unit of the key, with the least travel along X added."""
+        """Format a least use in the unit of the key, with the least travel along X added, rounded down: a bound."""
         total = used + self.limit - self.left(regions)
-        return f"{np.rad2deg(total) if self.in_degrees else total:.4g}"
+        return f"{np.floor((np.rad2deg(total) if self.in_degrees else total) * 1e4 + 1e-5) / 1e4:g}"
 
     def left(self, regions: RegionTable) -> float:
         """Compute what is left after the travel from the start's x to the goal's, which every route needs."""

@@ -68,9 +68,7 @@ def _best_prices(
     return Prices(budgets, tuple(best[:-1].tolist()), -float(best[-1]))
 
 
-def _plane(
-    regions: RegionTable, moves: Moves, cost: MoveCost, prices: Prices
-) -> tuple[float, FloatArray]:
+def _plane(regions: RegionTable, moves: Moves, cost: MoveCost, prices: Prices) -> tuple[float, FloatArray]:
     """Cost of the path that is shortest at these prices, and by how much it exceeds each budget and the travel."""
     _, previous = dijkstra(priced_graph(regions, moves, cost, prices), indices=regions.start, return_predecessors=True)
     path = path_to(previous, regions.start, regions.goal)

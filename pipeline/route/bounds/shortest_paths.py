@@ -68,7 +68,6 @@ def priced_graph(
     regions: RegionTable, moves: Moves, cost: MoveCost, prices: Prices = FREE, block_size: int = _BLOCK
 ) -> csr_array:
     """Give the moves as a sparse matrix of their least costs at the prices. Shape (n, n)."""
-
     costs = np.empty(len(moves))
 
     def price(block: slice) -> None:

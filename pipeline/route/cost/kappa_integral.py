@@ -28,11 +28,15 @@ class KappaIntegral:
     def first_travel(self, regions: RegionTable, source: IntArray, target: IntArray, price: float) -> FloatArray:
         """None, half and all of the largest move, both ways, and the best one at the price. Shape (6, m)."""
         fixed = np.array([-1.0, -0.5, 0.0, 0.5, 1.0]) * self.steps[0]
-        return np.vstack([np.repeat(fixed[:, None], len(source), axis=1), self.best_travel(regions, source, target, price)])
+        return np.vstack(
+            [np.repeat(fixed[:, None], len(source), axis=1), self.best_travel(regions, source, target, price)]
+        )
 
     def at(self, regions: RegionTable, source: IntArray, target: IntArray, dx_m: FloatArray) -> FloatArray:
         """Compute the mean kappa of the ends times the length of moves (m,). Shape (m,)."""
-        return _mean_kappa(regions, source, target) * np.hypot(self._length(regions, source, target), self._in_steps(dx_m))
+        return _mean_kappa(regions, source, target) * np.hypot(
+            self._length(regions, source, target), self._in_steps(dx_m)
+        )
 
     def tangent(
         self, regions: RegionTable, source: IntArray, target: IntArray, dx_m: FloatArray

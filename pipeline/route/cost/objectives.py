@@ -7,14 +7,13 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import RouteConfig
 from pipeline.config.choices import RouteObjective
+from pipeline.machine.geometry import Machine
 from pipeline.route.cost.actuator_time import ActuatorTime
 from pipeline.route.cost.interface import MoveCost
 from pipeline.route.cost.kappa_integral import KappaIntegral
 from pipeline.route.cost.kappa_sum import KappaSum
-from pipeline.machine.geometry import Machine
 from pipeline.route.metric import step_sizes
 from pipeline.route.regions.table import RegionTable
-
 
 COSTS: dict[RouteObjective, Callable[[RouteConfig, Machine], MoveCost]] = {
     RouteObjective.INTEGRAL: lambda options, machine: KappaIntegral(step_sizes(options)),

@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
 from pipeline.limits import admits, pose_limits
+from pipeline.limits.actuator_margins import within_margins
 from pipeline.limits.actuators import TRAVEL_REFUSED, x_windows
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
@@ -84,6 +85,7 @@ def _isolated(config: Config, machine: Machine, name: str, controlled: FloatArra
 
 def _refusals(config: Config, machine: Machine, near: FloatArray, mode: int) -> Iterator[tuple[str, BoolArray]]:
     """Yield what a region has to satisfy, in the order of evaluation, and which points (n, 5) do not."""
+    machine = within_margins(config, machine)
     solution = inverse_kinematics(machine, near, np.full(len(near), mode))
     yield "are out of reach", ~solution.reachable
     rows = np.flatnonzero(solution.reachable)

@@ -10,6 +10,7 @@ from pipeline.arrays import BoolArray, IntArray
 from pipeline.config import Config, RouteConfig
 from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import RegionFilter, Relaxation
+from pipeline.limits.interface.relaxation import with_values
 from pipeline.machine.geometry import Machine, build_machine
 from pipeline.progress import Monitor, Progress
 from pipeline.route.bounds.shortest_paths import fewest_positions
@@ -19,8 +20,9 @@ from pipeline.route.regions.build import build_regions
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route
 
+WHY_NOT = "why not: "
 _SEARCH_ROUNDS, _SEARCH_S = 30, 30.0
-"""Most rounds of a whole search, and the time limit of each of its solves."""
+"""Most rounds of a whole search, and its time limit."""
 _ROUNDING = 1e-9
 
 
@@ -66,7 +68,8 @@ class RelaxedTable:
             If they need more memory than allowed, or a visit is out of reach.
         """
         value = float(relaxation.levels[end - 1])
-        tell = prefixed(progress, f"{relaxation.key} {value:g}")
+        what = f"without {relaxation.key}" if relaxation.removes else f"{relaxation.key} up to {value:g}"
+        tell = prefixed(progress, what)
         wide = relaxation.change(value)
         wide_machine = build_machine(wide.machine)
         regions = build_regions(wide, wide_machine, Monitor(tell))
@@ -117,18 +120,28 @@ WholeSearch = Callable[[Config, Machine, RegionTable, Progress], tuple[Route | N
 def search_whole(
     config: Config, machine: Machine, regions: RegionTable, progress: Progress, plan: Callable[..., Route] = plan_route
 ) -> tuple[Route | None, bool]:
-    """Run `plan_route` with limited effort; also return whether a missing route is proven not to exist."""
+    """Run `plan_route` with little effort; also return whether a missing route is proven not to exist."""
+    return attempted(lambda: plan(with_little_effort(config), machine, regions, Monitor(progress)))
+
+
+def with_little_effort(config: Config) -> Config:
+    """Ask for any good route: few rounds, a short time, the fastest program."""
     options = config.route
-    effort = {
-        "formulation": "core",
-        "objective": "sum",
-        "alternative": 1,
-        "max_rounds": min(_SEARCH_ROUNDS, options.max_rounds),
-        "time_limit_s": min(_SEARCH_S, options.time_limit_s),
-    }
-    limited = config.model_copy(update={"route": options.model_copy(update=effort)})
+    return with_values(
+        config,
+        "route",
+        formulation="core",
+        objective="sum",
+        alternative=1,
+        max_rounds=min(_SEARCH_ROUNDS, options.max_rounds),
+        time_limit_s=min(_SEARCH_S, options.time_limit_s),
+    )
+
+
+def attempted(search: Callable[[], Route]) -> tuple[Route | None, bool]:
+    """Run a search; also return whether a missing route is proven not to exist."""
     try:
-        return plan(limited, machine, regions, Monitor(progress)), True
+        return search(), True
     except InfeasibleError:
         return None, True
     except NoSolutionError:
@@ -136,9 +149,10 @@ def search_whole(
 
 
 def prefixed(progress: Progress, what: str) -> Progress:
-    """Put in front of every message which limit is being relaxed."""
+    """Put in front of every message what is being tried."""
 
     def report(message: str, fraction: float | None = None) -> None:
-        progress(f"why not: {what}, {message}", fraction)
+        inner = message.removeprefix(WHY_NOT).removeprefix("route: ").removeprefix("regions: ")
+        progress(f"{WHY_NOT}{what}, {inner}", fraction)
 
     return report

@@ -5,10 +5,11 @@ from enum import StrEnum
 
 import numpy as np
 
-from pipeline.arrays import BoolArray
+from pipeline.arrays import BoolArray, FloatArray
 from pipeline.limits.actuators import TRAVEL_KEY
 from pipeline.limits.holding_force import FORCES_KEY
 from pipeline.machine.geometry import MODES
+from pipeline.route.diagnosis.threshold import FeasibilityThreshold
 from pipeline.route.regions.table import RegionTable
 
 
@@ -40,10 +41,12 @@ class Finding:
         That proof needed no more than the graph: no way over the admitted moves.
     exact : bool
         `refused` and `value` are neighbours among the values looked at: tilts of the grid, positions, 1 of kappa
-        (above 1,000 a quarter of a percent), 0.1 mm of clearance or 1 mm of travel apart.
+        (above 1,000 a quarter of a percent), 0.1 mm of clearance or of a margin, or 1 mm of travel apart.
     verdict : Verdict
     locked_axes : tuple of str or None
         Tilt axes still locked, where the change is to unlock others.
+    removes : bool
+        That the change is to remove it.
     """
 
     key: str
@@ -56,18 +59,47 @@ class Finding:
     exact: bool
     verdict: Verdict
     locked_axes: tuple[str, ...] | None = None
+    removes: bool = False
+
+    @property
+    def advice(self) -> str:
+        """What to do, where a route was found with it; a part of a sentence."""
+        if self.value is None:
+            return ""
+        if self.removes:
+            return f"remove {self.key}"
+        if self.locked_axes is not None:
+            return f"set task.locked_axes to [{', '.join(self.locked_axes)}], task.tilt_max_deg to {self.value:g}"
+        if self.key == TRAVEL_KEY:
+            return f"make every {self.key} {self._shown(self.value)} longer at both ends"
+        if self.key == FORCES_KEY:
+            return f"make all {self.key} {self.value:g} times as high"
+        return f"set {self.key} to {self.value:g}"
 
     @property
     def sentence(self) -> str:
         """The finding in words."""
+        if self.removes:
+            return f"without {self.key}: {self._without}"
         if self.value is not None:
             least = self.exact and self.key in _DISCRETE
             less = "no milder change opens one" if least else f"{self._shown(self.refused)} is not enough"
             return f"{self._with(self.value)}: a route exists, sum of kappa {self.objective:.1f}; {less} (proven)"
         if self.verdict is Verdict.NEVER:
-            how = "over all moves between regions" if self.by_graph else "by the whole search"
-            return f"{self._with(self.bound)}: no route (proven {how})"
+            return f"{self._with(self.bound)}: no route (proven {self._how})"
         return f"{self._with(self.bound)}: undecided; {self._shown(self.refused)} is not enough (proven)"
+
+    @property
+    def _without(self) -> str:
+        if self.value is not None:
+            return f"a route exists, sum of kappa {self.objective:.1f}"
+        if self.verdict is Verdict.NEVER:
+            return f"no route either (proven {self._how})"
+        return "undecided"
+
+    @property
+    def _how(self) -> str:
+        return "over all moves between regions" if self.by_graph else "by the whole search"
 
     def _with(self, value: float) -> str:
         if self.locked_axes is not None:
@@ -84,8 +116,34 @@ class Finding:
         return f"{value:g} m" if self.key == TRAVEL_KEY else f"{value:g}"
 
 
-_DISCRETE = ("task.tilt_max_deg", "route.step_budget")
-"""Limits for which nothing lies between two neighbouring values: the grid has its tilts, positions are counted."""
+_DISCRETE = ("task.tilt_max_deg", "route.step_budget", "task.budget.mode_changes")
+"""Limits for which nothing lies between two neighbouring values: the grid has its tilts, the others are counted."""
+
+
+def make_finding(
+    key: str,
+    configured: float,
+    levels: FloatArray,
+    threshold: FeasibilityThreshold,
+    *,
+    locked_axes: tuple[str, ...] | None = None,
+    removes: bool = False,
+) -> Finding:
+    """State where in a list of values (n,) of a limit routes begin to exist; a Finding has the other parameters."""
+    none = Verdict.NEVER if threshold.refused == len(levels) - 1 else Verdict.UNDECIDED
+    return Finding(
+        key=key,
+        configured=configured,
+        bound=float(levels[-1]),
+        value=None if threshold.opened is None else float(levels[threshold.opened]),
+        objective=threshold.objective,
+        refused=float(levels[threshold.refused]),
+        by_graph=threshold.by_graph,
+        exact=threshold.opened == threshold.refused + 1,
+        verdict=none if threshold.opened is None else Verdict.OPENS,
+        locked_axes=locked_axes,
+        removes=removes,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +159,26 @@ class InfeasibilityReport:
     from_start, to_goal : (n,)
         Regions that can be reached from the start, and from which the goal can be reached, over the admitted
         moves.
+    not_tried : tuple of str
+        Keys of what was left out because of an interrupt.
     """
 
     remarks: tuple[str, ...]
     findings: tuple[Finding, ...]
     from_start: BoolArray
     to_goal: BoolArray
+    not_tried: tuple[str, ...] = ()
+
+    @property
+    def advice(self) -> str:
+        """What to change: what was tried and opens a route, never anything else."""
+        if self.opening:
+            changes = [finding.advice for finding in self.opening]
+            one = "one of these changes; each was tried, and a route exists: " if len(changes) > 1 else ""
+            return one + "; ".join(changes) + ("" if one else " (tried: a route exists)")
+        if self.not_tried:
+            return "nothing of what was tried opens a route; run again to try the rest"
+        return "no single change of those listed below opens a route: let two of them give, or refine the grid"
 
     @property
     def opening(self) -> tuple[Finding, ...]:

@@ -1,11 +1,11 @@
-"""Why there is no route: how far each limit, one at a time, has to give until one exists.
+"""Why there is no route: what the task and the limits ask for is relaxed, one at a time, until one exists.
 
 The graph of a table with generous limits shows by bisection below which value the ends are not joined at all; from
 there on the whole search, with x, step budget and moves followed, decides.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
@@ -13,23 +13,33 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order
 
-from pipeline.arrays import BoolArray, FloatArray
-from pipeline.config import Config
+from pipeline.arrays import BoolArray
+from pipeline.config import BudgetConfig, Config
 from pipeline.errors import NoSolutionError
 from pipeline.limits import Relaxation, relaxations
+from pipeline.limits.interface.relaxation import removals, with_values
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor, Progress
-from pipeline.route.bounds.shortest_paths import fewest_positions
+from pipeline.route.bounds.budgets import task_budgets
+from pipeline.route.diagnosis.budgets import MOST_POSITIONS, BudgetSearch, relax_budget, relax_step_budget
 from pipeline.route.diagnosis.endpoints import end_remarks
-from pipeline.route.diagnosis.relaxed_table import RelaxedTable, SearchOutcome, WholeSearch, prefixed, search_whole
-from pipeline.route.diagnosis.result import Finding, InfeasibilityReport, Verdict
+from pipeline.route.diagnosis.relaxed_table import RelaxedTable, WholeSearch, prefixed, search_whole
+from pipeline.route.diagnosis.result import Finding, InfeasibilityReport, Verdict, make_finding
+from pipeline.route.diagnosis.threshold import FeasibilityThreshold, find_threshold
 from pipeline.route.moves.candidates import Moves, find_moves
 from pipeline.route.regions.table import RegionTable
 
-_TRIES = 12
-"""Most whole searches per limit."""
-_MOST_POSITIONS = 500
-_ROUNDING = 1e-9
+_MOST_PARTS = 20
+"""Entries of a list of the task that are removed one by one, the first ones."""
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """Something to relax: its key, that of the whole it is a part of, and how."""
+
+    key: str
+    part_of: str
+    relax: Callable[[Progress], Finding]
 
 
 def explain_infeasibility(
@@ -41,29 +51,81 @@ def explain_infeasibility(
 ) -> InfeasibilityReport:
     """Find out what prevents a route that `plan_route` could not find on `regions`.
 
-    Every finding is about one limit alone, all others as configured, on the same grid; `limits` are those that are
-    relaxed, all by default.
+    Every finding is about one thing alone, all others as configured, on the same grid: what the task asks for, and
+    `limits`, all by default. What cannot matter is left out: budgets where no moves join start and goal at any cost,
+    and entries of a list that does not help as a whole. Ctrl-C ends the search, and keeps what was found.
     """
     progress = monitor.progress
     limits = relaxations(config, machine) if limits is None else limits
     moves = find_moves(config, machine, regions, Monitor(prefixed(progress, "as configured")))
-    findings = [relax_limit(config, machine, relaxation, progress) for relaxation in limits]
-    if config.route.step_budget < _MOST_POSITIONS:
-        findings.append(relax_step_budget(config, machine, regions, moves, progress))
+    from_start = reached(moves, len(regions), regions.start)
+    joined = bool(from_start[regions.goal])
+    attempts = _attempts(config, machine, limits)
+    if joined:
+        attempts = _budget_attempts(BudgetSearch.of(config, machine, regions, moves)) + attempts
+    findings, not_tried = _try_all(attempts, progress)
+    if not not_tried and not any(finding.verdict is Verdict.OPENS for finding in findings):
+        more, not_tried = _try_all(_together(config, machine), progress)
+        findings += more
     return InfeasibilityReport(
-        remarks=(*end_remarks(config, machine, regions, moves), *not_varied(config)),
+        remarks=tuple(end_remarks(config, machine, regions, moves)),
         findings=tuple(findings),
-        from_start=reached(moves, len(regions), regions.start),
+        from_start=from_start,
         to_goal=reached(moves, len(regions), regions.goal, backwards=True),
+        not_tried=tuple(not_tried),
     )
 
 
-def not_varied(config: Config) -> list[str]:
-    """List what else the task asks for that is not a limit varied here."""
+def _try_all(attempts: list[_Attempt], progress: Progress) -> tuple[list[Finding], list[str]]:
+    """Relax one after the other; also the keys of those that Ctrl-C left out."""
+    findings: list[Finding] = []
+    never: set[str] = set()
+    number = 0
+    try:
+        for number, attempt in enumerate(attempts):
+            if attempt.part_of in never:
+                continue
+            finding = attempt.relax(prefixed(progress, f"{number + 1} of {len(attempts)}"))
+            findings.append(finding)
+            if finding.verdict is Verdict.NEVER:
+                never.add(attempt.key)
+    except KeyboardInterrupt:
+        return findings, [attempt.key for attempt in attempts[number:] if attempt.part_of not in never]
+    return findings, []
+
+
+def _attempts(config: Config, machine: Machine, limits: Sequence[Relaxation]) -> list[_Attempt]:
+    """List what the task asks for, then the limits of the machine."""
+    many = [*removals(config, "visit"), *limits]
+    parts = [relaxation for relaxation in many if relaxation.part_of]
+    left_out = [
+        part for part in parts if sum(p.part_of == part.part_of for p in parts[: parts.index(part)]) >= _MOST_PARTS
+    ]
+    kept = sorted((one for one in many if one not in left_out), key=lambda one: not one.removes)
+    return [_Attempt(one.key, one.part_of, partial(relax_limit, config, machine, one)) for one in kept]
+
+
+def _budget_attempts(search: BudgetSearch) -> list[_Attempt]:
+    """List the budgets, where they can matter."""
+    found = [
+        _Attempt(f"task.budget.{budget.key}", "", partial(relax_budget, search, budget))
+        for budget in task_budgets(search.config)
+    ]
+    if search.config.route.step_budget < MOST_POSITIONS:
+        found.append(_Attempt("route.step_budget", "", partial(relax_step_budget, search)))
+    return found
+
+
+def _together(config: Config, machine: Machine) -> list[_Attempt]:
+    """Remove at a time everything that the task asks for beside start and goal, if that is more than one thing."""
     task = config.task
-    asked = [f"task.budget.{key} {value:g}" for key, value in task.budget if value is not None]
-    asked += [f"task.{key} ({len(many)})" for key, many in (("avoid", task.avoid), ("visit", task.visit)) if many]
-    return [f"also asked for, and not varied here: {', '.join(asked)}"] if asked else []
+    asked = [f"task.{key}" for key in ("visit", "avoid") if getattr(task, key)]
+    asked += [f"task.budget.{budget.key}" for budget in task_budgets(config)]
+    if len(asked) < 2:
+        return []
+    without = with_values(config, "task", visit=(), avoid=(), budget=BudgetConfig())
+    both = Relaxation.removal(f"{', '.join(asked[:-1])} and {asked[-1]}", without)
+    return [_Attempt(both.key, "", partial(relax_limit, config, machine, both))]
 
 
 def reached(moves: Moves, count: int, root: int, backwards: bool = False) -> BoolArray:
@@ -72,54 +134,6 @@ def reached(moves: Moves, count: int, root: int, backwards: bool = False) -> Boo
     found = np.zeros(count, dtype=bool)
     found[breadth_first_order(csr_array(graph.T) if backwards else graph, root, return_predecessors=False)] = True
     return found
-
-
-@dataclass(frozen=True)
-class FeasibilityThreshold:
-    """Where in a list of values routes begin to exist, as far as it is known.
-
-    Attributes
-    ----------
-    refused : int
-        The last value proven not to be enough.
-    by_graph : bool
-        That the graph alone proves it.
-    opened : int or None
-        The first value a route was found with, and `objective` its sum of kappa.
-    """
-
-    refused: int
-    by_graph: bool
-    opened: int | None = None
-    objective: float | None = None
-
-
-def find_threshold(
-    known: FeasibilityThreshold, first: int, end: int, attempt: Callable[[int], SearchOutcome], tries: int = _TRIES
-) -> FeasibilityThreshold:
-    """Find the first of the values `first` to `end` - 1 that opens: it, then the last, then by bisection.
-
-    Each route found points at the value that is enough for it, as far as its regions go: that one is tried next.
-    """
-    low, threshold, candidate = first - 1, known, first
-    for _ in range(tries):
-        result = attempt(candidate)
-        if result.objective is not None:
-            threshold = replace(threshold, opened=candidate, objective=result.objective)
-        else:
-            low = candidate
-            threshold = replace(threshold, refused=low, by_graph=False) if result.proven else threshold
-        if threshold.opened is None:
-            if low == end - 1:
-                break
-            candidate = end - 1
-        elif threshold.opened - low <= 1:
-            break
-        elif result.enough is not None and low < result.enough < threshold.opened:
-            candidate = result.enough
-        else:
-            candidate = (low + threshold.opened) // 2
-    return threshold
 
 
 def relax_limit(
@@ -140,59 +154,11 @@ def relax_limit(
             threshold = find_threshold(threshold, max(first, threshold.refused + 1), end, partial(wide.search, run=run))
         if threshold.opened is not None:
             break
-    return _finding(relaxation.key, relaxation.configured, relaxation.levels, threshold, relaxation.locked_axes)
-
-
-def _finding(
-    key: str,
-    configured: float,
-    levels: FloatArray,
-    threshold: FeasibilityThreshold,
-    locked_axes: tuple[str, ...] | None = None,
-) -> Finding:
-    none = Verdict.NEVER if threshold.refused == len(levels) - 1 else Verdict.UNDECIDED
-    return Finding(
-        key=key,
-        configured=configured,
-        bound=float(levels[-1]),
-        value=None if threshold.opened is None else float(levels[threshold.opened]),
-        objective=threshold.objective,
-        refused=float(levels[threshold.refused]),
-        by_graph=threshold.by_graph,
-        exact=threshold.opened == threshold.refused + 1,
-        verdict=none if threshold.opened is None else Verdict.OPENS,
-        locked_axes=locked_axes,
+    return make_finding(
+        relaxation.key,
+        relaxation.configured,
+        relaxation.levels,
+        threshold,
+        locked_axes=relaxation.locked_axes,
+        removes=relaxation.removes,
     )
-
-
-def relax_step_budget(
-    config: Config, machine: Machine, regions: RegionTable, moves: Moves, progress: Progress
-) -> Finding:
-    """Relax the number of positions: the graph knows the fewest, x and the moves followed may need more."""
-    configured = config.route.step_budget
-    fewest = least_budget(config, regions, moves)
-    last = _MOST_POSITIONS if fewest is None else min(_MOST_POSITIONS, 2 * max(fewest, configured))
-    levels = np.arange(configured, last + 1, dtype=float)
-    if fewest is None or fewest > last:
-        return _finding("route.step_budget", configured, levels, FeasibilityThreshold(len(levels) - 1, by_graph=True))
-
-    def attempt(index: int) -> SearchOutcome:
-        options = config.route.model_copy(update={"step_budget": int(levels[index])})
-        changed = config.model_copy(update={"route": options})
-        found, proven = search_whole(changed, machine, regions, prefixed(progress, "route.step_budget"))
-        if found is None:
-            return SearchOutcome(None, proven)
-        return SearchOutcome(found.objective, enough=len(found) - configured)
-
-    short = max(fewest - configured - 1, 0)
-    known = FeasibilityThreshold(short, by_graph=fewest > configured)
-    threshold = find_threshold(known, short + 1, len(levels), attempt)
-    return _finding("route.step_budget", configured, levels, threshold)
-
-
-def least_budget(config: Config, regions: RegionTable, moves: Moves) -> int | None:
-    """Count the positions that no route can do with fewer of, be it for the moves or for the distance along X."""
-    fewest = fewest_positions(regions, moves)
-    distance_m = abs(config.task.goal.x_m - config.task.start.x_m)
-    along = int(np.ceil(distance_m / config.route.x_step_m - _ROUNDING))
-    return None if fewest is None else max(fewest, along + 1)

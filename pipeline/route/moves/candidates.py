@@ -13,11 +13,11 @@ from scipy.sparse import csr_array
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
-from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import common_perpendicular, link_pairs
 from pipeline.machine.geometry import Machine, cart_joints, link_vectors
 from pipeline.parallel import blocks, in_parallel
 from pipeline.progress import QUIET, Monitor, Progress, silent
+from pipeline.route.memory import memory_gb, require_memory
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.neighbours import Cells
 from pipeline.route.regions.boxes import crossings, grown_boxes
@@ -31,14 +31,12 @@ _LOW = 0xFFFF
 _SHIFT = 16
 _BLOCK = 2_048
 """Batch size of the neighbour search, in regions."""
+_CANDIDATES = 1_000_000
+"""Candidates of a batch at most, in about 60 bytes each."""
 _CODES_BLOCK = 8_192
 """Batch size of the passing codes, in regions."""
 _SAMPLE = 4_096
 """Origins the number of moves is estimated from."""
-_MOVE_BYTES = 30
-"""A move is a pair of 4 bytes each; the graph adds its cost, 8, and the reversed graph 12."""
-_REGION_BYTES = 600
-"""A row of the table, twice while it is put together, its share of the search and of the shortest paths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,28 +79,18 @@ def find_moves(config: Config, machine: Machine, regions: RegionTable, monitor: 
     """
     steps = step_sizes(config.route)
     search = MoveSearch.of(regions, steps, passing_codes(machine, regions), steps[0])
-    _require_memory(config, len(regions), search.expected_moves())
+    expected = search.expected_moves()
+    require_memory(
+        config.route,
+        1e9 * memory_gb(len(regions), expected),
+        f"about {expected:,} moves between {len(regions):,} regions",
+        "coarsen route.grid: twice the tilt steps make a quarter of the regions",
+        regions=len(regions),
+        expected_moves=expected,
+    )
     moves = search.collect(monitor.progress)
     crossing = crossings(grown_boxes(config), regions, steps, moves.source, moves.target)
     return moves.take(~crossing) if crossing.any() else moves
-
-
-def memory_gb(regions: int, moves: int) -> float:
-    """Estimate the memory that a region table, its moves and the shortest paths over them take up at their peak."""
-    return (regions * _REGION_BYTES + moves * _MOVE_BYTES) / 1e9
-
-
-def _require_memory(config: Config, regions: int, moves: int) -> None:
-    needed, allowed = memory_gb(regions, moves), config.route.memory_gb
-    if needed > allowed:
-        raise NoSolutionError(
-            "route",
-            f"about {moves:,} moves between {regions:,} regions would take up {needed:,.2f} GB of memory; "
-            f"route.memory_gb allows {allowed:g}",
-            f"set route.memory_gb to {1.1 * needed:.2f} where there is as much, or coarsen route.grid: twice the tilt "
-            "steps make a quarter of the regions",
-            {"regions": regions, "expected_moves": moves, "expected_memory_gb": needed},
-        )
 
 
 def rule_moves(config: Config, regions: RegionTable) -> Moves:
@@ -159,7 +147,7 @@ class MoveSearch:
 
     def collect(self, progress: Progress) -> Moves:
         """Find the moves of all origins, block by block."""
-        tasks = [partial(self.moves_from, block) for block in blocks(len(self.origins), _BLOCK)]
+        tasks = [partial(self.moves_from, block) for block in blocks(len(self.origins), self._batch)]
         sources, targets = [], []
         for count, (source, target) in enumerate(in_parallel(tasks), start=1):
             progress("moves", count / len(tasks))
@@ -173,7 +161,13 @@ class MoveSearch:
         """Estimate the number of moves from a sample of origins, all of them where they are few."""
         count = len(self.origins)
         rows = np.linspace(0, count - 1, min(count, sample)).astype(np.int64)
-        return round(len(self.moves_from(rows)[0]) * count / max(len(rows), 1))
+        found = sum(len(self.moves_from(rows[block])[0]) for block in blocks(len(rows), self._batch))
+        return round(found * count / max(len(rows), 1))
+
+    @property
+    def _batch(self) -> int:
+        """Batch size in regions: fewer where many rows share a cell, of which each is a candidate for each."""
+        return int(np.clip(_CANDIDATES / self.cells.candidates, 1, _BLOCK))
 
     def moves_from(self, block: slice | IntArray) -> tuple[IntArray, IntArray]:
         """Find the moves of a block of the origins: rows (m,) they leave and rows they arrive at."""
@@ -190,7 +184,6 @@ class MoveSearch:
         apart = np.maximum(self.low_m[i] - self.high_m[j], self.low_m[j] - self.high_m[i])
         within = apart <= self.x_step_m
         return i[within], j[within]
-
 
     def _needless(self, i: IntArray, j: IntArray) -> BoolArray:
         """Mark moves (m,) between gates of one arm that change its mode: it can as well be changed on leaving the second.

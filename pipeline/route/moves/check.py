@@ -31,7 +31,8 @@ _STILL_M = 1e-9
 """An actuator that moves no farther stands still."""
 _BLOCK = 2048
 """Moves followed at a time."""
-_MARCHED_BLOCK = 64
+_MARCHED_POSES = 65_600
+"""Poses marched through at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,8 +207,9 @@ class _Follower:
         rejections = [found for part in results for found in self._first(part.broken)]
         kappa_max = np.concatenate([np.empty(0), *(part.kappa_max for part in results)])
         doubtful = np.flatnonzero(np.concatenate([np.empty(0, dtype=bool), *(part.doubtful for part in results)]))
-        for begin in range(0, len(doubtful), _MARCHED_BLOCK):
-            rows = doubtful[begin : begin + _MARCHED_BLOCK]
+        size = max(1, _MARCHED_POSES // (self.max_samples + 1))
+        for begin in range(0, len(doubtful), size):
+            rows = doubtful[begin : begin + size]
             marched = self._march(*ends_of(rows))
             kappa_max[rows] = marched.kappa_max
             for row, found in zip(rows, marched.rejections, strict=True):

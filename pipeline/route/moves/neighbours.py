@@ -47,6 +47,12 @@ class Cells:
         offsets = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3) @ strides
         return cls(np.argsort(key, kind="stable").astype(np.int32), first.astype(np.int32), cell, count, offsets)
 
+    @property
+    def candidates(self) -> float:
+        """Number of regions in and around the cell of a region, on average."""
+        crowd = np.diff(self.first).astype(float)
+        return 3.0 * len(self.offsets) * float((crowd**2).sum()) / max(len(self.order), 1)
+
     def around(self, rows: IntArray, modes: IntArray) -> tuple[IntArray, IntArray]:
         """Find all regions in and around the cells of `rows` (k,), for each in its working mode of `modes` (k,).
 

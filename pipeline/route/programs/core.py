@@ -21,6 +21,9 @@ from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.table import RegionTable
 
+_NODE_BYTES = 80
+"""A region at a step: cost and two ends of x, swept from both ends, and what is kept of the sweeps."""
+
 
 @dataclass(frozen=True, eq=False)
 class Core:
@@ -83,7 +86,7 @@ def build_core(problem: RouteProblem, regions: RegionTable, moves: Moves, bounds
     `regions` and `moves` are those of the problem, or of its graph of states.
     """
     step_budget, x_step_m = problem.options.step_budget, problem.options.x_step_m
-    limit = threshold * (1.0 + ROUNDING) + bounds.credit
+    limit = _limit(bounds, threshold)
     arcs = _Arcs.within(regions, moves, problem.cost, bounds, limit)
     left = np.array([budget.left(regions) + ROUNDING for budget in bounds.prices.budgets]).reshape(-1, 1)
     # A move, and where travel is no arc as many waits before it as are left when the moves so far are made.
@@ -132,6 +135,16 @@ def build_core(problem: RouteProblem, regions: RegionTable, moves: Moves, bounds
         x_step_m=x_step_m,
         budgets=bounds.prices.budgets,
     )
+
+
+def core_bytes(bounds: Bounds, threshold: float, step_budget: int) -> float:
+    """Count the memory that the sweeps of a core take up: costs, x and use of budgets, per step and region."""
+    inside = int(np.count_nonzero(bounds.forward + bounds.backward <= _limit(bounds, threshold)))
+    return float(step_budget * inside * (_NODE_BYTES + 16 * len(bounds.prices.budgets)))
+
+
+def _limit(bounds: Bounds, threshold: float) -> float:
+    return threshold * (1.0 + ROUNDING) + bounds.credit
 
 
 @dataclass(frozen=True, eq=False)

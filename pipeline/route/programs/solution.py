@@ -1,13 +1,13 @@
 """Solving a program of stage one: one region and one x per step, whatever the program's unknowns are."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.progress import QUIET, Monitor
-from pipeline.solvers.highs import LinearProgram, Outcome, solve_program
+from pipeline.solvers.highs import LinearProgram, Outcome, solve_program, solver_name
 
 Read = Callable[[FloatArray], tuple[IntArray, FloatArray]]
 """Reads the region and the x of every step (N,) from a solution's values."""
@@ -15,12 +15,16 @@ Read = Callable[[FloatArray], tuple[IntArray, FloatArray]]
 
 @dataclass(frozen=True, eq=False)
 class StepSequence:
-    """A solution: the region and the x of every step up to the first at the goal; empty without a feasible point."""
+    """A solution: the region and the x of every step up to the first at the goal; empty without a feasible point.
+
+    `columns` counts those of the program, and `solver` is what solved it.
+    """
 
     region: IntArray
     x_m: FloatArray
     outcome: Outcome
     columns: int
+    solver: str = field(default_factory=solver_name)
 
 
 def solve_steps(

@@ -105,11 +105,17 @@ def build_travel_program(core: Core, tangents: Tangents) -> TravelProgram:
     delta = leaves + csc_array(enters.multiply((core.step == N - 1)[:, None]))
     supply = np.zeros(nodes)
     supply[0], supply[-1] = 1.0, -1.0
-    eye_arcs, eye_nodes, eye_steps = _ones(arc, arc, (arcs, arcs)), _ones(node, node, (nodes, nodes)), csc_array(np.eye(N))
+    eye_arcs, eye_nodes, eye_steps = (
+        _ones(arc, arc, (arcs, arcs)),
+        _ones(node, node, (nodes, nodes)),
+        csc_array(np.eye(N)),
+    )
     own = tangents.regions.x_window_m[core.region]
     most_waits = np.where(core.region == goal, 0.0, np.maximum(N - 2 - core.step, 0)) * step_m
     of_arc, constant, slope = tangents.of(core.region[core.tail], core.region[core.head])
-    rows = Blocks({"delta": arcs, "arrive": N, "leave": N, "waits": N, "e": arcs, "t": arcs, "ahead": nodes, "back": nodes})
+    rows = Blocks(
+        {"delta": arcs, "arrive": N, "leave": N, "waits": N, "e": arcs, "t": arcs, "ahead": nodes, "back": nodes}
+    )
     rows.add({"delta": leaves - enters}, supply, supply)
     for side, window in (("arrive", core.window_m), ("leave", own)):
         for bound, low, high in ((window[:, 0], 0.0, np.inf), (window[:, 1], -np.inf, 0.0)):
@@ -128,7 +134,9 @@ def build_travel_program(core: Core, tangents: Tangents) -> TravelProgram:
         0.0,
         np.inf,
     )
-    rows.add({"delta": -csc_array(delta.multiply(most_waits[:, None])), "ahead": eye_nodes, "back": eye_nodes}, -np.inf, 0.0)
+    rows.add(
+        {"delta": -csc_array(delta.multiply(most_waits[:, None])), "ahead": eye_nodes, "back": eye_nodes}, -np.inf, 0.0
+    )
     rows.add({"waits": step_m * eye_steps, "ahead": -at_node, "back": -at_node}, 0.0, np.inf)
     rows.add({"delta": csc_array(moving[None].astype(float)), "waits": csc_array(np.ones((1, N)))}, -np.inf, N - 1.0)
     _add_budgets(rows, core, at_arc)

@@ -12,8 +12,12 @@ import numpy as np
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits.avoid import ROUNDING, Box, boxes_to_avoid
+from pipeline.parallel import blocks
 from pipeline.route.metric import step_sizes
 from pipeline.route.regions.table import RegionTable
+
+_BLOCK = 200_000
+"""Batch size in moves."""
 
 
 def grown_boxes(config: Config) -> list[Box]:
@@ -58,11 +62,14 @@ def crossings(
     low, high = regions.x_window_m.T
     for box in boxes:
         near = box.near(regions.controlled, steps)
-        rows = np.flatnonzero(near[source] & near[target])
-        i, j = source[rows], target[rows]
-        below = np.maximum(high[i], high[j]) <= box.low[0] + ROUNDING
-        above = np.minimum(low[i], low[j]) >= box.high[0] - ROUNDING
-        crossing[rows] |= ~(below | above) & _meets(box, regions.controlled[i, 1:], regions.controlled[j, 1:])
+        for block in blocks(len(source), _BLOCK):
+            rows = block.start + np.flatnonzero(near[source[block]] & near[target[block]])
+            i, j = source[rows], target[rows]
+            below = np.maximum(high[i], high[j]) <= box.low[0] + ROUNDING
+            above = np.minimum(low[i], low[j]) >= box.high[0] - ROUNDING
+            across = ~(below | above)
+            rows, i, j = rows[across], i[across], j[across]
+            crossing[rows] |= _meets(box, regions.controlled[i, 1:], regions.controlled[j, 1:])
     return crossing
 
 

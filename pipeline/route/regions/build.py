@@ -5,6 +5,7 @@ cart travel, so that each region has a window of admissible x. Reach and travel 
 poses, cheap ones before costly ones.
 """
 
+import math
 from functools import partial
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits import admitted, pose_limits
+from pipeline.limits.actuator_margins import within_margins
 from pipeline.limits.actuators import x_windows
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import discriminants, inverse_kinematics
@@ -20,9 +22,10 @@ from pipeline.machine.samples import PoseSamples
 from pipeline.machine.triangle import dependent_angle
 from pipeline.parallel import WORKERS, blocks, in_parallel
 from pipeline.progress import QUIET, Monitor
+from pipeline.route.memory import POINT_BYTES, ROW_BYTES, require_memory
 from pipeline.route.regions.endpoints import task_endpoints
 from pipeline.route.regions.gates import find_gates
-from pipeline.route.regions.grid import grid_points
+from pipeline.route.regions.grid import grid_points, grid_shape
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.regions.task_rows import add_task_rows
 
@@ -56,21 +59,33 @@ def build_regions(
 def grid_regions(config: Config, machine: Machine, monitor: Monitor = QUIET) -> RegionTable:
     """Compute the regions of grid and gates, which know nothing of start, goal and visits.
 
-    What they depend on is `machine` (not its limits), `task.tilt_max_deg`, `task.locked_axes`, `route.grid` and
-    `route.kappa_max`.
+    They keep the margins at the ends of rails and strokes. What they depend on is `machine` (not its limits of motion),
+    `task.tilt_max_deg`, `task.locked_axes`, `route.grid`, `route.kappa_max` and both margins of `refine`.
+
+    Raises
+    ------
+    NoSolutionError
+        When they would take up more than `route.memory_gb`.
     """
+    require_memory(
+        config.route, math.prod(grid_shape(config)) * POINT_BYTES, "the points of route.grid", "coarsen route.grid"
+    )
+    machine = within_margins(config, machine)
     lattice = grid_points(config)
     monitor.progress("regions: gates", 0.0)
     controlled, modes, arms = find_gates(config, machine, lattice)
     size = _block_points(config)
-    tasks = [partial(_of_points, config, machine, lattice[block]) for block in blocks(len(lattice), size)]
+    tasks = [partial(regions_at, config, machine, lattice[block]) for block in blocks(len(lattice), size)]
     tasks += [
-        partial(_admissible, config, machine, controlled[block], modes[block], arms[block])
+        partial(admissible_regions, config, machine, controlled[block], modes[block], arms[block])
         for block in blocks(len(modes), size)
     ]
-    tables = []
+    tables, found = [], 0
     for table in in_parallel(tasks):
         tables.append(table)
+        found += len(table)
+        needed = found * ROW_BYTES + lattice.nbytes
+        require_memory(config.route, needed, f"{found:,} regions and more", "coarsen route.grid")
         monitor.progress(f"regions: block {len(tables):,} of {len(tasks):,}", len(tables) / len(tasks))
     return RegionTable.concatenate(tables)
 
@@ -81,7 +96,7 @@ def _block_points(config: Config) -> int:
     return int(np.clip(share / _POINT_BYTES, _LEAST_BLOCK, _BLOCK))
 
 
-def _of_points(config: Config, machine: Machine, points: FloatArray) -> RegionTable:
+def regions_at(config: Config, machine: Machine, points: FloatArray) -> RegionTable:
     """Find the regions at grid points (n, 5) in all eight working modes.
 
     ry and the reach of all arms depend on the mode of arm 3 alone: two cases instead of eight.
@@ -91,10 +106,10 @@ def _of_points(config: Config, machine: Machine, points: FloatArray) -> RegionTa
     # The mode of arm 3 is the lowest bit, so that the two cases alternate four times.
     row, mode = np.nonzero(np.tile(np.stack(reached, axis=1), len(MODES) // 2))
     ry_rad = np.stack(third, axis=1)[row, mode & 1]
-    return _admissible(config, machine, points[row], mode, np.zeros_like(mode), ry_rad)
+    return admissible_regions(config, machine, points[row], mode, np.zeros_like(mode), ry_rad)
 
 
-def _admissible(
+def admissible_regions(
     config: Config,
     machine: Machine,
     controlled: FloatArray,

@@ -8,7 +8,8 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config, PoseConfig
 from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.limits import pose_limits
-from pipeline.limits.actuators import cart_travel
+from pipeline.limits.actuator_margins import controlled_pose, given_poses
+from pipeline.limits.actuators import cart_travel, x_windows
 from pipeline.limits.avoid import boxes_to_avoid
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
@@ -45,11 +46,6 @@ class Endpoint:
         return float(self.samples.det_sign[0])
 
 
-def controlled_pose(pose: PoseConfig) -> FloatArray:
-    """Read x, y, z in metres and rx, rz in radians. Shape (5,)."""
-    return np.array([pose.x_m, pose.y_m, pose.z_m, np.deg2rad(pose.rx_deg), np.deg2rad(pose.rz_deg)])
-
-
 def task_endpoints(config: Config, machine: Machine) -> tuple[Endpoint, Endpoint]:
     """Place the machine at start and goal.
 
@@ -61,12 +57,10 @@ def task_endpoints(config: Config, machine: Machine) -> tuple[Endpoint, Endpoint
     """
     issues: list[ConfigIssue] = []
     ends = []
-    visits = ((f"task.visit[{k}].pose", visit.pose) for k, visit in enumerate(config.task.visit))
-    for key, pose in (("task.start", config.task.start), ("task.goal", config.task.goal), *visits):
-        if pose is not None:
-            end, found = _place(config, machine, key, pose)
-            issues += found
-            ends.append(end)
+    for key, pose in given_poses(config).items():
+        end, found = _place(config, machine, key, pose)
+        issues += found
+        ends.append(end)
     if not issues and ends[0].mode == ends[1].mode and np.array_equal(ends[0].pose, ends[1].pose):
         issues.append(
             ConfigIssue("task.goal", "is the start itself, in the same working mode: there is nothing to plan")
@@ -133,7 +127,20 @@ def _place(config: Config, machine: Machine, key: str, pose: PoseConfig) -> tupl
         return end, [ConfigIssue(key, _why_unreachable(solution.discriminants_m2[0]))]
     limits = [cart_travel(machine), *pose_limits(machine, config.route.kappa_max)]
     broken = [ConfigIssue(key, message) for limit in limits for message in limit.violations(end.samples)]
-    return end, _box_issues(config, key, end.samples.controlled[0]) + broken
+    return end, _box_issues(config, key, end.samples.controlled[0]) + broken + _x_issues(machine, key, end)
+
+
+def _x_issues(machine: Machine, key: str, end: Endpoint) -> list[ConfigIssue]:
+    """Say which x would put all carts on their rails, if they are not: nothing else of a pose depends on x."""
+    x, at_zero = float(end.pose[0]), end.q_m.copy()
+    at_zero[:3] -= x
+    least, largest = x_windows(machine, at_zero[None])[0].tolist()
+    if least <= x <= largest:
+        return []
+    least, largest = np.ceil(least * 1e4) / 1e4, np.floor(largest * 1e4) / 1e4
+    if least > largest:
+        return [ConfigIssue(f"{key}.x_m", f"is {x:g}; no other x puts all carts on their rails either")]
+    return [ConfigIssue(f"{key}.x_m", f"is {x:g}; all carts are on their rails for {least:g} to {largest:g}")]
 
 
 def _why_unreachable(discriminants: FloatArray) -> str:

@@ -40,6 +40,28 @@ def find_gates(config: Config, machine: Machine, lattice: FloatArray) -> tuple[F
             vector = np.zeros_like(start)
             vector[:, axis] = step
             edges.append((start, vector, np.full(len(start), case)))
+    return _on_edges(machine, edges)
+
+
+def gates_beside(config: Config, machine: Machine, points: FloatArray) -> tuple[FloatArray, IntArray, IntArray]:
+    """Find the gates on the grid's edges that begin at some of its points (n, 5), as `find_gates` does for all."""
+    edges = []
+    for case, (arm, side) in enumerate(_CASES):
+        here = _discriminants(machine, points, np.full(len(points), side))[:, arm]
+        for axis, of in ((1, config.route.grid.y_m), (2, config.route.grid.z_m)):
+            vector = np.zeros_like(points)
+            vector[:, axis] = of.step
+            there = _discriminants(machine, points + vector, np.full(len(points), side))[:, arm]
+            crossed = ((here > 0.0) != (there > 0.0)) & np.isfinite(here) & np.isfinite(there)
+            crossed &= points[:, axis] + of.step <= of.max + ROUNDING
+            edges.append((points[crossed], vector[crossed], np.full(np.count_nonzero(crossed), case)))
+    return _on_edges(machine, edges)
+
+
+def _on_edges(
+    machine: Machine, edges: list[tuple[FloatArray, FloatArray, IntArray]]
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Find the gates on edges given by where they start, their vectors (n, 5) and their cases (n,)."""
     points, cases = _points_on_edges(machine, *(np.concatenate(column) for column in zip(*edges, strict=True)))
     found = [_in_all_modes(points[cases == case], arm, side) for case, (arm, side) in enumerate(_CASES)]
     controlled, modes, gates = (np.concatenate(columns) for columns in zip(*found, strict=True))

@@ -1,10 +1,15 @@
 """The grid of stage one: its axes and its points."""
 
+import math
+
 import numpy as np
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import AxisConfig, Config
 from pipeline.route.metric import ROUNDING
+
+_COUNTABLE = 2.0**40
+"""Axes of more points count as this long: nothing holds them anyway."""
 
 
 def grid_points(config: Config) -> FloatArray:
@@ -14,16 +19,39 @@ def grid_points(config: Config) -> FloatArray:
     return np.column_stack([np.zeros(mesh[0].size), *(axis.ravel() for axis in mesh)])
 
 
+def points_at(config: Config, numbers: IntArray) -> FloatArray:
+    """Give the points of these numbers (k,) in the list of all, without listing the others. Shape (k, 5)."""
+    axes = grid_axes(config)
+    indices = np.unravel_index(numbers, [len(axis) for axis in axes])
+    return np.column_stack([np.zeros(len(numbers)), *(axis[i] for axis, i in zip(axes, indices, strict=True))])
+
+
 def grid_axes(config: Config) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Compute the grid values of y, z (metres), rx, rz (radians); a locked axis has only zero."""
+    grid = config.route.grid
+    y, z, rx, rz = grid_shape(config)
+    tilts = [
+        np.deg2rad(step * np.arange(-(count // 2), count // 2 + 1, dtype=float))
+        for step, count in ((grid.rx_step_deg, rx), (grid.rz_step_deg, rz))
+    ]
+    return _values(grid.y_m, y), _values(grid.z_m, z), tilts[0], tilts[1]
+
+
+def grid_shape(config: Config) -> tuple[int, int, int, int]:
+    """Count the grid values of y, z, rx, rz without listing them; their product is the number of points."""
     grid, task = config.route.grid, config.task
-    tilts = []
-    for axis, step in (("rx", grid.rx_step_deg), ("rz", grid.rz_step_deg)):
-        count = 0 if axis in task.locked_axes else int(np.floor(task.tilt_max_deg / step + ROUNDING))
-        tilts.append(np.deg2rad(step * np.arange(-count, count + 1, dtype=float)))
-    return _values(grid.y_m), _values(grid.z_m), tilts[0], tilts[1]
+    tilts = [
+        1 + 2 * (0 if axis in task.locked_axes else _steps(task.tilt_max_deg, step))
+        for axis, step in (("rx", grid.rx_step_deg), ("rz", grid.rz_step_deg))
+    ]
+    sides = [1 + _steps(axis.max - axis.min, axis.step) for axis in (grid.y_m, grid.z_m)]
+    return sides[0], sides[1], tilts[0], tilts[1]
 
 
-def _values(axis: AxisConfig) -> FloatArray:
-    count = int(np.floor((axis.max - axis.min) / axis.step + ROUNDING)) + 1
+def _steps(length: float, step: float) -> int:
+    # The quotient of a tiny step is infinite.
+    return math.floor(min(length / step, _COUNTABLE) + ROUNDING)
+
+
+def _values(axis: AxisConfig, count: int) -> FloatArray:
     return axis.min + axis.step * np.arange(count, dtype=float)

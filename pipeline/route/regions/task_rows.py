@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.arrays import IntArray
 from pipeline.config import Config, VisitConfig
 from pipeline.errors import NoSolutionError
 from pipeline.limits.avoid import Box
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.pose import RY
+from pipeline.route.memory import ROW_BYTES, require_memory
 from pipeline.route.metric import step_sizes
 from pipeline.route.regions.boxes import cut_windows, grown_boxes
 from pipeline.route.regions.endpoints import Endpoint, task_endpoints, visited_pose
@@ -25,14 +27,17 @@ def add_task_rows(config: Config, machine: Machine, grid: RegionTable) -> Region
     ConfigError
         When the machine cannot be at the start, the goal or a pose to visit.
     NoSolutionError
-        When no region lies in a box to visit.
+        When no region lies in a box to visit, or the rows would take up more than `route.memory_gb`.
     """
     start, goal = task_endpoints(config, machine)
-    if config.task.avoid:
-        grid = cut_windows(grown_boxes(config), grid, step_sizes(config.route))
-    visits = [
-        _visit_rows(config, machine, grid, number, visit) for number, visit in enumerate(config.task.visit, start=1)
-    ]
+    for box in grown_boxes(config) if config.task.avoid else []:
+        grid = cut_windows([box], grid, step_sizes(config.route))
+        _require_rows(config, len(grid), "avoid")
+    visits, rows = [], len(grid)
+    for number, visit in enumerate(config.task.visit, start=1):
+        visits.append(_visit_rows(config, machine, grid, number, visit))
+        rows += len(visits[-1])
+        _require_rows(config, rows, "visit")
     return RegionTable.concatenate([grid, *visits, _row(start), _row(goal)])
 
 
@@ -40,15 +45,9 @@ def _visit_rows(config: Config, machine: Machine, grid: RegionTable, number: int
     if visit.pose is not None:
         return _row(visited_pose(config, machine, number - 1, visit.pose), number)
     assert visit.box is not None
-    box = Box.of(visit.box)
-    inside = box.across().depth_m(grid.controlled) >= -_ROUNDING
-    if visit.modes:
-        inside &= np.isin(grid.modes, [MODES.index(mode) for mode in visit.modes])
-    rows = grid.take(inside)
+    box, rows = Box.of(visit.box), grid.take(rows_to_visit(grid, visit))
     windows = np.clip(rows.x_window_m, box.low[0], box.high[0])
-    least, largest = rows.x_window_m.T
-    reached = (least <= box.high[0] + _ROUNDING) & (largest >= box.low[0] - _ROUNDING)
-    rows = replace(rows, x_window_m=windows, visits=np.full(len(rows), number)).take(reached)
+    rows = replace(rows, x_window_m=windows, visits=np.full(len(rows), number))
     if len(rows) == 0:
         raise NoSolutionError(
             "regions",
@@ -57,6 +56,22 @@ def _visit_rows(config: Config, machine: Machine, grid: RegionTable, number: int
             + (", or avoid less around it: task.avoid, route.avoid_margin" if config.task.avoid else ""),
         )
     return rows
+
+
+def rows_to_visit(grid: RegionTable, visit: VisitConfig) -> IntArray:
+    """Find the rows of a table that lie in a box to visit, at some x, in one of its working modes."""
+    assert visit.box is not None
+    box = Box.of(visit.box)
+    inside = box.across().depth_m(grid.controlled) >= -_ROUNDING
+    if visit.modes:
+        inside &= np.isin(grid.modes, [MODES.index(mode) for mode in visit.modes])
+    least, largest = grid.x_window_m.T
+    return np.flatnonzero(inside & (least <= box.high[0] + _ROUNDING) & (largest >= box.low[0] - _ROUNDING))
+
+
+def _require_rows(config: Config, rows: int, key: str) -> None:
+    what = f"{rows:,} regions, repeated for the {len(getattr(config.task, key)):,} entries of task.{key},"
+    require_memory(config.route, rows * ROW_BYTES, what, f"leave out some of task.{key}, or coarsen route.grid")
 
 
 def _extent(grid: RegionTable) -> str:

@@ -12,12 +12,13 @@ import numpy as np
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
 from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.bounds.shortest_paths import Bounds
+from pipeline.route.deadline import OutOfTimeError
 from pipeline.route.moves.screen import Screen
 from pipeline.route.problem import RouteProblem
-from pipeline.route.search.optimum import ProvenOptimum, find_optimum
+from pipeline.route.search.optimum import Optimum, find_optimum
 from pipeline.route.search.states import StateGraph
 
-Find = Callable[[RouteProblem, StateGraph, Bounds, Screen, ProvenOptimum | None], ProvenOptimum | None]
+Find = Callable[[RouteProblem, StateGraph, Bounds, Screen, Optimum | None], Optimum | None]
 """Finds an optimum; the parameters are those of `find_best`."""
 
 
@@ -38,31 +39,32 @@ class Objective:
 
 
 def find_best(
-    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: ProvenOptimum | None = None
-) -> ProvenOptimum | None:
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: Optimum | None = None
+) -> Optimum | None:
     """Find the best sequence over the moves not known to be bad; None: there is none (proven).
 
-    `bounds` are those of the graph, `before` is the best of the previous round, which had more moves.
+    `bounds` are those of the graph, `before` is the best of the previous round, which had more moves. When the time
+    runs out it is the best one found so far, and not `proven`.
 
     Raises
     ------
-    NoSolutionError
-        When the solver's time limit ends a solve.
+    OutOfTimeError
+        When the time runs out before a route is found.
     """
     return OBJECTIVES[problem.options.objective].find(problem, graph, bounds, screen, before)
 
 
 def _least_cost(
-    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: ProvenOptimum | None
-) -> ProvenOptimum | None:
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: Optimum | None
+) -> Optimum | None:
     """Find the least cost."""
     left = replace(graph, moves=screen.without_bad(graph.moves, graph.base))
-    return find_optimum(problem, left, bounds, before.objective if before else 0.0, screen.screen)
+    return find_optimum(problem, left, bounds, before.bound if before else 0.0, screen.screen)
 
 
 def _least_largest(
-    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: ProvenOptimum | None
-) -> ProvenOptimum | None:
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: Optimum | None
+) -> Optimum | None:
     """Find the least cap on kappa under which there is a sequence: the graph's own, or above it by bisection.
 
     The graph ignores x and combined budgets, and core after core forbids moves; only a solve decides about a cap.
@@ -79,26 +81,29 @@ def _least_largest(
         return None
     caps = np.unique(kappa[kappa > least])
     low, high = -1, int(np.searchsorted(caps, kappa[best.sequence.region].max()))
-    while high - low > 1:
-        middle = (low + high) // 2
-        progress(f"route: least largest kappa, between {caps[max(low, 0)]:.3f} and {caps[high]:.3f}")
-        if (found := solve(float(caps[middle]))) is None:
-            low = middle
-        else:
-            high, best = int(np.searchsorted(caps, kappa[found.sequence.region].max())), found
+    try:
+        while high - low > 1:
+            middle = (low + high) // 2
+            progress(f"route: least largest kappa, between {caps[max(low, 0)]:.3f} and {caps[high]:.3f}")
+            if (found := solve(float(caps[middle]))) is None:
+                low = middle
+            else:
+                high, best = int(np.searchsorted(caps, kappa[found.sequence.region].max())), found
+    except OutOfTimeError:
+        return replace(best, proven=False, cap=least)
     # The best sequence under a larger cap that keeps this one is also the best under this one.
     return replace(best, cap=float(caps[high]))
 
 
 def _least_sum_under(
-    problem: RouteProblem, graph: StateGraph, screen: Screen, before: ProvenOptimum | None, cap: float
-) -> ProvenOptimum | None:
+    problem: RouteProblem, graph: StateGraph, screen: Screen, before: Optimum | None, cap: float
+) -> Optimum | None:
     """Find the least sum of kappa among sequences whose kappa is nowhere above a cap."""
     moves = moves_within(screen.without_bad(graph.moves, graph.base), graph.regions.kappa, cap)
     bounds = priced_bounds(graph.regions, moves, problem.cost, problem.budgets, problem.monitor.progress)
     if not np.isfinite(bounds.optimum):
         return None
-    at_least = before.objective if before and before.cap >= cap else 0.0
+    at_least = before.bound if before and before.cap >= cap else 0.0
     found = find_optimum(problem, replace(graph, moves=moves), bounds, at_least, screen.screen)
     return None if found is None else replace(found, cap=cap)
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.config import RouteConfig
+from pipeline.route.memory import memory_gb, require_memory
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.gates import gate_bit
@@ -41,13 +43,22 @@ def unexpanded_graph(regions: RegionTable, moves: Moves) -> StateGraph:
     return StateGraph(np.arange(len(regions)), regions, moves)
 
 
-def expand_states(regions: RegionTable, moves: Moves, near: BoolArray) -> StateGraph:
+def expand_states(
+    regions: RegionTable, moves: Moves, near: BoolArray, options: RouteConfig | None = None
+) -> StateGraph:
     """Expand regions and moves by visits made and better routes strayed from.
 
     Parameters
     ----------
     near : (routes, n)
         Which regions are near each better route: a route strays from it in any other region.
+    options : RouteConfig, optional
+        How much memory the graph may take up; by default any.
+
+    Raises
+    ------
+    NoSolutionError
+        When it would take up more than `route.memory_gb`.
     """
     visits = int(regions.visits.max(initial=0))
     if visits == 0 and len(near) == 0:
@@ -55,6 +66,8 @@ def expand_states(regions: RegionTable, moves: Moves, near: BoolArray) -> StateG
     states = _States.of(regions, near)
     # Start and goal have one row each, the last two.
     inner = states.rows(len(regions) - 2)
+    if options is not None:
+        _require_memory(options, regions, moves, sum(len(rows) for rows in inner))
     first, last = int(states.after(0, np.array([regions.start]))[0]), len(inner) - 1
     parts = [*enumerate(inner), (first, np.array([regions.start])), (last, np.array([regions.goal]))]
     number = _Numbers.of(states, inner, first)
@@ -70,6 +83,14 @@ def expand_states(regions: RegionTable, moves: Moves, near: BoolArray) -> StateG
         before += len(rows)
     base = np.concatenate([rows for _, rows in parts])
     return StateGraph(base, regions.take(base), Moves(np.concatenate(sources), np.concatenate(targets)))
+
+
+def _require_memory(options: RouteConfig, regions: RegionTable, moves: Moves, rows: int) -> None:
+    expected = len(moves) * rows / len(regions)
+    needed = memory_gb(len(regions), len(moves)) + memory_gb(rows, expected)
+    what = f"{rows:,} regions and {expected:,.0f} moves, repeated for visits made and better routes strayed from,"
+    advice = "leave out some of task.visit, lower route.alternative, or coarsen route.grid"
+    require_memory(options, 1e9 * needed, what, advice)
 
 
 @dataclass(frozen=True, eq=False)

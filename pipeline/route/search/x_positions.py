@@ -15,6 +15,8 @@ from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.table import RegionTable
 from pipeline.solvers.highs import LinearProgram, Outcome, solve_program
 
+_LEAST_S = 1.0
+"""Seconds that a program of one sequence may take even when the time is up: it takes milliseconds."""
 _MOST_CUTS = 100
 """Tangents of a move at most; a dozen do."""
 
@@ -60,7 +62,7 @@ def cheapest_x(
     travels = problem.cost.first_travel(*ends, 0.0)
     best: tuple[FloatArray, float] | None = None
     for _ in range(_MOST_CUTS):
-        outcome = solve_program(_x_program(problem, regions, rows, travels), problem.options.time_limit_s)
+        outcome = solve_program(_x_program(problem, regions, rows, travels), max(problem.deadline.left_s, _LEAST_S))
         if not outcome.status.solved or outcome.values.size == 0:
             return best
         # The solver's tolerance must not put a cart beyond its rail.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def cached_grid(results: "Results", monitor: Monitor, compute: Callable[[], RegionTable]) -> RegionTable:
     """Take the regions of grid and gates from an earlier run beside this one, or compute and cache them."""
     runs, key = results.folder.parent, grid_fingerprint(results.config)
-    known = None if results.recompute else load_grid(runs, key)
+    known = None if results.recompute else load_grid(runs, key, 1e9 * results.config.route.memory_gb)
     if known is not None:
         monitor.progress("regions: grid and gates known from an earlier run", 1.0)
         return known

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from pipeline.artifacts.results.regions import regions_files
 from pipeline.progress import Monitor
 from pipeline.route import build_regions, grid_regions
+from pipeline.route.regions.size import require_table_fits
 from pipeline.route.regions.table import RegionTable
 from pipeline.run.makers.grid_cache import cached_grid
 from pipeline.run.product import Product
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 def make_regions(results: "Results", monitor: Monitor) -> Product:
     """Find every admissible region of the grid, and add those the task needs."""
+    require_table_fits(results.config, results.machine)
     grid = cached_grid(results, monitor, lambda: grid_regions(results.config, results.machine, monitor))
     return regions_product(results, build_regions(results.config, results.machine, monitor, grid))
 

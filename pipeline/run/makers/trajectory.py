@@ -10,7 +10,7 @@ from pipeline.retime import measure_trajectory, retime_path, sample_trajectory, 
 from pipeline.retime.result import Trajectory
 from pipeline.run.product import Product
 from pipeline.stage import Stage
-from pipeline.summary.section import failure_section
+from pipeline.summary.section import failure_section, without_part
 from pipeline.summary.trajectory import back_section, trajectory_section
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
     section = trajectory_section(figures)
     if isinstance(back, NoSolutionError):
-        return Product(files, {**section, "back": failure_section(back.reason, back.advice)})
+        return Product(files, {**section, **without_part("back", failure_section(back.reason, back.advice))})
     samples = sample_trajectory(back, config.retime.period_s)
     figures = measure_trajectory(back, samples)
     files |= back_files(machine, samples, sidecar(config, machine, samples, figures.usage))

@@ -27,7 +27,7 @@ def whole_file(bounds: dict[str, Any]) -> dict[str, Any]:
         "joint_radius": [[0.1] * 6] * 2,
     }
     return {
-        "format": 2,
+        "format": 3,
         "verdict": "certified",
         "refused_at_s": None,
         "refused_because": None,
@@ -60,7 +60,7 @@ def with_forces() -> Bounds:
 
 
 def test_each_key_states_its_side() -> None:
-    """A number, a sign, least distances, ranges, largest tilts, under the names of format 2."""
+    """A number, a sign, least distances, ranges, largest tilts, under the names of format 3."""
     assert state_bounds(bounds_of(), certificate_keys()) == {
         "kappa": 31.0,
         "det_sign": 1,

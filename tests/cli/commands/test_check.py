@@ -4,11 +4,13 @@ import json
 from pathlib import Path
 
 import pytest
+import yaml
 
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.route import task_endpoints
 from tests.cli.calls import Call, edit
+from tests.scaling import scaled
 
 
 class TestCheck:
@@ -51,6 +53,54 @@ class TestCheck:
         """Locked axes are not degrees of freedom."""
         text = " ".join(call("check", edit(config_file, task__locked_axes=locked)).stdout.split())
         assert expected in text
+
+    def test_limits_of_single_drives_and_of_push_and_pull(self, call: Call, config_file: Path) -> None:
+        """Every drive has a line of its own, and both forces."""
+        cart = {"velocity_mps": 0.5, "acceleration_mps2": 2.0, "force_n": 400.0}
+        carts = {"c1": cart, "c2": {**cart, "velocity_mps": 0.4}, "c3": {**cart, "force_n": {"push": 300, "pull": 500}}}
+        changes = {"carts": carts, "link_force_n": {"push": 1500, "pull": 2000}}
+        file = edit(config_file, **{f"machine__limits__{key}": value for key, value in changes.items()})
+        lines = [" ".join(line.split()) for line in call("check", file).stdout.splitlines()]
+        for expected in (
+            "│ c2 │ 0.4 │ 2 │ - │ 400 │",
+            "│ c3 │ 0.5 │ 2 │ - │ push 300, pull 500 │",
+            "│ links │ - │ - │ - │ push 1500, pull 2000 │",
+        ):
+            assert expected in lines
+        text = "\n".join(lines)
+        assert "│ c3 holds │ N │ 109.8 │ -89.7 │ -500 to 300 │" in text
+        assert "│ any link, pushed holds │ N │ 190.2 │ 153.6 │ <= 1500 │" in text
+        assert "│ any link, pulled holds │ N │ -171.5 │ -149.7 │ >= -2000 │" in text
+
+    def test_margins_that_the_task_does_not_leave(self, call: Call, config_file: Path) -> None:
+        """The range of the path is shown, and the drive, the pose and the distance that is left are told."""
+        assert "Note" not in call("check", config_file).stdout
+        text = " ".join(call("check", edit(config_file, refine__travel_margin_m=0.03)).stdout.split())
+        assert "task.start has c1 at 0.0202 m, 20.2 mm from the end of its rail" in text
+        assert "instead of refine.travel_margin_m (30 mm)" in text
+        assert "│ 0 │ 2.1 │ 0.0201727 │ 2.07 │" in text
+
+    def test_a_machine_in_another_size(self, call: Call, config_file: Path, quick_config: Config) -> None:
+        """A large kappa at the start is warned of; the length that is advised brings the paper's kappa back."""
+        small = scaled(quick_config, 0.1).model_dump(mode="json")
+        small["machine"]["characteristic_length_m"] = 1.0
+        config_file.write_text(yaml.safe_dump(small))
+        refused = " ".join(call("check", config_file).stderr.split())
+        assert "has kappa 216.3, above route.kappa_max (100); with machine.characteristic_length_m: 0.12" in refused
+        warned = " ".join(call("check", edit(config_file, route__kappa_max=500)).stdout.split())
+        assert "Warning: kappa at the start is 216, more than a third of route.kappa_max (500)" in warned
+        assert "with 0.12, the mean length of the links, kappa would be 27.2 there" in warned
+        fitting = call("check", edit(config_file, machine__characteristic_length_m=0.12))
+        assert fitting.exit_code == 0
+        assert "Warning" not in fitting.stdout
+
+    def test_a_start_near_a_singularity(self, call: Call, config_file: Path) -> None:
+        """Where no length helps, none is advised."""
+        warned = " ".join(call("check", edit(config_file, route__kappa_max=30)).stdout.split())
+        assert (
+            "leaves routes little room; raise route.kappa_max, or give the task a start farther from singularities"
+            in warned
+        )
 
     def test_a_cap_below_the_ends(self, call: Call, config_file: Path) -> None:
         """A cap on the path's kappa below that of the start is reported before anything is computed."""

@@ -50,6 +50,44 @@ def test_other_separators(separator: str) -> None:
     assert errors("other.csv") == errors("seen.csv")
 
 
+def test_there_and_back_on_the_way_back() -> None:
+    """With --back both commands take the way back, at any pace; the other way is recognised."""
+    options = ("--back", "--speed", 0.5)
+    call("simulate-measurement", "out", "--geometry", 0, "--noise", 0, "--output", "seen.csv", *options)
+    assert json.loads(Path("seen.json").read_text())["back"] is True
+    assert max(abs(row["largest"]) for row in errors("seen.csv", "--noise", 0, *options).values()) < 1e-9
+    for arguments in (("seen.csv", "--speed", 0.5), ("out/trajectory.csv", "--back")):
+        result = call("measured", "out", *arguments)
+        assert result.exit_code == 2
+        assert "the other way" in result.stderr
+    call("export", "out", "--back", "--output", "back.csv")
+    assert max(abs(row["largest"]) for row in errors("back.csv", "--back").values()) < 1e-9
+
+
+def test_what_was_skipped_is_said() -> None:
+    """As Excel writes it, with a gap: the same errors of the other rows, and on stderr and in the JSON what is not."""
+    call("simulate-measurement", "out", "--output", "seen.csv")
+    header, *rows = Path("seen.csv").read_text().splitlines()
+    gap = ",".join(["---"] * 7)
+    lines = ["Tracker", header, "s,m,m,m,m,m,m", *rows[:3], gap, *rows[3:], ",,,,,,"]
+    excel = "\r\n".join(lines).replace(".", "#").replace(",", ";").replace("#", ",")
+    Path("excel.csv").write_bytes(b"\xff\xfe" + excel.encode("utf-16-le"))
+    seen, read = errors("seen.csv"), errors("excel.csv")
+    assert {row["rows"] for row in read.values()} == {len(rows)}
+    assert [(one["reason"], one["lines"]) for one in read["x"].pop("skipped")] == [
+        ("above the header", "1"),
+        ("of units", "3"),
+        (f"with a gap in {header.replace(',', ', ')}", "7"),
+        ("without values", str(len(lines))),
+    ]
+    assert seen["x"].pop("skipped") == []
+    assert read["x"] == seen["x"]
+    result = call("measured", "out", "excel.csv", "--picture", "seen.png")
+    assert f"excel.csv: {len(rows)} rows of t_s, x1_m" in result.stderr
+    assert "UTF-16, semicolons, decimal commas" in result.stderr
+    assert "skipped: 1 line of units (3)" in result.stderr
+
+
 def test_noise_is_told_by_the_error_bars() -> None:
     """With noise alone, errors are about as large as their bars."""
     call("simulate-measurement", "out", "--geometry", 0, "--period", 0.005, "--output", "seen.csv")
@@ -122,6 +160,31 @@ def test_bad_usage(arguments: tuple[object, ...], expected: str) -> None:
     assert result.exit_code == 2
     assert expected in result.stderr
     assert sorted(Path().rglob("*")) == before
+
+
+def test_numbers_that_are_none_and_files_that_are_not_ours() -> None:
+    """Options that are not finite or in another unit, files without end, and files of other programs are refused."""
+    call("simulate-measurement", "out", "--output", "seen.csv")
+    Path("mine.json").write_text("{}")
+    before = sorted(Path().rglob("*"))
+    for arguments, expected in (
+        (("measured", "out", "seen.csv", "--reflector-1", "nan", 0, 0), "reflector 1 is at (nan, 0, 0)"),
+        (("measured", "out", "seen.csv", "--reflector-2", 0, 400, 50), "look like millimetres"),
+        (("measured", "out", "seen.csv", "--noise", "nan"), "--noise"),
+        (("measured", "out", "seen.csv", "--noise", "1e-320"), "noise"),
+        (("simulate-measurement", "out", "--reflector-1", "inf", 0, 0), "reflector 1"),
+        (("simulate-measurement", "out", "--geometry", "nan"), "--geometry"),
+        (("simulate-measurement", "out", "--output", "mine.csv"), "mine.json"),
+        (("simulate-measurement", "out", "--output", ""), "is a folder"),
+        (("measured", "out", "seen.csv", "--speed", "nan"), "speed"),
+        (("measured", "out", "/dev/zero"), "bytes"),
+    ):
+        result = call(*arguments)
+        assert result.exit_code == 2
+        assert expected in result.stderr
+    assert sorted(Path().rglob("*")) == before
+    assert Path("mine.json").read_text() == "{}"
+    assert call("simulate-measurement", "out", "--output", "seen.csv").exit_code == 0
 
 
 @pytest.mark.parametrize("command", ["measured", "simulate-measurement"])

@@ -16,7 +16,8 @@ from pipeline.refine.result import Path
 from pipeline.retime import QUANTITIES, Quantity, Trajectory
 from pipeline.retime.fastest import plan
 from pipeline.retime.jerk.solve import limit_jerk
-from pipeline.retime.path_dynamics import grid, tabulate_dynamics
+from pipeline.retime.path_dynamics import evaluate_dynamics, grid, tabulate_dynamics
+from pipeline.retime.quantities import evaluate
 
 
 @pytest.fixture(scope="module")
@@ -113,3 +114,15 @@ def test_the_trajectory_stays_below_the_maximum_velocity_curve(
     assert np.all(speed.get_ydata() <= below * 1.01)
     assert np.all(top.get_ydata() <= cap.get_ydata() * (1.0 + 1e-12))
     assert_laid_out(figure)
+
+
+def test_limits_of_push_and_pull_are_on_their_sides(timed: Trajectory) -> None:
+    """Above zero what may be pushed, below what may be pulled; a usage is of the limit on its side."""
+    machine = timed.path.machine
+    used = np.abs(evaluate(evaluate_dynamics(timed.path, np.linspace(0.0, 1.0, 101)), *np.zeros((3, 101)))["force"])
+    most = float(used[:, :3].max())
+    force = np.array([[1.1 * most] * 5, [1.3 * most] * 5])
+    lopsided = replace(timed, path=replace(timed.path, machine=replace(machine, force_n=force)))
+    carts = next(axes for axes in loads_figure(lopsided).axes if axes.get_ylabel().startswith("cart force"))
+    lines = sorted(line.get_ydata()[0] for line in carts.get_lines() if len(line.get_xdata()) == 2)
+    assert lines == pytest.approx([-1.3 * most, 1.1 * most])

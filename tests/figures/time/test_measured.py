@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pipeline.figures import style
 from pipeline.figures.time.measured import measured_figure
-from pipeline.measured import MeasurementComparison
+from pipeline.measured import Account, MeasurementComparison, Skipped
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +42,26 @@ def test_noise_is_a_band_of_two_standard_deviations(comparison: MeasurementCompa
     bare = measured_figure(replace(comparison, std=None))
     assert not bare.axes[1].collections
     assert len(bare.legends[0].get_texts()) == 2
+
+
+def test_rows_that_were_left_out_are_counted(
+    comparison: MeasurementComparison, assert_laid_out: Callable[[Figure], None]
+) -> None:
+    """The legend says how many rows of the file had gaps; other lines are no rows."""
+    account = Account(
+        file="seen.csv",
+        columns=("t_s",),
+        encoding="UTF-8",
+        separator=",",
+        decimal_mark=".",
+        line_count=206,
+        header_line=2,
+        row_lines=np.arange(6, 207),
+        skipped=(Skipped("above the header", (1,)), Skipped("with a gap in t_s", (3, 4, 5), rows=True)),
+    )
+    figure = measured_figure(replace(comparison, account=account))
+    assert [text.get_text() for text in figure.legends[0].get_texts()][3:] == ["left out: 3 rows with gaps"]
+    assert_laid_out(figure)
 
 
 def test_it_is_laid_out(comparison: MeasurementComparison, assert_laid_out: Callable[[Figure], None]) -> None:

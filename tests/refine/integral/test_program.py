@@ -9,6 +9,7 @@ from scipy.interpolate import BSpline
 
 from pipeline.config import Config
 from pipeline.limits import node_limits
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.axis_distance import AxisDistance
 from pipeline.machine import Machine, condition_number
 from pipeline.machine.kinematics import newton
@@ -36,6 +37,7 @@ def data(quick_config: Config, machine: Machine, route: Route, coarse: Path, ste
         reach_m=0.2,
         steps=steps,
         directions=FREE,
+        actuator_range_m=planned_range_m(quick_config, machine),
         exponent=2.0,
         evenness=3.0,
     )
@@ -142,12 +144,16 @@ def test_solutions_are_read_as_they_were_written(guess: InitialGuess, program: P
     np.testing.assert_array_equal(program.spline_coefficients(program.guess), guess.coefficients)
 
 
-def test_ends_are_fixed_and_coefficients_keep_strokes_and_travel(machine: Machine, program: Program) -> None:
-    """Bounds of coefficients hold everywhere, as a spline stays in the hull of its coefficients."""
+def test_ends_are_fixed_and_coefficients_keep_strokes_and_travel(
+    quick_config: Config, machine: Machine, program: Program
+) -> None:
+    """Less their margins: bounds of coefficients hold everywhere, as a spline stays in the hull of its coefficients."""
+    least, largest = planned_range_m(quick_config, machine).T
+    assert (least > machine.actuator_limits_m[:, 0]).all()
     low, high = (program.spline_coefficients(bound) for bound in program.variable_bounds)
     np.testing.assert_array_equal(low[[0, -1]], high[[0, -1]])
-    np.testing.assert_array_equal(low[1:-1], np.tile(machine.actuator_limits_m[:, 0], (7, 1)))
-    np.testing.assert_array_equal(high[1:-1], np.tile(machine.actuator_limits_m[:, 1], (7, 1)))
+    np.testing.assert_array_equal(low[1:-1], np.tile(least, (7, 1)))
+    np.testing.assert_array_equal(high[1:-1], np.tile(largest, (7, 1)))
 
 
 @pytest.mark.parametrize("exponent", [2.0, 64.0])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.limits.actuators import TRAVEL_KEY
+from pipeline.limits.holding_force import FORCES_KEY
 from pipeline.route.diagnosis.result import Finding, InfeasibilityReport, Verdict
 
 
@@ -61,6 +62,15 @@ NONE = {"value": None, "objective": None, "exact": False}
             {"key": TRAVEL_KEY, "bound": 1.0, "refused": 0.25, **NONE, "verdict": Verdict.UNDECIDED},
             "every machine.rails.travel_m 1 m longer at both ends: undecided; 0.25 m is not enough (proven)",
         ),
+        ({"key": "task.avoid[1]", "removes": True}, "without task.avoid[1]: a route exists, sum of kappa 311.6"),
+        (
+            {"key": "task.visit", "removes": True, **NONE, "verdict": Verdict.NEVER},
+            "without task.visit: no route either (proven over all moves between regions)",
+        ),
+        (
+            {"key": "task.visit", "removes": True, **NONE, "verdict": Verdict.UNDECIDED},
+            "without task.visit: undecided",
+        ),
     ],
 )
 def test_sentences(changes: dict[str, object], words: str) -> None:
@@ -80,3 +90,33 @@ def test_reach(hand_table) -> None:
     assert found.reach(regions) == (
         "of 4 regions 3 (LLL, LLR) can be reached from the start; the goal can be reached from 1 (RRR)"
     )
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, "set task.tilt_max_deg to 10"),
+        ({"locked_axes": ("rz",)}, "set task.locked_axes to [rz], task.tilt_max_deg to 10"),
+        ({"key": TRAVEL_KEY, "value": 0.25}, f"make every {TRAVEL_KEY} 0.25 m longer at both ends"),
+        ({"key": FORCES_KEY, "value": 1.5}, f"make all {FORCES_KEY} 1.5 times as high"),
+        ({"key": "task.avoid[1]", "removes": True}, "remove task.avoid[1]"),
+        (NONE, ""),
+    ],
+)
+def test_advice(changes: dict[str, object], words: str) -> None:
+    """What to do, if a route was found with it, and nothing otherwise."""
+    assert finding(**changes).advice == words
+
+
+def test_advice_of_a_report() -> None:
+    """All changes that were tried and open a route, and no others; without any it says so."""
+    none = np.zeros(1, dtype=bool)
+    never, other = finding(**NONE, verdict=Verdict.NEVER), finding(key="task.avoid[0]", removes=True)
+
+    def advice(*findings: Finding, not_tried: tuple[str, ...] = ()) -> str:
+        return InfeasibilityReport((), findings, none, none, not_tried).advice
+
+    assert advice(never, finding()) == "set task.tilt_max_deg to 10 (tried: a route exists)"
+    assert advice(finding(), never, other).endswith(": set task.tilt_max_deg to 10; remove task.avoid[0]")
+    assert advice(never).startswith("no single change")
+    assert advice(never, not_tried=("task.avoid",)).endswith("run again to try the rest")

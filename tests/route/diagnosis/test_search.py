@@ -7,22 +7,17 @@ from hypothesis import strategies as st
 
 from pipeline.config import Config
 from pipeline.config.file import load_config
-from pipeline.errors import NoSolutionError
+from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import Relaxation, relaxations
 from pipeline.machine import build_machine
+from pipeline.progress import Monitor
 from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.shortest_paths import fewest_positions
+from pipeline.route.diagnosis.budgets import least_budget
 from pipeline.route.diagnosis.relaxed_table import SearchOutcome, search_whole
 from pipeline.route.diagnosis.result import InfeasibilityReport, Verdict
-from pipeline.route.diagnosis.search import (
-    FeasibilityThreshold,
-    explain_infeasibility,
-    find_threshold,
-    least_budget,
-    not_varied,
-    reached,
-    relax_limit,
-)
+from pipeline.route.diagnosis.search import explain_infeasibility, reached, relax_limit
+from pipeline.route.diagnosis.threshold import FeasibilityThreshold, find_threshold
 from pipeline.route.moves.candidates import find_moves
 from tests.conftest import CONFIGS, WITHOUT_FORCE_LIMITS
 
@@ -145,7 +140,12 @@ class TestFindings:
 
     @pytest.mark.parametrize(
         ("key", "limit", "wanted"),
-        [("route.kappa_max", 24.0, "more"), ("machine.clearance.link_link_m", 0.083, "less")],
+        [
+            ("route.kappa_max", 24.0, "more"),
+            ("machine.clearance.link_link_m", 0.083, "less"),
+            ("refine.travel_margin_m", 0.4, "less"),
+            ("refine.stroke_margin_m", 0.14, "less"),
+        ],
     )
     def test_threshold_of_the_graph(
         self, coarse: Config, vary, monkeypatch: pytest.MonkeyPatch, key: str, limit: float, wanted: str
@@ -230,12 +230,81 @@ class TestFindings:
         assert (options.alternative, options.objective, options.formulation) == (1, "sum", "core")
 
     def test_no_more_positions_than_there_may_be(self, coarse: Config, vary) -> None:
-        """With the largest step budget there is none to try, and what else is asked for is told."""
-        config = vary(coarse, {"route.step_budget": 500, "task.budget.mode_changes": 2})
+        """With the largest step budget there is none to try."""
+        config = vary(coarse, {"route.step_budget": 500})
         machine = build_machine(config.machine)
         found = explain_infeasibility(config, machine, build_regions(config, machine), limits=[])
         assert found.findings == ()
-        assert found.remarks == ("also asked for, and not varied here: task.budget.mode_changes 2",)
+        assert found.advice.startswith("no single change")
+
+    def test_budgets_cannot_matter_where_nothing_joins_the_ends(self, coarse: Config, vary) -> None:
+        """Without tilt there is no way at any cost: neither positions nor mode changes are varied."""
+        config = vary(coarse, {"task.tilt_max_deg": 0, "task.budget.mode_changes": 3})
+        machine = build_machine(config.machine)
+        found = explain_infeasibility(config, machine, build_regions(config, machine), limits=[])
+        assert [finding.key for finding in found.findings] == []
+
+    @pytest.mark.parametrize(
+        ("budget", "configured", "value", "refused"), [("mode_changes", 2, 3.0, 2.0), ("travel_m", 0.3, None, None)]
+    )
+    def test_budgets_are_varied(
+        self, coarse: Config, vary, budget: str, configured: float, value: float | None, refused: float | None
+    ) -> None:
+        """The value named was tried, and the one refused is proven not to be enough: planning says the same."""
+        config = vary(coarse, {f"task.budget.{budget}": configured})
+        found = explain(config, without=".")
+        finding = next(finding for finding in found.findings if finding.key == f"task.budget.{budget}")
+        assert finding.verdict is Verdict.OPENS
+        assert finding.value == (value or finding.value)
+        assert finding.refused == (refused or finding.refused)
+        assert finding.advice in found.advice
+        machine = build_machine(config.machine)
+        regions = build_regions(config, machine)
+        wide = vary(config, {f"task.budget.{budget}": finding.value})
+        assert plan_route(wide, machine, regions).objective == pytest.approx(finding.objective)
+        with pytest.raises(InfeasibleError):
+            plan_route(vary(config, {f"task.budget.{budget}": finding.refused}), machine, regions)
+
+    def test_boxes_and_visits_are_removed_one_by_one(self, coarse: Config, vary) -> None:
+        """Of three boxes one is in the way: without it, and without all of them, there is a route."""
+        wall, aside = {"y_m": [-0.2, 1.2], "z_m": [0.55, 0.75]}, {"y_m": [0.85, 0.9], "z_m": [0.5, 0.6]}
+        config = vary(coarse, {"task.avoid": [aside, wall, aside], "route.avoid_margin": 0.1})
+        limits = [limit for limit in relaxations(config, build_machine(config.machine)) if limit.removes]
+        machine = build_machine(config.machine)
+        found = explain_infeasibility(config, machine, build_regions(config, machine), limits=limits)
+        assert [finding.key for finding in found.opening] == ["task.avoid", "task.avoid[1]"]
+        assert found.advice.endswith("remove task.avoid; remove task.avoid[1]")
+        assert [finding.sentence.partition(",")[0] for finding in found.findings[1:]] == [
+            "without task.avoid[0]: no route either (proven over all moves between regions)",
+            "without task.avoid[1]: a route exists",
+            "without task.avoid[2]: no route either (proven over all moves between regions)",
+        ]
+
+    def test_a_visit_that_takes_too_many_positions(self, coarse: Config, vary) -> None:
+        """Of two visits the far one is named, beside the positions it takes; the near one is not."""
+        near, far = {"box": {"y_m": [0.2, 0.6]}}, {"box": {"y_m": [0.05, 0.15], "z_m": [1.05, 1.1]}, "modes": ["LLL"]}
+        found = explain(vary(coarse, {"task.visit": [near, far]}), without=".")
+        assert [finding.advice for finding in found.opening] == [
+            "set route.step_budget to 11",
+            "remove task.visit",
+            "remove task.visit[1]",
+        ]
+
+    def test_an_interrupt_keeps_what_was_found(self, coarse: Config, vary) -> None:
+        """What was tried is there, and what was not is named."""
+        config = vary(coarse, {"task.tilt_max_deg": 0})
+        machine = build_machine(config.machine)
+        limits = [limit for limit in relaxations(config, machine) if "kappa" not in limit.key][:3]
+
+        def progress(message: str, fraction: float | None = None) -> None:
+            if message.startswith("why not: 2 of 3"):
+                raise KeyboardInterrupt
+
+        regions = build_regions(config, machine)
+        found = explain_infeasibility(config, machine, regions, Monitor(progress), limits=limits)
+        assert [finding.key for finding in found.findings] == [limits[0].key]
+        assert found.not_tried == tuple(limit.key for limit in limits[1:])
+        assert "run again" in found.advice
 
     @pytest.mark.slow
     @pytest.mark.parametrize("changes", [{"task.tilt_max_deg": 5}, {"task.locked_axes": ["rx", "rz"]}])
@@ -246,14 +315,3 @@ class TestFindings:
         assert found.opening[-1].value == 10.0
         assert found.opening[-1].objective == pytest.approx(365.0, abs=0.1)
         assert found.opening[-1].exact
-
-
-def test_what_is_not_varied_is_reported(coarse: Config, vary) -> None:
-    """Budgets with their values, boxes and visits with their number; nothing where nothing is asked for."""
-    box = {"y_m": [0.4, 0.5]}
-    asked = {"task.budget": {"mode_changes": 3, "tilt_deg": 60}, "task.avoid": [box], "task.visit": [{"box": box}] * 2}
-    assert not_varied(coarse) == []
-    assert not_varied(vary(coarse, asked)) == [
-        "also asked for, and not varied here: task.budget.mode_changes 3, task.budget.tilt_deg 60, task.avoid (1), "
-        "task.visit (2)"
-    ]

@@ -9,8 +9,9 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import link_pairs
 from pipeline.progress import Monitor, silent
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.memory import memory_gb
 from pipeline.route.metric import step_sizes
-from pipeline.route.moves.candidates import MoveSearch, find_moves, memory_gb, passing_codes, rule_moves
+from pipeline.route.moves.candidates import MoveSearch, find_moves, passing_codes, rule_moves
 from pipeline.route.moves.check import check_moves
 from pipeline.route.regions.build import build_regions
 

@@ -1,12 +1,14 @@
 """The core: nothing that belongs to a route of at most T is left out."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.route.bounds.shortest_paths import shortest_paths
-from pipeline.route.programs.core import build_core
+from pipeline.route.bounds.shortest_paths import cheap_moves, shortest_paths
+from pipeline.route.programs.core import build_core, core_bytes
 
 
 def _cheapest_in(core, step_budget):
@@ -159,3 +161,14 @@ def test_waiting_gives_x_the_time_it_needs(hand_table, hand_moves):
     assert arcs == {(0, 1, 0), (1, 0, 0), (2, 0, 2)}
     middle = core.region == 0
     np.testing.assert_allclose(core.window_m[middle], [[1.0, 1.0], [2.0, 2.0]])
+
+
+def test_the_memory_of_a_core_is_counted_beforehand(quick):
+    """It covers what building one takes up beside the moves themselves."""
+    bounds = shortest_paths(quick.regions, quick.moves)
+    moves = cheap_moves(quick.moves, bounds, 1.2 * bounds.optimum)
+    tracemalloc.start()
+    build_core(quick.regions, moves, bounds, 1.2 * bounds.optimum, 200, 0.1)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert core_bytes(bounds, 1.2 * bounds.optimum, 200) == pytest.approx(peak, rel=0.5)

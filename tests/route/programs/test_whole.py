@@ -97,10 +97,10 @@ def test_no_route_is_proven_with_any_formulation(tiny, vary, formulation):
 
 @pytest.mark.parametrize("formulation", WHOLE_PROGRAMS)
 def test_a_time_limit_is_reported_as_such(tiny, vary, formulation):
-    """No proof, no result."""
+    """No route in time: no proof, and no result."""
     config, machine, regions = tiny
     config = vary(config, {"route.formulation": formulation, "route.time_limit_s": 1e-6})
-    with pytest.raises(NoSolutionError, match="without a proof"):
+    with pytest.raises(NoSolutionError, match="no route was found within 1e-06 s, and none is proven to exist"):
         plan_route(config, machine, regions)
 
 

@@ -154,7 +154,7 @@ def test_the_grid_knows_nothing_of_the_task(small, small_config, vary):
 
 def test_little_memory_makes_small_blocks_and_the_same_table(small, small_config, vary):
     """Bit for bit, whatever the blocks are."""
-    table = build_regions(vary(small_config, {"route.memory_gb": 1e-6}), small.machine)
+    table = build_regions(vary(small_config, {"route.memory_gb": 0.002}), small.machine)
     for field in fields(table):
         np.testing.assert_array_equal(getattr(table, field.name), getattr(small.regions, field.name))
 

@@ -8,9 +8,10 @@ import pytest
 from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.errors import ConfigError
+from pipeline.limits.actuator_margins import controlled_pose
 from pipeline.machine import Machine, build_machine, inverse_kinematics
 from pipeline.machine.clearance import link_rail_distances
-from pipeline.route.regions.endpoints import controlled_pose, task_endpoints
+from pipeline.route.regions.endpoints import task_endpoints
 
 
 def changed(config: Config, changes: dict[str, Any]) -> Config:
@@ -82,9 +83,10 @@ def test_a_triangle_that_cannot_close_is_named(agder_config: Config):
 
 
 def test_carts_off_their_rails_are_named(agder_config: Config):
-    """Each cart beyond its travel is told with its position and what is allowed."""
+    """Each cart beyond its travel is told with its position and what is allowed, and then the x that would do."""
     messages = refusal(agder_config, {"task.start.x_m": 0.1})
-    assert len(messages) == 3
+    assert len(messages) == 4
+    assert messages[3].startswith("task.start.x_m: is 0.1; all carts are on their rails for 0.9999 to ")
     assert messages[0] == "task.start: needs c1 at -0.8998 m; allowed are 0 to 2.1 m"
 
 

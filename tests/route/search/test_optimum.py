@@ -2,10 +2,11 @@
 
 import pytest
 
+from pipeline.errors import NoSolutionError
 from pipeline.progress import Monitor
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.problem import RouteProblem
-from pipeline.route.search.optimum import prove_on_core
+from pipeline.route.search.optimum import find_optimum, prove_on_core
 from pipeline.route.search.states import unexpanded_graph
 
 
@@ -58,3 +59,16 @@ def test_an_optimum_above_its_threshold_is_not_a_proof(hand_table, hand_moves, q
     assert optimum.objective == pytest.approx(24.0)
     assert optimum.threshold == pytest.approx(24.0)
     assert [text.split()[-1] for text in seen if text.startswith("route: core")] == ["15.00", "24.00"]
+
+
+def test_programs_that_would_not_fit_are_refused(small, vary):
+    """Cores and programs over all regions are counted before they are built."""
+    for formulation, what in (("core", "a core of at most 500 steps"), ("paper", "the paper program of")):
+        config = vary(
+            small.config,
+            {"route.memory_gb": 1e-5, "route.step_budget": 500, "route.formulation": formulation},
+        )
+        problem = RouteProblem.of(config, small.machine, small.regions, small.moves)
+        graph = unexpanded_graph(problem.regions, problem.moves)
+        with pytest.raises(NoSolutionError, match=rf"{what} .*route\.memory_gb allows 1e-05"):
+            find_optimum(problem, graph, shortest_paths(problem.regions, problem.moves))

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.errors import NoSolutionError
 from pipeline.route import plan_route
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
@@ -113,3 +114,13 @@ def test_an_alternative_is_planned_by_its_rank(three, quick, vary):
     config, routes = three
     second = plan_route(vary(config, {"route.alternative": 2}), quick.machine, quick.regions)
     np.testing.assert_array_equal(second.region, routes[1].region)
+
+
+def test_a_graph_that_would_not_fit_is_refused(quick, vary):
+    """Every visit repeats all regions and moves; the message says so, with the keys."""
+    visits = np.zeros(len(quick.regions), dtype=np.int64)
+    visits[:9] = np.arange(1, 10)
+    regions, options = replace(quick.regions, visits=visits), vary(quick.config, {"route.memory_gb": 0.3}).route
+    with pytest.raises(NoSolutionError, match=r"repeated for visits made .* route\.memory_gb allows 0\.3") as caught:
+        expand_states(regions, quick.moves, np.zeros((0, len(regions)), dtype=bool), options)
+    assert "task.visit" in caught.value.advice

@@ -55,7 +55,7 @@ def test_a_copy_has_the_same_code(copy: Path) -> None:
         ("machine/kinematics.py", "import", "import  ", [str(stage) for stage in STAGES]),
         ("report/assets/page.css", "{", "{ ", ["figures"]),
         ("figures/style.py", "import", "import  ", ["figures"]),
-        ("cli/app.py", "import", "import  ", []),
+        ("cli/application.py", "import", "import  ", []),
         ("run/execute.py", "import", "import  ", []),
         ("config/retime.py", "import", "import  ", []),
     ],

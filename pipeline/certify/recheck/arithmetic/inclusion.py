@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, total, within
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, times, total, within
 from pipeline.certify.recheck.arithmetic.jets import TERMS, expand
 from pipeline.certify.recheck.arithmetic.motion import Motion, follow, second_derivatives
 from pipeline.certify.recheck.arithmetic.norms import arm_lengths, norm
 from pipeline.certify.recheck.arithmetic.splines import on_one_piece, spline_taylor
 from pipeline.inclusion.krawczyk import Box
-from pipeline.inclusion.pieces import middle
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
@@ -63,7 +62,8 @@ class Inclusions:
 def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
     """Stack boxes and evaluate the closures along them."""
     first, last = (np.array([getattr(box, name) for box in boxes]) for name in ("first", "last"))
-    centre, half = np.array([middle(box.first, box.last) for box in boxes]).T
+    centre = (first + last) / 2.0
+    half = np.where(last > first, np.nextafter(np.maximum(last - centre, centre - first), np.inf), 0.0)
     pose, radius = np.stack([box.pose for box in boxes], -1), np.stack([box.radius for box in boxes], -1)
     q = spline_taylor(path.spline.t, path.spline.c, path.spline.k, first, centre)
     at, over = (
@@ -97,7 +97,7 @@ def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusi
     image = total(
         _residual(C, boxes),
         bound("ijn,jn->in", miss, moved_by, terms=6),
-        0.5 * bound("iabn,an,bn->in", bent, E, E, terms=36),
+        0.5 * bound("ian,an->in", bound("iabn,bn->ian", bent, E, terms=6), E, terms=6),
         bound("iln,ln->in", C_abs, change, terms=6),
         bound("ikn,kn->in", spread, r, terms=6),
     )
@@ -114,15 +114,15 @@ def linear_inverse(J: list[Enclosure]) -> FloatArray:
 def residual_of_inverse(C: list[Enclosure], J: list[Enclosure], h: FloatArray) -> FloatArray:
     """Bound |I - C(t) J(t)| over each interval, shape (6, 6, n)."""
 
-    def times(a: Enclosure, b: Enclosure) -> Enclosure:
+    def product(a: Enclosure, b: Enclosure) -> Enclosure:
         return contract("ijn,jkn->ikn", a, b, 6)
 
     identity = exactly(np.eye(6)[..., None])
     terms = [
-        identity - times(C[0], J[0]),
-        times(C[0], J[1]) + times(C[1], J[0]),
-        times(C[0], J[2]) + times(C[1], J[1]),
-        times(C[1], J[2]),
+        identity - product(C[0], J[0]),
+        product(C[0], J[1]) + product(C[1], J[0]),
+        product(C[0], J[2]) + product(C[1], J[1]),
+        product(C[1], J[2]),
     ]
     return total(*(bound("ijn,n->ijn", term.magnitude, power(h, n), terms=1) for n, term in enumerate(terms)))
 
@@ -147,7 +147,7 @@ def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_en
         apart,
         met.image[:, of],
         bound("ijn,jn->in", turned, met.residual_change[:, of], terms=6),
-        bound("iln,lkn,kn->in", C.magnitude, found.jacobian_change, apart, terms=36),
+        bound("iln,ln->in", C.magnitude, bound("lkn,kn->ln", found.jacobian_change, apart, terms=6), terms=6),
     )
     return np.asarray(np.all(reach < boxes.radius, axis=0), dtype=bool)
 
@@ -175,7 +175,7 @@ def _hull(machine: Machine, boxes: Boxes, reach: FloatArray) -> Motion:
 
 def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
     """Bound E, shape (6, n)."""
-    eps, eta = uncertainty.length_m, uncertainty.coordinate_m
+    eps, eta = np.array(uncertainty.length_m), np.array(uncertainty.coordinate_m)
     lengths = over.lengths[0].magnitude
     if not uncertainty.any:
         return np.zeros_like(lengths)
@@ -184,22 +184,22 @@ def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
     sizes = v.magnitude
     seen = total(local[:, 0], local[:, 1], local[:, 2], sizes[:, 0], 2.0 * sizes[:, 1], 2.0 * sizes[:, 2])
     offset = np.full_like(lengths, _offset(eta))
-    return total(eps * lengths, np.full_like(lengths, eps * eps), eta * seen, offset * offset)
+    return total(times(eps, lengths), times(np.full_like(lengths, eps), eps), times(eta, seen), times(offset, offset))
 
 
 def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty) -> FloatArray:
     """Bound D, shape (6, 6, n)."""
     v = hull.vectors[0].magnitude
     D = np.zeros((6, 6, v.shape[-1]))
-    eta = uncertainty.coordinate_m
+    eta = np.array(uncertainty.coordinate_m)
     if eta > 0.0:
         size, arm = norm(np.moveaxis(v, 1, 0)), arm_lengths(machine)[:, None]
         w = _offset(eta)
-        D[:, :3] = total(3.8 * eta * np.ones(1))
-        D[:, 3:] = total(arm * w * np.ones_like(size), 1.8 * eta * size, np.full_like(size, 1.8 * eta * w))[:, None]
+        D[:, :3] = times(np.array(3.8), eta)
+        D[:, 3:] = total(times(arm, w), times(np.array(1.8), eta, total(size, np.full_like(size, w))))[:, None]
     return D
 
 
-def _offset(eta: float) -> float:
+def _offset(eta: FloatArray) -> FloatArray:
     """Bound of |w|: sqrt(3) eta and sqrt(1 + 4 + 4) eta, the first rounded up to 1.8."""
-    return 4.8 * eta * (1.0 + 1e-12)
+    return times(np.array(4.8), eta)

@@ -5,7 +5,7 @@ from math import comb, factorial
 
 import numpy as np
 
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, exactly, stacked, total
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, exactly, stacked, times, total
 
 TERMS = 5
 _SINE_TERMS = 20
@@ -56,7 +56,7 @@ def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
     near = np.abs(x.mid) <= _LARGEST_ANGLE
     parts = []
     for part, slope in ((sine, cosine), (cosine, sine)):
-        spread = total(part.rad, rest, slope.magnitude * x.rad, rest * x.rad, 0.5 * x.rad * x.rad)
+        spread = total(part.rad, rest, slope.magnitude * x.rad, rest * x.rad, times(0.5 * x.rad, x.rad))
         parts.append(Enclosure(np.where(near, part.mid, 0.0), np.where(near, spread, 1.0)))
     return parts[0], parts[1]
 

@@ -32,6 +32,8 @@ class Motion:
         R a_l, v_l and R a_l x v_l.
     lengths : (orders, 6, n)
         Link lengths.
+    characteristic_length : float
+        L, which moments are divided by.
     """
 
     pose: Enclosure
@@ -42,6 +44,7 @@ class Motion:
     vectors: Enclosure
     moments: Enclosure
     lengths: Enclosure
+    characteristic_length: float
 
     def residuals(self) -> Enclosure:
         """Compute f_l, shape (orders, 6, n)."""
@@ -57,7 +60,8 @@ class Motion:
         """Compute H', shape (orders, 6, 6, n)."""
         inverse = _reciprocal(self.lengths)
         each = Enclosure(inverse.mid[:, :, None], inverse.rad[:, :, None])
-        return product(mul, _beside(self.vectors, self.moments), each)
+        moments = self.moments * exactly(self.characteristic_length).inverse()
+        return product(mul, _beside(self.vectors, moments), each)
 
 
 def follow(machine: Machine, pose: Enclosure, q: Enclosure) -> Motion:
@@ -74,7 +78,10 @@ def follow(machine: Machine, pose: Enclosure, q: Enclosure) -> Motion:
     vectors = (tcp - Enclosure(*carts)) + (arms - anchors)
     lengths = _constants(exactly(np.nan_to_num(machine.lengths_m)), n)
     lengths.mid[:, TELESCOPES], lengths.rad[:, TELESCOPES] = q.mid[:, 3:], q.rad[:, 3:]
-    return Motion(pose, q, rotation, axes, arms, vectors, product(partial(cross, axis=1), arms, vectors), lengths)
+    moments = product(partial(cross, axis=1), arms, vectors)
+    return Motion(
+        pose, q, rotation, axes, arms, vectors, moments, lengths, characteristic_length=machine.characteristic_length_m
+    )
 
 
 def second_derivatives(motion: Motion) -> Enclosure:

@@ -1,7 +1,7 @@
 """Upper bounds of norms, for many boxes at a time."""
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.recheck.arithmetic.enclosure import bound, root, total
+from pipeline.certify.recheck.arithmetic.enclosure import bound, root, times, total
 from pipeline.machine.geometry import Machine
 
 
@@ -27,4 +27,4 @@ def joint_shift(machine: Machine, deviation: FloatArray) -> FloatArray:
     """
     turn = total(*deviation[3:])
     arms = arm_lengths(machine).reshape(-1, *(1,) * turn.ndim)
-    return total(norm(deviation[:3])[None], arms * turn)
+    return total(norm(deviation[:3])[None], times(arms, turn))

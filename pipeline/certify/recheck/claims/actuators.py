@@ -6,11 +6,13 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
+from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.actuators import PROOF_ROUNDING_M, PROOF_SLACK_M
-from pipeline.machine.geometry import ACTUATORS
+from pipeline.machine.geometry import ACTUATORS, Machine
 
 RANGES = "carts and telescopes stay within bounds and limits"
 CLAIMS: tuple[str, ...] = (RANGES,)
@@ -20,11 +22,15 @@ _BEYOND_M = PROOF_ROUNDING_M + PROOF_SLACK_M
 """How far a stated bound may be beyond a limit."""
 
 
+def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    """Bound the positions of all actuators over some boxes."""
+    least, largest = polynomial_ranges(segment.boxes.q, segment.boxes.half)
+    return np.column_stack([least.min(axis=1), largest.max(axis=1)])
+
+
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the ranges of all actuators for every s."""
-    least, largest = polynomial_ranges(evidence.chain.boxes.q, evidence.chain.boxes.half)
-    ranges = np.column_stack([least.min(axis=1), largest.max(axis=1)])
-    limits = evidence.machine.actuator_limits_m
+    ranges, limits = evidence.found, planned_range_m(evidence.config, evidence.machine)
     rows = zip(ACTUATORS, ranges, stated.actuators_m, limits, strict=True)
     yield Claim(
         RANGES,

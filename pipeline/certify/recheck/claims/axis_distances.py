@@ -6,12 +6,13 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, dot, exactly, total
+from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, dot, exactly, rounded_down, times, total
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, power
 from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
-from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
 from pipeline.inclusion.distances import AxisPairs, separating_directions
 from pipeline.limits.axis_distance import pair_names
 from pipeline.machine.clearance import link_pairs, rail_pairs
@@ -22,23 +23,32 @@ CLAIMS: tuple[str, ...] = (DISTANCES,)
 KEYS: tuple[str, ...] = ("distance_m",)
 
 
+def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    """Bound the distances of all pairs that the machine has over some boxes."""
+    distances = [
+        distance_bounds(
+            machine, AxisPairs.of(pairs, from_rail, machine.rails_m), segment.boxes, segment.inclusions.image
+        )
+        for pairs, from_rail, _ in _groups(machine)
+    ]
+    return lower_bounds(np.concatenate(distances).min(axis=1))
+
+
+def _groups(machine: Machine) -> list[tuple[list[tuple[int, int]], bool, float]]:
+    """List pairs of links, and of links and rails if they are asked for, with the distance that is required."""
+    groups = [(link_pairs(machine), False, machine.link_link_m)]
+    return groups + ([(rail_pairs(machine), True, machine.link_rail_m)] if np.isfinite(machine.link_rail_m) else [])
+
+
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the distances of all pairs that the machine has for every s."""
-    machine, boxes, image = evidence.machine, evidence.chain.boxes, evidence.chain.inclusions.image
-    groups = [(link_pairs(machine), False, machine.link_link_m)]
-    if np.isfinite(machine.link_rail_m):
-        groups.append((rail_pairs(machine), True, machine.link_rail_m))
+    groups, least = _groups(evidence.machine), evidence.least
     names = tuple(name for pairs, from_rail, _ in groups for name in pair_names(pairs, from_rail))
     if names != stated.pairs:
         missing = [name for name in names if name not in stated.pairs]
         yield Claim(DISTANCES, verified=False, found=f"other pairs are stated; missing: {', '.join(missing) or 'none'}")
         return
     required = np.concatenate([np.full(len(pairs), least) for pairs, _, least in groups])
-    distances = [
-        distance_bounds(machine, AxisPairs.of(pairs, from_rail, machine.rails_m), boxes, image)
-        for pairs, from_rail, _ in groups
-    ]
-    least = np.concatenate(distances).min(axis=1)
     kept = (least >= stated.distances_m) & (stated.distances_m >= required)
     shown = int(np.argmin(least - required) if kept.all() else np.argmin(kept))
     yield Claim(
@@ -67,13 +77,14 @@ def distance_bounds(machine: Machine, pairs: AxisPairs, boxes: Boxes, deviation:
                 dot(n[0], gap[2], 1) + dot(n[1], gap[1], 1),
                 dot(n[1], gap[2], 1),
             ]
-            spread = total(*(term.magnitude * power(h, k) for k, term in enumerate(series[1:], start=1)))
+            spread = total(*(times(term.magnitude, power(h, k)) for k, term in enumerate(series[1:], start=1)))
             least = np.minimum(least, (series[0] - exactly(spread)).lower)
     shift = joint_shift(machine, deviation)
     off = np.concatenate([np.zeros_like(shift), shift, np.zeros((3, len(h)))])
-    moved_by = total(off[pairs.first].sum(axis=1), off[pairs.second].sum(axis=1))
+    moved_by = total(*(off[of[:, end]] for of in (pairs.first, pairs.second) for end in (0, 1)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        distance = np.where(size > 0.0, least / size * (1.0 - 1e-15) - moved_by * (1.0 + 1e-15), 0.0)
+        share = np.where(least > 0.0, rounded_down(least / size, 1), 0.0)
+        distance = np.where(size > 0.0, share - moved_by, 0.0)
     return np.maximum(np.nextafter(distance, -np.inf), 0.0)
 
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
+from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.determinant import det_signs
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, exactly, root, total
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, exactly, root, times, total
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, linear_inverse, power, residual_of_inverse
 from pipeline.certify.recheck.arithmetic.norms import arm_lengths, frobenius, joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
@@ -21,17 +22,23 @@ CLAIMS: tuple[str, ...] = (KAPPA, SIGN)
 KEYS: tuple[str, ...] = ("kappa", "det_sign")
 
 
+def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    """Bound kappa and the sign of det H over some boxes."""
+    kappa, sign = kappa_bounds(machine, segment.boxes, segment.inclusions.image)
+    return np.array([[-np.inf, kappa.max()], [sign.min(), sign.max()]])
+
+
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the bound of kappa and the sign of det H for every s."""
-    kappa, sign = kappa_bounds(evidence.machine, evidence.chain.boxes, evidence.chain.inclusions.image)
-    worst, cap = float(kappa.max()), path_cap(evidence.config)
+    (_, worst), signs = evidence.found.tolist()
+    cap = path_cap(evidence.config)
     yield Claim(
         KAPPA,
         worst <= stated.kappa <= cap,
         f"{worst:.6g}; stated {stated.kappa:.6g}, cap {cap:.6g}",
     )
-    keeps = bool((sign == stated.det_sign).all()) and stated.det_sign != 0
-    yield Claim(SIGN, keeps, f"{', '.join(f'{one:+.0f}' for one in np.unique(sign))}; stated {stated.det_sign:+d}")
+    keeps = signs == [stated.det_sign] * 2 and stated.det_sign != 0
+    yield Claim(SIGN, keeps, f"{', '.join(f'{one:+.0f}' for one in sorted(set(signs)))}; stated {stated.det_sign:+d}")
 
 
 def kappa_bounds(machine: Machine, boxes: Boxes, deviation: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -45,11 +52,11 @@ def kappa_bounds(machine: Machine, boxes: Boxes, deviation: FloatArray) -> tuple
     h = boxes.half
     off = statics_change(machine, boxes, deviation)
     bound_Y = _largest(exactly(Y[0]), exactly(Y[1]), h)
-    bound_H = total(_largest(H[0], H[1], h), power(h, 2) * frobenius(H[2].magnitude), off)
+    bound_H = total(_largest(H[0], H[1], h), times(power(h, 2), frobenius(H[2].magnitude)), off)
     squares = residual_of_inverse([exactly(part) for part in Y], H, h)
-    miss = total(frobenius(squares), bound_Y * off)
+    miss = total(frobenius(squares), times(bound_Y, off))
     with np.errstate(divide="ignore", invalid="ignore"):
-        kappa = np.where(miss < 1.0, total(bound_H * bound_Y / (1.0 - miss)), np.inf)
+        kappa = np.where(miss < 1.0, total(times(bound_H, bound_Y) / (1.0 - miss)), np.inf)
     # ||I - Y0 H'|| < 1: the determinants of Y0 and H have the same sign.
     return kappa, np.where(miss < 1.0, det_signs(Y[0]), 0.0)
 
@@ -73,6 +80,9 @@ def statics_change(machine: Machine, boxes: Boxes, deviation: FloatArray) -> Flo
     arm, turn = arm_lengths(machine)[:, None], total(*deviation[3:])
     by_vector = joint_shift(machine, deviation)
     size = norm(np.moveaxis(boxes.over.vectors[0].magnitude, 1, 0))
-    by_moment = total(arm * by_vector, arm * turn * size, arm * turn * by_vector)
+    by_moment = total(times(arm, by_vector), times(arm, turn, total(size, by_vector)))
+    by_moment = total(by_moment / machine.characteristic_length_m)
     length = boxes.over.lengths[0].lower
-    return root(total(*(total(by_vector**2, by_moment**2) / length**2)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        parts = [np.where(length > 0.0, total(part / length), np.inf) for part in (by_vector, by_moment)]
+    return norm(np.concatenate(parts))

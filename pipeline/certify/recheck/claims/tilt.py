@@ -6,30 +6,38 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
-from pipeline.certify.recheck.arithmetic.enclosure import exactly, total
+from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
+from pipeline.certify.recheck.arithmetic.enclosure import exactly, times, total
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
-from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.certify.recheck.claims.evidence import Evidence, upper_bounds
 from pipeline.limits.tilt import PROOF_ROUNDING_RAD, PROOF_SLACK_RAD, path_limits_deg
+from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_AXES, TILT_COLUMNS
 
 TILTS = "tilts stay within bounds and limits"
 CLAIMS: tuple[str, ...] = (TILTS,)
 KEYS: tuple[str, ...] = ("tilt_deg",)
 
-_BEYOND_RAD = PROOF_ROUNDING_RAD + PROOF_SLACK_RAD
+_BEYOND_DEG = float(np.rad2deg(PROOF_ROUNDING_RAD + PROOF_SLACK_RAD))
 """How far a stated bound may be beyond a limit."""
+
+
+def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    """Bound |rx| and |rz| over some boxes, in degrees."""
+    tilt = tilt_bounds(segment.boxes, segment.inclusions.image)
+    # The float nearest to pi is below it: this factor is above the exact one.
+    return upper_bounds(times(tilt, total(np.array(180.0 / np.pi))))
 
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the bounds of |rx| and |rz| for every s."""
-    tilt = tilt_bounds(evidence.chain.boxes, evidence.chain.inclusions.image)
-    bound, limit = np.deg2rad(stated.tilt_deg), np.deg2rad(path_limits_deg(evidence.config))
-    degrees = (np.rad2deg(values) for values in (tilt, bound, limit))
+    tilt, bound, limit = evidence.largest, stated.tilt_deg, np.array(path_limits_deg(evidence.config))
+    degrees = (tilt, bound, limit)
     yield Claim(
         TILTS,
-        bool((tilt <= bound).all() and (bound <= limit + _BEYOND_RAD).all()),
+        bool((tilt <= bound).all() and (bound <= limit + _BEYOND_DEG).all()),
         "\n".join(
             f"{name} {one:.5g}, stated {most:.5g}, limit {allowed:.5g} degrees"
             for name, one, most, allowed in zip(TILT_AXES, *degrees, strict=True)

@@ -85,7 +85,7 @@ class TestProcess:
         script = (
             "import sys\nfrom typer.testing import CliRunner\nfrom pipeline.cli import app\n"
             "assert CliRunner().invoke(app, ['run', '--help']).exit_code == 0\n"
-            "print([name for name in ('numpy', 'scipy', 'casadi', 'highspy', 'toppra', 'matplotlib') "
+            "print([name for name in ('numpy', 'scipy', 'casadi', 'highspy', 'matplotlib') "
             "if name in sys.modules])"
         )
         done = subprocess.run(

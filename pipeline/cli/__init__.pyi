@@ -1,0 +1,6 @@
+from .application import (
+    app as app,
+)
+from .process import (
+    main as main,
+)

@@ -1,0 +1,35 @@
+"""The process of the command line: what has to be settled before anything that loads slowly is imported."""
+
+import io
+import os
+import sys
+
+from pipeline.startup import end_at_interrupts
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    interruptible = end_at_interrupts()
+    _open_standard_streams()
+    from pipeline.cli.application import app
+    from pipeline.cli.interrupts import raise_interrupts
+
+    if interruptible:
+        raise_interrupts()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # A locale without umlauts must not end the program after its work is done.
+        sys.stdout.reconfigure(errors="backslashreplace")
+    app()
+
+
+def _open_standard_streams() -> None:
+    """Open what is closed, so that no file gets its number: solvers write there; printing fails as it should."""
+    for number, flags in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, flags)
+    if sys.stdout is None:
+        sys.stdout = os.fdopen(1, "w", closefd=False)
+    if sys.stderr is None:
+        sys.stderr = os.fdopen(2, "w", closefd=False)
