@@ -22,8 +22,8 @@ from pipeline.route.moves.screen import Screen
 from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route, Search
+from pipeline.route.search.best_so_far import Optimum
 from pipeline.route.search.objective import find_best
-from pipeline.route.search.optimum import Optimum
 from pipeline.route.search.placement import PlacedRoute, place_route, rejected_moves
 from pipeline.route.search.states import expand_states, near_route
 from pipeline.status import Status

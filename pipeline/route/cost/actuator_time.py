@@ -29,7 +29,7 @@ class ActuatorTime:
     counts_x: bool = True
 
     def first_travel(self, regions: RegionTable, source: IntArray, target: IntArray, price: float) -> FloatArray:
-        """Beyond all else, which are the outer pieces, and on both sides of where each cart stands still. Shape (8, m)."""
+        """Beyond all else, which are the outer pieces, and both sides of where each cart stands still. Shape (8, m)."""
         still = -(self._parts(regions, source, target)[0] * self._carts)
         near = 1e-3 * self.x_step_m
         far = np.abs(still).max(axis=0) + self.x_step_m
@@ -38,7 +38,7 @@ class ActuatorTime:
     def at(self, regions: RegionTable, source: IntArray, target: IntArray, dx_m: FloatArray) -> FloatArray:
         """Compute the largest |dq_i| / v_i of moves (m,). Shape (m,)."""
         carts, rest = self._parts(regions, source, target)
-        return np.maximum(np.abs(carts + np.asarray(dx_m) / self._carts).max(axis=0), rest)
+        return np.asarray(np.maximum(np.abs(carts + np.asarray(dx_m) / self._carts).max(axis=0), rest))
 
     def tangent(
         self, regions: RegionTable, source: IntArray, target: IntArray, dx_m: FloatArray

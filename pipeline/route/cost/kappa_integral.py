@@ -4,6 +4,7 @@ A move of length l = sqrt(L^2 + (dx / Delta X)^2), where L is the length of its 
 costs (kappa_a + kappa_b) / 2 times l: the trapezoidal rule between its ends. A wait is a move along X alone.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,9 +35,8 @@ class KappaIntegral:
 
     def at(self, regions: RegionTable, source: IntArray, target: IntArray, dx_m: FloatArray) -> FloatArray:
         """Compute the mean kappa of the ends times the length of moves (m,). Shape (m,)."""
-        return _mean_kappa(regions, source, target) * np.hypot(
-            self._length(regions, source, target), self._in_steps(dx_m)
-        )
+        length = np.hypot(self._length(regions, source, target), self._in_steps(dx_m))
+        return np.asarray(_mean_kappa(regions, source, target) * length)
 
     def tangent(
         self, regions: RegionTable, source: IntArray, target: IntArray, dx_m: FloatArray
@@ -55,10 +55,10 @@ class KappaIntegral:
         """
         kappa, L = _mean_kappa(regions, source, target), self._length(regions, source, target)
         if price == 0.0:
-            return kappa * L
+            return np.asarray(kappa * L)
         p = abs(price) * self.steps[0]
         d = _best_part(kappa, L, p)
-        return np.maximum(kappa * np.hypot(L, d) - p * d, 0.0)
+        return np.asarray(np.maximum(kappa * np.hypot(L, d) - p * d, 0.0))
 
     def wait(self, regions: RegionTable) -> FloatArray:
         """Give kappa per grid step. Shape (n,)."""
@@ -67,7 +67,7 @@ class KappaIntegral:
     def best_travel(self, regions: RegionTable, source: IntArray, target: IntArray, price: float) -> FloatArray:
         """Give that d in metres, in the direction of the price. Shape (m,)."""
         kappa, L = _mean_kappa(regions, source, target), self._length(regions, source, target)
-        return np.copysign(self.steps[0], price) * _best_part(kappa, L, abs(price) * self.steps[0])
+        return math.copysign(self.steps[0], price) * _best_part(kappa, L, abs(price) * self.steps[0])
 
     def most(self, regions: RegionTable) -> float:
         """Give the largest kappa times the length of a move that is one step long in all five coordinates."""

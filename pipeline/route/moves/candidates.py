@@ -1,8 +1,8 @@
 """Moves between regions: which of them a step may join.
 
 A move needs every coordinate within one grid step (14)-(17), the working mode of every arm kept unless the
-arm is at its gate (38) and leaves it, windows of x within reach of each other (13), the same sign of det H, and no links
-passing through each other. The last two are cheap filters; `check` decides about the moves that a route may use.
+arm is at its gate (38) and leaves it, windows of x within reach of each other (13), the same sign of det H, and no
+links passing through each other. The last two are cheap filters; `check` decides about the moves that a route may use.
 """
 
 from dataclasses import dataclass
@@ -186,7 +186,7 @@ class MoveSearch:
         return i[within], j[within]
 
     def _needless(self, i: IntArray, j: IntArray) -> BoolArray:
-        """Mark moves (m,) between gates of one arm that change its mode: it can as well be changed on leaving the second.
+        """Mark moves (m,) between gates of one arm that change its mode: leaving the second can change it as well.
 
         A visit asks for the mode of its row. Without these moves a route that passes gates is one sequence, not many.
         """

@@ -90,8 +90,8 @@ def build_core(problem: RouteProblem, regions: RegionTable, moves: Moves, bounds
     arcs = _Arcs.within(regions, moves, problem.cost, bounds, limit)
     left = np.array([budget.left(regions) + ROUNDING for budget in bounds.prices.budgets]).reshape(-1, 1)
     # A move, and where travel is no arc as many waits before it as are left when the moves so far are made.
-    waits = np.arange(step_budget - 2, -1, -1) if problem.cost.counts_x else np.zeros(step_budget - 1)
-    reach_m = x_step_m * (1.0 + waits)
+    waits = np.arange(step_budget - 2, -1, -1.0) if problem.cost.counts_x else np.zeros(step_budget - 1)
+    reach_m = np.asarray(x_step_m * (1.0 + waits))
     everywhere = _Windows.of_regions(arcs.window_m, step_budget)
     to_go = np.broadcast_to(bounds.backward[arcs.region], everywhere.low.shape)
     forward = _sweep(arcs, arcs.tail, arcs.head, arcs.start, everywhere, to_go, limit, reach_m)

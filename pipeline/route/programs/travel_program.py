@@ -84,7 +84,8 @@ class TravelProgram:
         used = used[np.argsort(core.step[core.tail[used]])]
         regions = core.region[np.concatenate([core.tail[used], core.head[used[-1:]]])]
         arriving, leaving = values[self.arriving], values[self.leaving]
-        rows, x = [], []
+        rows: list[int] = []
+        x: list[float] = []
         for region, here, there in zip(regions.tolist(), arriving.tolist(), leaving.tolist(), strict=True):
             waits = int(np.ceil(abs(there - here) / core.x_step_m - 1e-6))
             rows += [region] * (1 + waits)
@@ -97,7 +98,7 @@ def build_travel_program(core: Core, tangents: Tangents) -> TravelProgram:
     N, step_m, nodes, arcs = core.step_budget, core.x_step_m, len(core.step), len(core.tail)
     goal = core.region[-1]
     moving = core.region[core.tail] != goal
-    steps, node, arc = np.arange(N), np.arange(nodes), np.arange(arcs)
+    node, arc = np.arange(nodes), np.arange(arcs)
     leaves, enters = _ones(core.tail, arc, (nodes, arcs)), _ones(core.head, arc, (nodes, arcs))
     at_node = _ones(core.step, node, (N, nodes))
     at_arc = _ones(core.step[core.tail], arc, (N - 1, arcs))
@@ -118,8 +119,8 @@ def build_travel_program(core: Core, tangents: Tangents) -> TravelProgram:
     )
     rows.add({"delta": leaves - enters}, supply, supply)
     for side, window in (("arrive", core.window_m), ("leave", own)):
-        for bound, low, high in ((window[:, 0], 0.0, np.inf), (window[:, 1], -np.inf, 0.0)):
-            rows.add({"delta": -(at_node.multiply(bound) @ delta), side: eye_steps}, low, high)
+        for end, least, most in ((window[:, 0], 0.0, np.inf), (window[:, 1], -np.inf, 0.0)):
+            rows.add({"delta": -(at_node.multiply(end) @ delta), side: eye_steps}, least, most)
     rows.add({"arrive": eye_steps[1:], "leave": -eye_steps[:-1], "e": -at_arc}, 0.0, 0.0)
     rows.add({"arrive": -eye_steps, "leave": eye_steps, "ahead": -at_node, "back": at_node}, 0.0, 0.0)
     for sign in (1.0, -1.0):

@@ -15,7 +15,8 @@ from pipeline.route.bounds.shortest_paths import Bounds
 from pipeline.route.deadline import OutOfTimeError
 from pipeline.route.moves.screen import Screen
 from pipeline.route.problem import RouteProblem
-from pipeline.route.search.optimum import Optimum, find_optimum
+from pipeline.route.search.best_so_far import Optimum
+from pipeline.route.search.optimum import find_optimum
 from pipeline.route.search.states import StateGraph
 
 Find = Callable[[RouteProblem, StateGraph, Bounds, Screen, Optimum | None], Optimum | None]

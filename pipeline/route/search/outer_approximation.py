@@ -55,7 +55,7 @@ def approximate(problem: RouteProblem, core: Core, tangents: Tangents) -> StepSe
 
 
 def _tighten(problem: RouteProblem, core: Core, tangents: Tangents) -> None:
-    """Add tangents until they make the continuous relaxation that of the costs themselves: linear programs are cheap."""
+    """Add tangents until the continuous relaxation is that of the costs themselves: linear programs are cheap."""
     source, target = core.region[core.tail], core.region[core.head]
     last = -np.inf
     while True:
@@ -72,14 +72,14 @@ def _tighten(problem: RouteProblem, core: Core, tangents: Tangents) -> None:
 
 
 def _with_best_x(problem: RouteProblem, found: StepSequence, tangents: Tangents) -> StepSequence:
-    """Choose the best x of a sequence, without waits where they save nothing, and touch the costs of its steps there."""
+    """Choose the best x of a sequence, without waits that save nothing, and touch the costs of its steps there."""
     rows, regions = found.region, tangents.regions
     tangents.add(rows[:-1], rows[1:], np.diff(found.x_m))
     best = cheapest_x(problem, regions, rows) or (found.x_m, route_cost(problem.cost, regions, rows, found.x_m))
     moved = rows[np.append(True, rows[1:] != rows[:-1])]
-    if len(moved) < len(rows) and (shorter := cheapest_x(problem, regions, moved)) is not None:
-        if shorter[1] <= best[1] * (1.0 + CLOSED / 10.0):
-            rows, best = moved, shorter
+    shorter = cheapest_x(problem, regions, moved) if len(moved) < len(rows) else None
+    if shorter is not None and shorter[1] <= best[1] * (1.0 + CLOSED / 10.0):
+        rows, best = moved, shorter
     x, cost = best
     placed = replace(found, region=rows, x_m=x, outcome=replace(found.outcome, objective=cost))
     tangents.add(rows[:-1], rows[1:], np.diff(x))

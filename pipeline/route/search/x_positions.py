@@ -77,7 +77,7 @@ def cheapest_x(
 
 
 def _x_program(problem: RouteProblem, regions: RegionTable, rows: IntArray, travels_m: FloatArray) -> LinearProgram:
-    """Write the linear program of tangents at travels (k, n - 1): x, then the cost and the length of each move along X."""
+    """Write the linear program of tangents at travels (k, n - 1): x, then the cost and the |dx| of each move."""
     n, moves = len(rows), len(rows) - 1
     change = csc_array(np.diff(np.eye(n), axis=0))
     eye, step = csc_array(np.eye(moves)), problem.options.x_step_m
