@@ -40,7 +40,7 @@ Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
 def plan_route(config: Config, machine: Machine, regions: RegionTable, monitor: Monitor = QUIET) -> Route:
     """Find the route that `route.objective` and `route.alternative` ask for, every move followed continuously.
 
-    By default it is the one of least sum of kappa (5), proven over the admitted moves. When `route.time_limit_s` ends
+    By default it is the one of least integral of kappa, proven over the admitted moves. When `route.time_limit_s` ends
     the search it is the best one found so far: its status is then UNPROVEN, and `search` has its bound and gap.
 
     Raises
@@ -202,5 +202,6 @@ def _route(placed: PlacedRoute, search: Search, status: Status) -> Route:
 
 def _gap(objective: float, bound: float) -> float:
     """Compute the relative distance of the objective to its bound; rounding in either sum counts as none."""
-    gap = (objective - bound) / objective
+    # A goal in the pose of the start is reached at no cost.
+    gap = (objective - bound) / objective if objective > 0.0 else 0.0
     return gap if gap > ROUNDING else 0.0

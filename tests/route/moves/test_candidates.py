@@ -9,6 +9,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine.clearance import link_pairs
 from pipeline.progress import Monitor, silent
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.memory import memory_gb
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import MoveSearch, find_moves, passing_codes, rule_moves
@@ -121,7 +122,7 @@ def test_moves_that_keep_the_mode_go_both_ways(small):
 
 def test_the_graph_costs_what_its_source_costs(small):
     """An entry per move, holding kappa of the region left."""
-    graph = small.moves.graph(small.regions.kappa).tocoo()
+    graph = small.moves.graph(small.regions.kappa[small.moves.source], len(small.regions)).tocoo()
     assert set(zip(graph.row.tolist(), graph.col.tolist(), strict=True)) == _as_set(small.moves)
     np.testing.assert_array_equal(graph.data, small.regions.kappa[graph.row])
 
@@ -229,7 +230,7 @@ def test_the_estimate_of_memory_is_an_upper_bound_not_far_off(quick):
     tracemalloc.start()
     regions = build_regions(quick.config, quick.machine)
     moves = find_moves(quick.config, quick.machine, regions)
-    shortest_paths(regions, moves)
+    shortest_paths(regions, moves, KappaSum())
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     estimate = memory_gb(len(regions), len(moves)) * 1e9
