@@ -269,11 +269,17 @@ def assert_rules(joints, statics) -> Callable[[Config, Machine, Route], None]:
         limits = np.vstack([machine.travel_m, machine.strokes_m])
         assert ((q >= limits[:, 0] - 1e-9) & (q <= limits[:, 1] + 1e-9)).all()
         assert np.rad2deg(np.abs(pose[:, [3, 5]])).max() <= config.task.tilt_max_deg + 1e-9
-        # (5), with the true kappa, the same sign of det H everywhere, and the goal reached once.
+        # The objective, with the true kappa, the same sign of det H everywhere, and the goal reached once.
         H = statics(machine, pose, q)
         np.testing.assert_allclose(route.kappa, np.linalg.cond(H, 2), rtol=1e-8)
         assert len(set(np.sign(np.linalg.det(H)))) == 1
-        assert route.objective == pytest.approx(route.kappa[:-1].sum(), abs=1e-9)
+        added_up = route.kappa[:-1].sum()
+        if config.route.objective == "integral":
+            lengths = np.linalg.norm(np.diff(pose[:, [0, 1, 2, 3, 5]], axis=0) / largest, axis=1)
+            added_up = (lengths * (route.kappa[1:] + route.kappa[:-1])).sum() / 2.0
+        elif config.route.objective == "time":
+            added_up = (np.abs(np.diff(q, axis=0)) / machine.velocity_mps).max(axis=1).sum()
+        assert route.objective == pytest.approx(added_up, abs=1e-9)
         assert (route.region[:-1] != route.region[-1]).all()
 
     return check
