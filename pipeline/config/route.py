@@ -44,6 +44,10 @@ class FollowConfig(Section):
     )
 
 
+_COUNTED_BY_STEP = (RouteObjective.SUM, RouteObjective.BOTTLENECK)
+"""Objectives that add up kappa step by step, whatever a step's travel along X."""
+
+
 class RouteConfig(Section):
     """Stage one: regions, moves and the mixed-integer program."""
 
@@ -84,3 +88,13 @@ class RouteConfig(Section):
         description="memory that stage one may take up, beside the 0.2 GB of the program itself",
     )
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())
+
+    @model_validator(mode="after")
+    def _programs_count_steps(self) -> Self:
+        if self.formulation is not Formulation.CORE and self.objective not in _COUNTED_BY_STEP:
+            raise wrong(
+                "formulation",
+                f"is {self.formulation}, a program in which travel along X costs nothing, but route.objective is "
+                f"{self.objective}: set route.objective to sum, or route.formulation to core",
+            )
+        return self

@@ -155,7 +155,7 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
         if not found:
             proven = best.proven and all(route.status is Status.OPTIMAL for route in better)
             status = Status.OPTIMAL if proven else Status.UNPROVEN
-            return _route(placed, _search(placed, best, screen, len(problem.moves), round_), status)
+            return _route(problem, placed, _search(placed, best, screen, len(problem.moves), round_), status)
         for step, rejection in found:
             # Gates may have been exchanged for their twins: forbid the move between either.
             for rows in (placed.region.tolist(), best.sequence.region.tolist()):
@@ -185,7 +185,7 @@ def _search(placed: PlacedRoute, best: Optimum, screen: Screen, moves: int, roun
     )
 
 
-def _route(placed: PlacedRoute, search: Search, status: Status) -> Route:
+def _route(problem: RouteProblem, placed: PlacedRoute, search: Search, status: Status) -> Route:
     return Route(
         region=placed.region,
         modes=placed.steps.modes,
@@ -197,6 +197,7 @@ def _route(placed: PlacedRoute, search: Search, status: Status) -> Route:
         objective=placed.objective,
         status=status,
         search=search,
+        objective_kind=problem.options.objective,
     )
 
 

@@ -52,7 +52,7 @@ class RouteProblem:
     ) -> "RouteProblem":
         """Derive steps, budgets and costs from the configuration, and start the clock of `route.time_limit_s`."""
         steps, cost = step_sizes(config.route), COSTS[config.route.objective](config.route, machine)
-        deadline = Deadline.after(config.route.time_limit_s)
+        deadline = Deadline.after(config.route.time_limit_s, config.route.objective)
         return cls(config, machine, regions, moves, steps, task_budgets(config), cost, monitor, deadline)
 
     @property

@@ -95,6 +95,10 @@ class ActuatorTime:
         reach = np.ptp(own, axis=0) + np.append(np.full(3, self.x_step_m), np.zeros(2))
         return float((reach / self.velocity_mps).max())
 
+    def offset_m(self, regions: RegionTable) -> FloatArray:
+        """Give where cart 1 is for x = 0. Shape (n,)."""
+        return np.asarray(regions.q_m[:, 0] - regions.controlled[:, 0])
+
     def priced_travel(self, regions: RegionTable) -> float:
         """Give the travel of cart 1 from start to goal."""
         return float(regions.q_m[regions.goal, 0] - regions.q_m[regions.start, 0])

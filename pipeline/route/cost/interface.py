@@ -44,6 +44,9 @@ class MoveCost(Protocol):
     def most(self, regions: RegionTable) -> float:
         """Bound the cost of every move from above."""
 
+    def offset_m(self, regions: RegionTable) -> FloatArray:
+        """Give what is added to x for the position whose travel is priced, (n,)."""
+
     def priced_travel(self, regions: RegionTable) -> float:
         """Compute the priced travel from start to goal in total (m), the same for every route."""
 

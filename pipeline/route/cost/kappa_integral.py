@@ -73,6 +73,10 @@ class KappaIntegral:
         """Give the largest kappa times the length of a move that is one step long in all five coordinates."""
         return float(regions.kappa.max() * np.sqrt(5.0))
 
+    def offset_m(self, regions: RegionTable) -> FloatArray:
+        """Give none: the travel is that of the TCP. Shape (n,)."""
+        return np.zeros(len(regions))
+
     def priced_travel(self, regions: RegionTable) -> float:
         """Give the travel along X from start to goal."""
         return float(regions.controlled[regions.goal, 0] - regions.controlled[regions.start, 0])

@@ -52,6 +52,10 @@ class KappaSum:
         """Give the largest kappa."""
         return float(regions.kappa.max())
 
+    def offset_m(self, regions: RegionTable) -> FloatArray:
+        """Give none: no travel has a price. Shape (n,)."""
+        return np.zeros(len(regions))
+
     def priced_travel(self, regions: RegionTable) -> float:
         """No travel has a price."""
         return 0.0

@@ -69,6 +69,16 @@ class BestSoFar:
         """Its cost, infinite without one."""
         return self._found[0].outcome.objective if self._found else np.inf
 
+    @property
+    def sequence(self) -> StepSequence | None:
+        """The sequence itself, in rows of the graph."""
+        return self._found[0] if self._found else None
+
+    def offer(self, sequence: StepSequence, core: Core) -> None:
+        """Take over a route that was found without a proof, if it is better."""
+        if len(sequence.region) and sequence.outcome.objective < self.objective:
+            self._found = (sequence, core)
+
     def decided_by(self, sequence: StepSequence, core: Core, deadline: Deadline) -> bool:
         """Take over the outcome of a core; return whether it is the optimum.
 

@@ -16,15 +16,17 @@ from pipeline.route.search.outer_approximation import approximate
 from pipeline.status import Status
 
 
-def solve_core(problem: RouteProblem, core: Core, bounds: Bounds, tangents: Tangents) -> StepSequence:
-    """Find the optimum over a core that is not empty.
+def solve_core(
+    problem: RouteProblem, core: Core, bounds: Bounds, tangents: Tangents, known: StepSequence | None = None
+) -> StepSequence:
+    """Find the optimum over a core that is not empty; `known` is a route found before.
 
     Where travel along X costs, it is found by outer approximation; else by label setting where there are budgets, or by
     HiGHS. Budgets that are almost used up make the relaxations of a mixed-integer program weak and its incumbents rare;
     labels are then few. Should they be too many after all, HiGHS decides.
     """
     if problem.cost.counts_x:
-        return approximate(problem, core, tangents)
+        return approximate(problem, core, tangents, known)
     deadline = problem.deadline
     prices, monitor, some = np.array(bounds.prices.prices), deadline.shown(problem.monitor), None
     if core.budgets:

@@ -14,14 +14,17 @@ from pipeline.route.deadline import OutOfTimeError
 from pipeline.route.memory import require_memory
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import build_core, core_bytes
+from pipeline.route.programs.core import Core, build_core, core_bytes
 from pipeline.route.programs.exclusions import excluded_pairs
-from pipeline.route.programs.solution import solve_steps
+from pipeline.route.programs.solution import StepSequence, solve_steps
 from pipeline.route.programs.travel_program import Tangents
 from pipeline.route.programs.whole import WHOLE_PROGRAMS
+from pipeline.route.search.beam import beam_route
 from pipeline.route.search.best_so_far import BestSoFar, Optimum, in_table
 from pipeline.route.search.core_optimum import solve_core
+from pipeline.route.search.outer_approximation import with_best_x
 from pipeline.route.search.states import StateGraph
+from pipeline.solvers.highs import Outcome
 from pipeline.status import Status
 
 _GROWTH = 3.0
@@ -140,7 +143,7 @@ def _raise_threshold(
     ceiling = options.step_budget * problem.cost.most(regions)
     # Costs of zero are possible: a least cost of zero has no relative margin.
     unit = ceiling / options.step_budget**2
-    margin, known = options.threshold_margin, np.inf
+    margin, followed, searched = options.threshold_margin, False, -np.inf
     threshold, reach, part = min(best.excluded + margin * max(best.excluded, unit), ceiling), -np.inf, moves
     tangents = Tangents(regions, problem.cost, bounds.prices.travel)
     while True:
@@ -148,9 +151,10 @@ def _raise_threshold(
         if threshold > reach:
             reach = _AHEAD * threshold
             part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
-            if problem.cost.counts_x and known == np.inf:
-                known = _cost_along(problem, graph, part, bounds, screen, tangents)
-                threshold = min(threshold, known)
+            if problem.cost.counts_x and not followed:
+                followed = True
+                _follow_shortest(problem, graph, part, bounds, screen, tangents, best)
+                threshold = min(threshold, best.objective)
         what = f"a core of at most {options.step_budget} steps below the threshold {threshold:.2f}"
         needed = core_bytes(bounds, threshold, options.step_budget)
         require_memory(options, needed, what, "lower route.step_budget, or coarsen route.grid")
@@ -160,7 +164,7 @@ def _raise_threshold(
         )
         # The core's own bound takes x and the step budget into account: a lower threshold, and a smaller core, may do.
         lower = core.bound * (1.0 + options.threshold_margin)
-        lowered = not core.empty and core.bound > best.excluded and lower < min(threshold, best.objective, known)
+        lowered = not core.empty and core.bound > best.excluded and lower < min(threshold, best.objective)
         if not lowered or len(core.tail) <= _SCREENED_EARLY:
             left = screen(core.moves, part, graph.base)
             if len(left) < len(part):
@@ -170,31 +174,54 @@ def _raise_threshold(
             threshold, margin = lower, options.threshold_margin
             continue
         if not core.empty:
-            found = solve_core(problem, core, bounds, tangents)
+            if problem.cost.counts_x and threshold > searched:
+                searched = threshold
+                _look_around(problem, core, bounds, tangents, best)
+                threshold = min(threshold, best.objective)
+                continue
+            found = solve_core(problem, core, bounds, tangents, best.sequence)
             if best.decided_by(found, core, problem.deadline):
                 return best.proven(found.outcome.bound)
         if threshold >= ceiling:
             return None
         best.excluded = threshold
         margin *= _GROWTH
-        threshold = min(threshold + margin * max(threshold, unit), best.objective, known, ceiling)
+        threshold = min(threshold + margin * max(threshold, unit), best.objective, ceiling)
 
 
-def _cost_along(
-    problem: RouteProblem, graph: StateGraph, moves: Moves, bounds: Bounds, screen: Screening, tangents: Tangents
-) -> float:
-    """Find the cost of a route along a shortest path of admissible moves: with the best x often the optimum itself."""
-    least = shortest_paths(graph.regions, moves, problem.cost, bounds.prices)
-    if not np.isfinite(least.optimum):
-        return np.inf
-    path = shortest_route(graph.regions, moves, problem.cost, least)
-    pairs = np.unique(np.column_stack([path[:-1], path[1:]]), axis=0)
-    along = Moves(pairs[:, 0], pairs[:, 1])
-    if len(left := screen(along, moves, graph.base)) < len(moves):
-        return _cost_along(problem, graph, left, bounds, screen, tangents)
-    ceiling = problem.options.step_budget * problem.cost.most(graph.regions)
-    core = build_core(problem, graph.regions, along, bounds, ceiling)
-    if core.empty:
-        return np.inf
-    found = solve_core(problem, core, bounds, tangents)
-    return found.outcome.objective if found.outcome.status is Status.OPTIMAL else np.inf
+def _follow_shortest(
+    problem: RouteProblem,
+    graph: StateGraph,
+    moves: Moves,
+    bounds: Bounds,
+    screen: Screening,
+    tangents: Tangents,
+    best: BestSoFar,
+) -> None:
+    """Offer the best route along a shortest path of admissible moves: with the best x it often is the optimum."""
+    while np.isfinite((least := shortest_paths(graph.regions, moves, problem.cost, bounds.prices)).optimum):
+        path = shortest_route(graph.regions, moves, problem.cost, least)
+        pairs = np.unique(np.column_stack([path[:-1], path[1:]]), axis=0)
+        along = Moves(pairs[:, 0], pairs[:, 1])
+        left = screen(along, moves, graph.base)
+        if len(left) < len(moves):
+            moves = left
+            continue
+        ceiling = problem.options.step_budget * problem.cost.most(graph.regions)
+        core = build_core(problem, graph.regions, along, bounds, ceiling)
+        if not core.empty:
+            best.offer(solve_core(problem, core, bounds, tangents), core)
+        return
+
+
+def _look_around(problem: RouteProblem, core: Core, bounds: Bounds, tangents: Tangents, best: BestSoFar) -> None:
+    """Offer what a beam search finds in a core that is screened."""
+    problem.monitor.progress("route: a first route")
+    route = beam_route(problem, core, bounds, tangents.regions)
+    if route is None:
+        return
+    rows, x = route
+    outcome = Outcome(Status.TIME_LIMIT, np.empty(0), np.inf, core.bound, np.inf)
+    found = with_best_x(problem, StepSequence(rows, x, outcome, len(core.tail), "beam search"), tangents)
+    problem.monitor.progress(f"route: first route of cost {found.outcome.objective:.4f}")
+    best.offer(found, core)

@@ -21,17 +21,23 @@ from pipeline.status import Status
 
 CLOSED = 1e-7
 """Relative distance of the bounds at which they count as met."""
+_TIGHT = 1e-5
+"""Relative gain of the relaxation below which no more tangents are added before the first program."""
 _PATIENCE = 5
 """Programs in a row that move neither bound."""
 
 
-def approximate(problem: RouteProblem, core: Core, tangents: Tangents) -> StepSequence:
+def approximate(
+    problem: RouteProblem, core: Core, tangents: Tangents, known: StepSequence | None = None
+) -> StepSequence:
     """Find the route of least cost over a core that is not empty; the tangents are those of its rows, and grow.
+
+    `known` is a route found before, in rows of the same table.
 
     The outcome's objective is the cost of the route; it is above the core's threshold when no route in it is as cheap.
     """
     _tighten(problem, core, tangents)
-    best: StepSequence | None = None
+    best = known
     last, stalled = -np.inf, 0
     while True:
         program = build_travel_program(core, tangents)
@@ -40,7 +46,7 @@ def approximate(problem: RouteProblem, core: Core, tangents: Tangents) -> StepSe
         bound = max(last, relaxed.outcome.bound)
         if relaxed.outcome.status is not Status.OPTIMAL:
             return relaxed if best is None else _ended(best, relaxed, bound)
-        placed = _with_best_x(problem, relaxed, tangents)
+        placed = with_best_x(problem, relaxed, tangents)
         improved = best is None or placed.outcome.objective < best.outcome.objective
         best = placed if best is None or improved else best
         objective = best.outcome.objective
@@ -62,7 +68,7 @@ def _tighten(problem: RouteProblem, core: Core, tangents: Tangents) -> None:
         travelling = build_travel_program(core, tangents)
         relaxed = replace(travelling.program, integer=np.zeros_like(travelling.program.integer))
         outcome = solve_program(relaxed, problem.deadline.left_s)
-        if outcome.status is not Status.OPTIMAL or outcome.objective <= last + CLOSED / 10.0 * abs(last):
+        if outcome.status is not Status.OPTIMAL or outcome.objective <= last + _TIGHT * abs(last):
             return
         last = outcome.objective
         used, travel = outcome.values[: len(source)], outcome.values[travelling.travel]
@@ -71,7 +77,7 @@ def _tighten(problem: RouteProblem, core: Core, tangents: Tangents) -> None:
         tangents.add(source[arcs], target[arcs], travel[arcs] / used[arcs])
 
 
-def _with_best_x(problem: RouteProblem, found: StepSequence, tangents: Tangents) -> StepSequence:
+def with_best_x(problem: RouteProblem, found: StepSequence, tangents: Tangents) -> StepSequence:
     """Choose the best x of a sequence, without waits that save nothing, and touch the costs of its steps there."""
     rows, regions = found.region, tangents.regions
     tangents.add(rows[:-1], rows[1:], np.diff(found.x_m))
