@@ -1,5 +1,6 @@
 """What each objective of stage one adds up, in words: one row per objective."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pipeline.config.choices import RouteObjective
@@ -40,6 +41,6 @@ ROUTE_QUANTITIES = {
 """`bottleneck` compares sums of kappa between routes that have the least largest kappa."""
 
 
-def route_quantity(section: dict[str, object]) -> Quantity:
+def route_quantity(section: Mapping[str, object]) -> Quantity:
     """Give the quantity of a route's section of a summary; those without an objective are of the sum (5)."""
     return ROUTE_QUANTITIES[RouteObjective(str(section.get("objective_kind", RouteObjective.SUM)))]

@@ -4,27 +4,23 @@ The core holds every route of cost at most a threshold, so that its optimum is t
 the threshold. The threshold starts just above the best bound and is raised until that is so: exact always.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from pipeline.arrays import IntArray
-from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves, shortest_paths, shortest_route
+from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves
 from pipeline.route.deadline import OutOfTimeError
 from pipeline.route.memory import require_memory
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import Core, build_core, core_bytes
+from pipeline.route.programs.core import build_core, core_bytes
 from pipeline.route.programs.exclusions import excluded_pairs
-from pipeline.route.programs.solution import StepSequence, solve_steps
+from pipeline.route.programs.solution import solve_steps
 from pipeline.route.programs.travel_program import Tangents
 from pipeline.route.programs.whole import WHOLE_PROGRAMS
-from pipeline.route.search.beam import beam_route
 from pipeline.route.search.best_so_far import BestSoFar, Optimum, in_table
 from pipeline.route.search.core_optimum import solve_core
-from pipeline.route.search.outer_approximation import with_best_x
+from pipeline.route.search.first_route import Screening, offer_first_routes
 from pipeline.route.search.states import StateGraph
-from pipeline.solvers.highs import Outcome
 from pipeline.status import Status
 
 _GROWTH = 3.0
@@ -32,10 +28,6 @@ _AHEAD = 1.1
 """Moves are picked for thresholds up to this many times the present one: most of them are too costly for any."""
 _SCREENED_EARLY = 20_000
 """Cores of at most this many arcs are screened before their threshold is lowered, larger ones just before the solve."""
-
-Screening = Callable[[Moves, Moves, IntArray], Moves]
-"""Follows the moves of a core (first), and leaves all known to be bad out of others (second); rows are mapped to
-those of the region table by the third, (n,)."""
 
 _NO_MOVES = Moves(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
 
@@ -143,18 +135,20 @@ def _raise_threshold(
     ceiling = options.step_budget * problem.cost.most(regions)
     # Costs of zero are possible: a least cost of zero has no relative margin.
     unit = ceiling / options.step_budget**2
-    margin, followed, searched = options.threshold_margin, False, -np.inf
-    threshold, reach, part = min(best.excluded + margin * max(best.excluded, unit), ceiling), -np.inf, moves
+    margin = options.threshold_margin
+    if problem.cost.counts_x:
+        offer_first_routes(problem, graph, bounds, screen, best)
+    threshold, reach, part = (
+        min(best.excluded + margin * max(best.excluded, unit), best.objective, ceiling),
+        -np.inf,
+        moves,
+    )
     tangents = Tangents(regions, problem.cost, bounds.prices.travel)
     while True:
         problem.deadline.require()
         if threshold > reach:
             reach = _AHEAD * threshold
             part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
-            if problem.cost.counts_x and not followed:
-                followed = True
-                _follow_shortest(problem, graph, part, bounds, screen, tangents, best)
-                threshold = min(threshold, best.objective)
         what = f"a core of at most {options.step_budget} steps below the threshold {threshold:.2f}"
         needed = core_bytes(bounds, threshold, options.step_budget)
         require_memory(options, needed, what, "lower route.step_budget, or coarsen route.grid")
@@ -174,11 +168,6 @@ def _raise_threshold(
             threshold, margin = lower, options.threshold_margin
             continue
         if not core.empty:
-            if problem.cost.counts_x and threshold > searched:
-                searched = threshold
-                _look_around(problem, core, bounds, tangents, best)
-                threshold = min(threshold, best.objective)
-                continue
             found = solve_core(problem, core, bounds, tangents, best.sequence)
             if best.decided_by(found, core, problem.deadline):
                 return best.proven(found.outcome.bound)
@@ -187,41 +176,3 @@ def _raise_threshold(
         best.excluded = threshold
         margin *= _GROWTH
         threshold = min(threshold + margin * max(threshold, unit), best.objective, ceiling)
-
-
-def _follow_shortest(
-    problem: RouteProblem,
-    graph: StateGraph,
-    moves: Moves,
-    bounds: Bounds,
-    screen: Screening,
-    tangents: Tangents,
-    best: BestSoFar,
-) -> None:
-    """Offer the best route along a shortest path of admissible moves: with the best x it often is the optimum."""
-    while np.isfinite((least := shortest_paths(graph.regions, moves, problem.cost, bounds.prices)).optimum):
-        path = shortest_route(graph.regions, moves, problem.cost, least)
-        pairs = np.unique(np.column_stack([path[:-1], path[1:]]), axis=0)
-        along = Moves(pairs[:, 0], pairs[:, 1])
-        left = screen(along, moves, graph.base)
-        if len(left) < len(moves):
-            moves = left
-            continue
-        ceiling = problem.options.step_budget * problem.cost.most(graph.regions)
-        core = build_core(problem, graph.regions, along, bounds, ceiling)
-        if not core.empty:
-            best.offer(solve_core(problem, core, bounds, tangents), core)
-        return
-
-
-def _look_around(problem: RouteProblem, core: Core, bounds: Bounds, tangents: Tangents, best: BestSoFar) -> None:
-    """Offer what a beam search finds in a core that is screened."""
-    problem.monitor.progress("route: a first route")
-    route = beam_route(problem, core, bounds, tangents.regions)
-    if route is None:
-        return
-    rows, x = route
-    outcome = Outcome(Status.TIME_LIMIT, np.empty(0), np.inf, core.bound, np.inf)
-    found = with_best_x(problem, StepSequence(rows, x, outcome, len(core.tail), "beam search"), tangents)
-    problem.monitor.progress(f"route: first route of cost {found.outcome.objective:.4f}")
-    best.offer(found, core)

@@ -68,6 +68,8 @@ def _tighten(problem: RouteProblem, core: Core, tangents: Tangents) -> None:
         travelling = build_travel_program(core, tangents)
         relaxed = replace(travelling.program, integer=np.zeros_like(travelling.program.integer))
         outcome = solve_program(relaxed, problem.deadline.left_s)
+        if outcome.objective > core.threshold * (1.0 + ROUNDING):
+            return
         if outcome.status is not Status.OPTIMAL or outcome.objective <= last + _TIGHT * abs(last):
             return
         last = outcome.objective
