@@ -30,7 +30,7 @@ those of the region table by the third, (n,)."""
 _NEAR = 1.01
 """A route this near the bound, as a factor, is good enough to start with."""
 _ABOVE = (1.02, 1.05, 1.1, 1.2, 1.4)
-"""Beams search routes that cost up to this much, in bounds, until one finds a route or its core is too large."""
+"""Beams search routes that cost up to this much, in bounds, until their core is too large."""
 _MOST_ARCS = 500_000
 """Larger cores are not searched."""
 _TRIES = 10
@@ -42,10 +42,12 @@ def offer_first_routes(
 ) -> None:
     """Offer routes whose moves are admissible."""
     _follow_shortest(problem, graph, bounds, screen, best)
-    if best.objective > _NEAR * best.excluded:
-        for factor in _ABOVE:
-            if _search(problem, graph, bounds, screen, best, min(factor * best.excluded, best.objective)):
-                return
+    if best.objective <= _NEAR * best.excluded:
+        return
+    for factor in _ABOVE:
+        threshold = min(factor * best.excluded, best.objective)
+        if not _search(problem, graph, bounds, screen, best, threshold) or threshold == best.objective:
+            return
 
 
 def _follow_shortest(
@@ -71,20 +73,20 @@ def _follow_shortest(
 def _search(
     problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: BestSoFar, threshold: float
 ) -> bool:
-    """Offer what a beam search finds among the routes of at most a cost; whether larger costs need no search."""
+    """Offer what a beam search finds among the routes of at most a cost; whether larger costs may be searched."""
     needed = core_bytes(bounds, threshold, problem.options.step_budget)
     if needed > 1e9 * problem.options.memory_gb:
-        return True
+        return False
     moves = cheap_moves(graph.moves, bounds, threshold)
     tangents = Tangents(graph.regions, problem.cost, bounds.prices.travel)
     for _ in range(_TRIES):
         core = build_core(problem, graph.regions, moves, bounds, threshold)
         if core.empty or len(core.tail) > _MOST_ARCS:
-            return not core.empty
+            return core.empty
         problem.monitor.progress(f"route: first route, in a core of {core.regions:,} regions")
         route = beam_route(problem, core, bounds, graph.regions)
         if route is None:
-            return problem.deadline.passed
+            return not problem.deadline.passed
         left = screen(_moves_of(route[0]), moves, graph.base)
         if len(left) == len(moves):
             outcome = Outcome(Status.TIME_LIMIT, np.empty(0), np.inf, core.bound, np.inf)
@@ -92,7 +94,7 @@ def _search(
             best.offer(with_best_x(problem, found, tangents), core)
             return True
         moves = left
-    return False
+    return True
 
 
 def _moves_of(rows: IntArray) -> Moves:
