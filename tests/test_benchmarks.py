@@ -213,7 +213,7 @@ def test_the_reference_task_is_among_the_problems_and_names_tell_them_apart() ->
 @pytest.mark.slow
 def test_paper_size_is_the_papers() -> None:
     """The grid has the paper's 45,936 regions within 2 %, N is 25, and there is a proven route."""
-    config = load_config(CONFIGS / "paper_size.yaml")
+    config = load_config(CONFIGS / "paper.yaml")
     machine = build_machine(config.machine)
     regions = build_regions(config, machine)
     assert len(regions) == pytest.approx(45_936, rel=0.02)

@@ -12,6 +12,7 @@ from rich.table import Table
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.reporter import make_reporter
 from pipeline.config import Config
+from pipeline.config.objective_words import ROUTE_QUANTITIES
 from pipeline.config.section import MOST_NAME
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.regular_file import read_regular_file
@@ -37,7 +38,11 @@ def plan_alternatives(config: Config, folder: Path, count: int, options: "RunOpt
 
     runs = [_of_rank(config, folder, rank) for rank in range(1, count + 1)]
     _refuse_other_runs(runs, specs)
-    last, table = folder, Table("route", "sum of kappa", "largest kappa", "steps", "working modes", "folder", box=None)
+    quantity = ROUTE_QUANTITIES[config.route.objective]
+    last, table = (
+        folder,
+        Table("route", quantity.heading, "largest kappa", "steps", "working modes", "folder", box=None),
+    )
     missing: NoSolutionError | None = None
     for rank, (chosen, target) in enumerate(runs, start=1):
         why_not = options.why_not and rank == 1

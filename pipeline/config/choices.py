@@ -18,10 +18,12 @@ class TiltAxis(StrEnum):
 
 
 class RouteObjective(StrEnum):
-    """What the route minimises: the sum of kappa, or the largest kappa and then the sum."""
+    """What the route minimises: kappa added up over its length or its steps, its largest kappa, or time."""
 
+    INTEGRAL = "integral"
     SUM = "sum"
     BOTTLENECK = "bottleneck"
+    TIME = "time"
 
 
 class Formulation(StrEnum):

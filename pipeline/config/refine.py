@@ -26,6 +26,13 @@ class RefineConfig(Section):
         PathObjective.INTEGRAL,
         description="integral of kappa; maximum: the largest kappa; mixed: mean and largest alike",
     )
+    smoothness: float = Field(
+        1e-6,
+        ge=0.0,
+        le=1.0,
+        description="weight of the third derivative of the actuators along the path, relative to the coarse path's "
+        "integral of kappa; 0: none",
+    )
     kappa_max: float | None = Field(None, gt=1.0, description="cap on kappa along the path; null: route.kappa_max")
     corridor: Corridor = Field(
         Corridor.CELLS, description="cells: those of the route, and its working modes in order; free: the modes alone"

@@ -44,6 +44,10 @@ class FollowConfig(Section):
     )
 
 
+_COUNTED_BY_STEP = (RouteObjective.SUM, RouteObjective.BOTTLENECK)
+"""Objectives that add up kappa step by step, whatever a step's travel along X."""
+
+
 class RouteConfig(Section):
     """Stage one: regions, moves and the mixed-integer program."""
 
@@ -51,8 +55,10 @@ class RouteConfig(Section):
     x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
     step_budget: int = Field(25, ge=2, le=500, description="most positions of a route: N in the paper")
     objective: RouteObjective = Field(
-        RouteObjective.SUM,
-        description="sum: the least sum of kappa (5); bottleneck: the least largest kappa, then the least sum",
+        RouteObjective.INTEGRAL,
+        description="integral: kappa integrated over the length of the moves, which stage two minimises; sum: the sum "
+        "of kappa over the steps (5); bottleneck: the largest kappa, then the sum; time: the seconds that the moves, "
+        "one by one, take at the velocity limits",
     )
     alternative: int = Field(1, ge=1, le=10, description="which of the best routes: 1 is the best")
     alternative_distance: float = Field(
@@ -82,3 +88,13 @@ class RouteConfig(Section):
         description="memory that stage one may take up, beside the 0.2 GB of the program itself",
     )
     follow: FollowConfig = Field(default_factory=lambda: FollowConfig())
+
+    @model_validator(mode="after")
+    def _programs_count_steps(self) -> Self:
+        if self.formulation is not Formulation.CORE and self.objective not in _COUNTED_BY_STEP:
+            raise wrong(
+                "formulation",
+                f"is {self.formulation}, a program in which travel along X costs nothing, but route.objective is "
+                f"{self.objective}: set route.objective to sum, or route.formulation to core",
+            )
+        return self

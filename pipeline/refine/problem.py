@@ -18,6 +18,7 @@ from pipeline.refine.measure import PathFigures, measure_path, sample_path
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.objective import OBJECTIVES, Objective
 from pipeline.refine.result import Path
+from pipeline.refine.smoothness import Smoothness
 from pipeline.refine.splines import DEGREE, fit
 from pipeline.route.metric import arc_length, step_sizes
 from pipeline.route.result import Route
@@ -64,8 +65,17 @@ class Problem:
     @cached_property
     def coarse_kappa_max(self) -> float:
         """Largest kappa of the coarse path."""
+        return self._coarse_figures.kappa_max
+
+    @cached_property
+    def smoothness(self) -> Smoothness:
+        """What a path costs that is not smooth."""
+        return Smoothness.of(self.config.refine.smoothness, self._coarse_figures.kappa_integral, self.coarse)
+
+    @cached_property
+    def _coarse_figures(self) -> PathFigures:
         s = np.linspace(0.0, 1.0, self.config.refine.check_points)
-        return float(sample_path(self.coarse, s).kappa.max())
+        return measure_path(sample_path(self.coarse, s), self.steps)
 
 
 @dataclass(frozen=True, eq=False)

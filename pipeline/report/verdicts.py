@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from pipeline.config.objective_words import route_quantity
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
 from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
@@ -139,9 +140,10 @@ def _certificate(section: Mapping[str, Any]) -> Verdict:
 
 
 def _route(section: Mapping[str, Any]) -> Verdict:
+    quantity = route_quantity(section)
     detail = (
         f"Gap {_per_cent(section['gap'], 2)}; {section['steps']} positions, {section['mode_changes']} changes of "
-        f"working mode, sum of κ {section['objective']:.1f}."
+        f"working mode, {quantity.name.replace('kappa', 'κ')} {quantity.shown(section['objective'])}."
     )
     mood: Mood = "good" if section["status"] == Status.OPTIMAL else "open"
     return Verdict("Route", str(section["status"]).capitalize(), detail, mood)

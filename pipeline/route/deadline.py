@@ -3,6 +3,8 @@
 import time
 from dataclasses import dataclass
 
+from pipeline.config.choices import RouteObjective
+from pipeline.config.objective_words import ROUTE_QUANTITIES, Quantity
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Monitor
 from pipeline.status import Status
@@ -14,15 +16,16 @@ class OutOfTimeError(NoSolutionError):
 
 @dataclass(frozen=True)
 class Deadline:
-    """When a search ends: `limit_s` after it began, at `ends_s` on the monotonic clock."""
+    """When a search ends: `limit_s` after it began, at `ends_s` on the monotonic clock; what it minimises, in words."""
 
     limit_s: float
     ends_s: float
+    quantity: Quantity = ROUTE_QUANTITIES[RouteObjective.SUM]
 
     @classmethod
-    def after(cls, limit_s: float) -> "Deadline":
+    def after(cls, limit_s: float, objective: RouteObjective = RouteObjective.SUM) -> "Deadline":
         """Start the clock."""
-        return cls(limit_s, time.monotonic() + limit_s)
+        return cls(limit_s, time.monotonic() + limit_s, ROUTE_QUANTITIES[objective])
 
     @property
     def left_s(self) -> float:
@@ -55,7 +58,11 @@ class Deadline:
 
     def error(self, bound: float = 0.0) -> OutOfTimeError:
         """Make the error that no route was found in time."""
-        least = f"; if there is one, its sum of kappa is at least {bound:.3f} (proven)" if bound > 0.0 else ""
+        least = (
+            f"; if there is one, its {self.quantity.name} is at least {self.quantity.shown(bound, 3)} (proven)"
+            if bound > 0.0
+            else ""
+        )
         return OutOfTimeError(
             "route",
             f"no route was found within {self.limit_s:g} s, and none is proven to exist{least}",

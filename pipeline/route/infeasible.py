@@ -34,7 +34,10 @@ def require_route(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> N
             reached=reached,
         )
     N = problem.options.step_budget
-    if len(shortest_route(regions, moves, bounds)) > N and (fewest := fewest_positions(regions, moves) or 1) > N:
+    if (
+        len(shortest_route(regions, moves, problem.cost, bounds)) > N
+        and (fewest := fewest_positions(regions, moves) or 1) > N
+    ):
         raise _infeasible(
             f"every route needs at least {fewest} positions (proven); route.step_budget allows {N}",
             f"raise route.step_budget; {fewest} is a lower bound, and may not be enough",

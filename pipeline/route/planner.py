@@ -12,7 +12,7 @@ from pipeline.limits import move_limits
 from pipeline.machine.geometry import Machine
 from pipeline.parallel import blocks
 from pipeline.progress import QUIET, Monitor
-from pipeline.route.bounds.budget_prices import priced_bounds
+from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.infeasible import require_route, too_few_routes, without_route
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import find_moves
@@ -22,8 +22,8 @@ from pipeline.route.moves.screen import Screen
 from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route, Search
+from pipeline.route.search.best_so_far import Optimum
 from pipeline.route.search.objective import find_best
-from pipeline.route.search.optimum import Optimum
 from pipeline.route.search.placement import PlacedRoute, place_route, rejected_moves
 from pipeline.route.search.states import expand_states, near_route
 from pipeline.status import Status
@@ -40,7 +40,7 @@ Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
 def plan_route(config: Config, machine: Machine, regions: RegionTable, monitor: Monitor = QUIET) -> Route:
     """Find the route that `route.objective` and `route.alternative` ask for, every move followed continuously.
 
-    By default it is the one of least sum of kappa (5), proven over the admitted moves. When `route.time_limit_s` ends
+    By default it is the one of least integral of kappa, proven over the admitted moves. When `route.time_limit_s` ends
     the search it is the best one found so far: its status is then UNPROVEN, and `search` has its bound and gap.
 
     Raises
@@ -142,7 +142,7 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
     near = [near_route(regions, problem.steps, route.region, options.alternative_distance) for route in better]
     graph = expand_states(regions, problem.moves, np.array(near, dtype=bool).reshape(-1, len(regions)), options)
     progress("route: shortest paths")
-    bounds = priced_bounds(graph.regions, graph.moves, problem.budgets, progress)
+    bounds = priced_bounds(graph.regions, graph.moves, problem.cost, problem.budgets, progress)
     require_route(problem, graph, bounds)
     best: Optimum | None = None
     for round_ in range(1, options.max_rounds + 1):
@@ -155,7 +155,7 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
         if not found:
             proven = best.proven and all(route.status is Status.OPTIMAL for route in better)
             status = Status.OPTIMAL if proven else Status.UNPROVEN
-            return _route(placed, _search(placed, best, screen, len(problem.moves), round_), status)
+            return _route(problem, placed, _search(placed, best, screen, len(problem.moves), round_), status)
         for step, rejection in found:
             # Gates may have been exchanged for their twins: forbid the move between either.
             for rows in (placed.region.tolist(), best.sequence.region.tolist()):
@@ -185,7 +185,7 @@ def _search(placed: PlacedRoute, best: Optimum, screen: Screen, moves: int, roun
     )
 
 
-def _route(placed: PlacedRoute, search: Search, status: Status) -> Route:
+def _route(problem: RouteProblem, placed: PlacedRoute, search: Search, status: Status) -> Route:
     return Route(
         region=placed.region,
         modes=placed.steps.modes,
@@ -197,10 +197,12 @@ def _route(placed: PlacedRoute, search: Search, status: Status) -> Route:
         objective=placed.objective,
         status=status,
         search=search,
+        objective_kind=problem.options.objective,
     )
 
 
 def _gap(objective: float, bound: float) -> float:
     """Compute the relative distance of the objective to its bound; rounding in either sum counts as none."""
-    gap = (objective - bound) / objective
+    # A goal in the pose of the start is reached at no cost.
+    gap = (objective - bound) / objective if objective > 0.0 else 0.0
     return gap if gap > ROUNDING else 0.0

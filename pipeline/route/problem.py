@@ -7,6 +7,8 @@ from pipeline.config import Config, RouteConfig
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.budgets import Budget, task_budgets
+from pipeline.route.cost.interface import MoveCost
+from pipeline.route.cost.objectives import COSTS
 from pipeline.route.deadline import Deadline
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
@@ -26,6 +28,8 @@ class RouteProblem:
         Largest moves per step of x, y, z (metres), rx, rz (radians), (13)-(17).
     budgets : tuple of Budget
         Those of `task.budget`.
+    cost : MoveCost
+        What the objective adds up.
     monitor : Monitor
         Receives progress and decides whether solvers write their logs.
     deadline : Deadline
@@ -38,6 +42,7 @@ class RouteProblem:
     moves: Moves
     steps: FloatArray
     budgets: tuple[Budget, ...]
+    cost: MoveCost
     monitor: Monitor
     deadline: Deadline
 
@@ -45,9 +50,10 @@ class RouteProblem:
     def of(
         cls, config: Config, machine: Machine, regions: RegionTable, moves: Moves, monitor: Monitor = QUIET
     ) -> "RouteProblem":
-        """Derive steps and budgets from the configuration, and start the clock of `route.time_limit_s`."""
-        deadline = Deadline.after(config.route.time_limit_s)
-        return cls(config, machine, regions, moves, step_sizes(config.route), task_budgets(config), monitor, deadline)
+        """Derive steps, budgets and costs from the configuration, and start the clock of `route.time_limit_s`."""
+        steps, cost = step_sizes(config.route), COSTS[config.route.objective](config.route, machine)
+        deadline = Deadline.after(config.route.time_limit_s, config.route.objective)
+        return cls(config, machine, regions, moves, steps, task_budgets(config), cost, monitor, deadline)
 
     @property
     def options(self) -> RouteConfig:

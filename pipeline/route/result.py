@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
+from pipeline.config.choices import RouteObjective
 from pipeline.machine.geometry import MODES
 from pipeline.status import Status
 
@@ -18,7 +19,7 @@ class Search:
     solver : str
         What found it: name and version of the mixed-integer solver, or label setting.
     bound, gap : float
-        Proven lower bound on (5), and the relative distance of the objective to it.
+        Proven lower bound on the objective, and the relative distance of the objective to it.
     relaxation : float
         Cost of the shortest path when x and the step budget are left out.
     threshold : float
@@ -67,11 +68,14 @@ class Route:
     kappa : (n,)
         Condition number.
     objective : float
-        The sum of kappa over all regions but the goal, (5).
+        What `objective_kind` adds up: the integral of kappa along the moves, the sum of kappa over all regions but
+        the goal (5), or the time of the moves (s).
     status : Status
         OPTIMAL: proven over the admitted moves; UNPROVEN: the best one found in `route.time_limit_s`.
     search : Search
         How it was found.
+    objective_kind : RouteObjective
+        What it was the best of.
     """
 
     region: IntArray
@@ -84,6 +88,7 @@ class Route:
     objective: float
     status: Status
     search: Search
+    objective_kind: RouteObjective = RouteObjective.SUM
 
     def __len__(self) -> int:
         return len(self.region)

@@ -96,8 +96,10 @@ def solver_name() -> str:
     return f"HiGHS {highspy.Highs().version()}"
 
 
-def solve_program(program: LinearProgram, time_limit_s: float, monitor: Monitor = QUIET) -> Outcome:
-    """Solve to a gap of zero; Ctrl-C stops the solver and is raised again.
+def solve_program(
+    program: LinearProgram, time_limit_s: float, monitor: Monitor = QUIET, relative_gap: float = 0.0
+) -> Outcome:
+    """Solve to a relative gap, by default of zero; Ctrl-C stops the solver and is raised again.
 
     Raises
     ------
@@ -107,7 +109,7 @@ def solve_program(program: LinearProgram, time_limit_s: float, monitor: Monitor 
     solver = highspy.Highs()
     # Switching off all output would also switch off the progress reports.
     solver.setOptionValue("log_to_console", monitor.verbose)
-    solver.setOptionValue("mip_rel_gap", 0.0)
+    solver.setOptionValue("mip_rel_gap", relative_gap)
     solver.setOptionValue("mip_abs_gap", 1e-7)
     solver.setOptionValue("primal_feasibility_tolerance", 1e-9)
     # The default, 1e-6, would let x and the cost be wrong by as much.

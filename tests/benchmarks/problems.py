@@ -28,7 +28,7 @@ class Problem:
 
 def scale_problems() -> list[Problem]:
     """The reference task on grids from coarse to fine, and at the size of the paper's program."""
-    agder, paper = load_config(CONFIGS / "agder.yaml"), load_config(CONFIGS / "paper_size.yaml")
+    agder, paper = load_config(CONFIGS / "agder.yaml"), load_config(CONFIGS / "paper.yaml")
     return [
         Problem("0.1 m, 10°", _changed(agder, _grid(0.1, 10.0))),
         Problem("paper size", paper),

@@ -15,6 +15,7 @@ from pipeline.machine import build_machine
 from pipeline.route import build_regions
 from pipeline.route.bounds.bottleneck import least_cap
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.moves.candidates import find_moves, rule_moves
 from tests.benchmarks.isolated import peak_mb
 
@@ -27,7 +28,7 @@ def measure_optimum(config: Config) -> Iterator[dict[str, Any]]:
     regions = build_regions(config, machine)
     moves = find_moves(config, machine, regions)
     step_m = config.route.grid.y_m.step
-    relaxation = shortest_paths(regions, moves).optimum
+    relaxation = shortest_paths(regions, moves, KappaSum()).optimum
     yield {
         "step_m": step_m,
         "regions": len(regions),

@@ -10,7 +10,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine import Machine, build_machine
 from pipeline.machine.statics import statics_matrix
 from pipeline.route import RegionTable, build_regions, plan_route
-from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.moves.candidates import find_moves
 from pipeline.route.problem import RouteProblem
 from pipeline.route.search.optimum import find_optimum
@@ -33,10 +33,10 @@ def measure_parts(config: Config) -> Iterator[dict[str, Any]]:
         moves = find_moves(config, machine, regions)
     yield told | {"moves": len(moves), "peak_mb": peak_mb()}
     with stopwatch(told, "relaxation_s"):
-        bounds = shortest_paths(regions, moves)
+        problem = RouteProblem.of(config, machine, regions, moves)
+        bounds = priced_bounds(regions, moves, problem.cost, problem.budgets)
     yield told | {"relaxation": bounds.optimum, "peak_mb": peak_mb()}
     with stopwatch(told, "solve_s"):
-        problem = RouteProblem.of(config, machine, regions, moves)
         optimum = find_optimum(problem, unexpanded_graph(regions, moves), bounds)
     told["total_s"] = sum(told[part] for part in PARTS)
     if optimum is None:

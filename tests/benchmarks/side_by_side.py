@@ -10,7 +10,8 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.route import RegionTable
-from pipeline.route.cost import route_cost
+from pipeline.route.cost.kappa_sum import KappaSum
+from pipeline.route.cost.objectives import route_cost
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.search.rule_check import rule_violations
@@ -92,7 +93,7 @@ def _solve(method: Method, folder: Path, limit_s: float, judge: "_Judge") -> dic
         told["status"] = f"too late: {told['seconds']:.1f} s"
     if "rows" in told:
         rows, x = told.pop("rows"), told.pop("x_m")
-        told |= {"objective": route_cost(judge.regions, rows), "broken": judge.broken_rules(rows, x)}
+        told |= {"objective": route_cost(KappaSum(), judge.regions, rows, x), "broken": judge.broken_rules(rows, x)}
     return told
 
 

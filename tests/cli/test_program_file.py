@@ -32,6 +32,7 @@ def small(quick_config: Config, change) -> Config:
         route__grid__z_m=axis,
         route__step_budget=5,
         route__formulation="compact",
+        route__objective="sum",
     )
 
 

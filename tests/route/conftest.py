@@ -10,7 +10,10 @@ from scipy.spatial.transform import Rotation
 from pipeline.config import Config
 from pipeline.machine import Machine, build_machine
 from pipeline.route import RegionTable, Route, build_regions
+from pipeline.route.bounds.shortest_paths import Bounds
 from pipeline.route.moves.candidates import Moves, find_moves
+from pipeline.route.problem import RouteProblem
+from pipeline.route.programs.core import Core, build_core
 from tests.conftest import WITHOUT_FORCE_LIMITS
 
 RAIL_OF_LINK = [0, 1, 1, 2, 2, 2]
@@ -24,6 +27,12 @@ class Problem:
     machine: Machine
     regions: RegionTable
     moves: Moves
+
+
+@pytest.fixture(scope="session")
+def quick_config(quick_config: Config, vary) -> Config:
+    """Minimise the sum (5) unless a test says otherwise: its optima are known from others, and x is free."""
+    return vary(quick_config, {"route.objective": "sum"})
 
 
 @pytest.fixture(scope="session")
@@ -115,6 +124,20 @@ def hand_moves() -> Callable[[Iterable[tuple[int, int]]], Moves]:
         return Moves(columns[:, 0], columns[:, 1])
 
     return moves
+
+
+@pytest.fixture(scope="session")
+def core_of(quick_config: Config, machine: Machine) -> Callable[..., Core]:
+    """Give a function that builds the core of regions and moves with bounds, a threshold, N and Delta X, for (5)."""
+
+    def build(
+        regions: RegionTable, moves: Moves, bounds: Bounds, threshold: float, positions: int, x_step_m: float
+    ) -> Core:
+        route = quick_config.route.model_copy(update={"step_budget": positions, "x_step_m": x_step_m})
+        problem = RouteProblem.of(quick_config.model_copy(update={"route": route}), machine, regions, moves)
+        return build_core(problem, regions, moves, bounds, threshold)
+
+    return build
 
 
 @pytest.fixture(scope="session")
@@ -246,11 +269,17 @@ def assert_rules(joints, statics) -> Callable[[Config, Machine, Route], None]:
         limits = np.vstack([machine.travel_m, machine.strokes_m])
         assert ((q >= limits[:, 0] - 1e-9) & (q <= limits[:, 1] + 1e-9)).all()
         assert np.rad2deg(np.abs(pose[:, [3, 5]])).max() <= config.task.tilt_max_deg + 1e-9
-        # (5), with the true kappa, the same sign of det H everywhere, and the goal reached once.
+        # The objective, with the true kappa, the same sign of det H everywhere, and the goal reached once.
         H = statics(machine, pose, q)
         np.testing.assert_allclose(route.kappa, np.linalg.cond(H, 2), rtol=1e-8)
         assert len(set(np.sign(np.linalg.det(H)))) == 1
-        assert route.objective == pytest.approx(route.kappa[:-1].sum(), abs=1e-9)
+        added_up = route.kappa[:-1].sum()
+        if config.route.objective == "integral":
+            lengths = np.linalg.norm(np.diff(pose[:, [0, 1, 2, 3, 5]], axis=0) / largest, axis=1)
+            added_up = (lengths * (route.kappa[1:] + route.kappa[:-1])).sum() / 2.0
+        elif config.route.objective == "time":
+            added_up = (np.abs(np.diff(q, axis=0)) / machine.velocity_mps).max(axis=1).sum()
+        assert route.objective == pytest.approx(added_up, abs=1e-9)
         assert (route.region[:-1] != route.region[-1]).all()
 
     return check

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from pipeline.config import Config
-from pipeline.route.bounds.budget_prices import priced_bounds
 from pipeline.route.bounds.budgets import task_budgets
+from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
 from pipeline.route.programs.whole import WHOLE_PROGRAMS
@@ -140,7 +140,7 @@ def test_the_core_finds_the_optimum_of_brute_force(draw, vary, machine, seed, as
     config = vary(case.config, {"route.threshold_margin": margin})
     graph = expand_states(case.regions, case.moves, case.near)
     problem = RouteProblem.of(config, machine, case.regions, case.moves)
-    bounds = priced_bounds(graph.regions, graph.moves, problem.budgets)
+    bounds = priced_bounds(graph.regions, graph.moves, problem.cost, problem.budgets)
     expected = _brute_force(case)
     # Of a route within the budgets and all else the bounds promise no more than it costs.
     assert bounds.optimum <= expected + 1e-9

@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.errors import InfeasibleError
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.infeasible import require_route, without_route
 from pipeline.route.moves.rejections import Rejection
 from pipeline.route.moves.screen import Screen
@@ -24,7 +25,7 @@ def posed(hand_table, hand_moves, quick_config, vary, machine):
         regions.controlled[:, 1] = [1.0, 2.0, 0.0, 3.0]
         problem = RouteProblem.of(vary(quick_config, values), machine, regions, hand_moves(pairs))
         graph = unexpanded_graph(regions, problem.moves)
-        return problem, graph, shortest_paths(regions, problem.moves)
+        return problem, graph, shortest_paths(regions, problem.moves, KappaSum())
 
     return pose
 

@@ -13,6 +13,7 @@ from pipeline.machine import build_machine
 from pipeline.progress import Monitor
 from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.deadline import Deadline
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.moves.rejections import Rejection
@@ -39,7 +40,7 @@ def _problem(given, config=None):
 
 def _prove(problem):
     graph = unexpanded_graph(problem.regions, problem.moves)
-    return prove_on_core(problem, graph, shortest_paths(problem.regions, problem.moves))
+    return prove_on_core(problem, graph, shortest_paths(problem.regions, problem.moves, KappaSum()))
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ from pipeline.artifacts.layout import ROUTE_CSV, ROUTE_NPZ
 from pipeline.artifacts.npz import Arrays, npz_bytes, read_npz, readable
 from pipeline.artifacts.results.columns import Q_COLUMNS, split_columns
 from pipeline.artifacts.results.saved import SavedRun
+from pipeline.config.choices import RouteObjective
 from pipeline.export.csv import format_csv
 from pipeline.export.trajectory_columns import POSE
 from pipeline.machine.geometry import MODES
@@ -53,6 +54,7 @@ def pack_route(route: Route) -> dict[str, object]:
         "kappa": route.kappa,
         "objective": route.objective,
         "status": str(route.status),
+        "objective_kind": str(route.objective_kind),
         **{f"search_{field.name}": getattr(route.search, field.name) for field in fields(Search)},
     }
 
@@ -79,5 +81,7 @@ def unpack_route(arrays: Arrays) -> Route:
         kappa=checked.floats("kappa", "n"),
         objective=checked.number("objective"),
         status=Status(checked.text("status")),
+        # Files of before there was a choice have none: theirs is the sum (5).
+        objective_kind=RouteObjective(checked.text("objective_kind") if "objective_kind" in arrays else "sum"),
         search=Search(**{name: read[kind](f"search_{name}") for name, kind in get_type_hints(Search).items()}),
     )

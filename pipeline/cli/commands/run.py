@@ -153,7 +153,11 @@ def _run(
 def _with_formulation(config: "Config", formulation: Formulation | None) -> "Config":
     if formulation is None:
         return config
-    return config.model_copy(update={"route": config.route.model_copy(update={"formulation": formulation})})
+    from pipeline.config.file import parse_config
+
+    data = config.model_dump()
+    data["route"]["formulation"] = formulation
+    return parse_config(data)
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

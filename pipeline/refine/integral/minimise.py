@@ -76,6 +76,7 @@ def program_data(problem: Problem, initial: MeshSolution, exponent: float, evenn
         actuator_range_m=planned_range_m(config, problem.machine),
         exponent=exponent,
         evenness=evenness,
+        smoothness=problem.smoothness.form(initial.mesh.knots),
     )
 
 

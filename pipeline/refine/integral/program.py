@@ -135,6 +135,8 @@ class ProgramData:
         Exponent of the smooth kappa, a Schatten condition number.
     evenness : float
         Cost of uneven speed along s, in units of kappa: the integral alone leaves the nodes free, and IPOPT creeps.
+    smoothness : (5 n, 5 n)
+        Form of the cost of a path that is not smooth.
     """
 
     mesh: Mesh
@@ -147,6 +149,7 @@ class ProgramData:
     actuator_range_m: FloatArray
     exponent: float
     evenness: float
+    smoothness: csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +186,7 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
     nodes, kappa = ca.vertcat(x.pose, x.q[:3, :]), NodeKappa(machine, k, data.exponent)
     trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
     rest = data.evenness * _unevenness(data.mesh, distance, x.length, first_length)
+    rest += ca.bilin(_sparse(data.smoothness), ca.vec(x.coefficients), ca.vec(x.coefficients))
 
     def objective(kappas: ca.MX) -> ca.MX:
         return ca.dot(kappas, trapezoids) + rest

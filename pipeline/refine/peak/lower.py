@@ -44,7 +44,8 @@ def lower_peak(problem: Problem, initial: MeshSolution) -> MeshSolution:
     peak, iterate = found
     target, cap = _target_and_cap(problem, iterate)
     row, most = problem.objective, problem.config.refine.max_iterations
-    objective = PeakObjective(row.mean_weight, row.peak_weight, target, cap, problem.length)
+    smoothness = problem.smoothness.form(initial.mesh.knots)
+    objective = PeakObjective(row.mean_weight, row.peak_weight, target, cap, problem.length, smoothness)
     problem.monitor.progress(
         f"refine: {len(initial.mesh.s)} nodes: lowering the largest kappa, now {iterate.kappa.max():.2f}"
     )

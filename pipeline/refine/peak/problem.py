@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from scipy.sparse import csr_array
+
 from pipeline.arrays import FloatArray
 from pipeline.refine.one_way import OneWayLeg
 from pipeline.refine.peak.constraints import Constraint, PathConstraints, pose_constraints
@@ -14,6 +16,8 @@ from pipeline.refine.peak.speed import one_way_constraint, speed_constraints
 class PeakObjective:
     """mean_weight times the mean of kappa + peak_weight times its largest value, which counts above the target only.
 
+    What a path costs that is not smooth is added to the integral of kappa.
+
     Attributes
     ----------
     mean_weight, peak_weight : float
@@ -22,6 +26,8 @@ class PeakObjective:
         The largest kappa below which lowering it further counts for nothing; the one that it must not exceed.
     length : float
         Length that means are taken over.
+    smoothness : (5 n, 5 n)
+        Form of that cost in the coefficients.
     """
 
     mean_weight: float
@@ -29,11 +35,14 @@ class PeakObjective:
     target: float
     cap: float
     length: float
+    smoothness: csr_array
 
     def value(self, iterate: Iterate) -> float:
         """Compute the value of an iterate."""
         peak = max(float(iterate.kappa.max()), self.target)
-        return self.mean_weight * iterate.integral / self.length + self.peak_weight * peak
+        c = iterate.coefficients.ravel()
+        cost = iterate.integral + float(c @ (self.smoothness @ c))
+        return self.mean_weight * cost / self.length + self.peak_weight * peak
 
 
 @dataclass(frozen=True, eq=False)

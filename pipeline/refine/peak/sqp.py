@@ -9,6 +9,7 @@ of a path.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from pipeline.arrays import FloatArray
 from pipeline.refine.peak.iterate import Iterate, iterate_at
@@ -53,7 +54,8 @@ def descend(problem: PeakProblem, objective: PeakObjective, initial: Iterate, ma
 
 def restore_feasibility(problem: PeakProblem, iterate: Iterate) -> Iterate:
     """Take the shortest steps after which every constraint is kept again, as far as that is possible."""
-    nothing, excess = PeakObjective(0.0, 0.0, 0.0, np.inf, 1.0), problem.excess(iterate)
+    size, excess = iterate.coefficients.size, problem.excess(iterate)
+    nothing = PeakObjective(0.0, 0.0, 0.0, np.inf, 1.0, csr_array((size, size)))
     for _ in range(_RESTORING):
         if excess <= _RESTORED:
             break

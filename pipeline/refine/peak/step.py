@@ -1,8 +1,8 @@
 """The quadratic program of a step: the objective expanded, constraints linearised about an iterate.
 
-The largest kappa is a slack variable t. For changes d of the spline coefficients,
+The largest kappa is a slack variable t. For changes d of the spline coefficients c, and S what is not smooth costs,
 
-    minimise    w_1 (integral + its slope . d + d . its curvature . d / 2) / length of the coarse path
+    minimise    w_1 (integral + its slope . d + d . its curvature . d / 2 + S(c + d)) / length of the coarse path
                 + w_2 t + damping / 2 |d|^2
     subject to  kappa_k + its slope . d <= t at every point, target <= t <= cap, every constraint linearised,
 
@@ -42,8 +42,11 @@ class StepProgram:
             high.append((largest - value)[near])
         weight = objective.mean_weight / objective.length
         slope = integral_slope(points, iterate, kappa_slope)
+        rough = csr_array(block_diag([2.0 * objective.smoothness, csr_array((2, 2))]))
+        slope += rough @ np.append(iterate.coefficients.ravel(), [0.0, 0.0])
+        curvature = chord_curvature(points, iterate, weight * (iterate.kappa[1:] + iterate.kappa[:-1]) / 2.0)
         self._program = DampedProgram(
-            hessian=chord_curvature(points, iterate, weight * (iterate.kappa[1:] + iterate.kappa[:-1]) / 2.0),
+            hessian=csr_array(curvature + weight * rough),
             damping=block_diag([points.squared, csr_array((2, 2))]),
             gradient=weight * slope + objective.peak_weight * peak,
             matrix=vstack(rows),

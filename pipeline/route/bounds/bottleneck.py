@@ -44,7 +44,7 @@ def moves_within(moves: Moves, values: FloatArray, cap: float) -> Moves:
 
 
 def _connected(regions: RegionTable, moves: Moves, most_moves: float, budgets: tuple[Budget, ...]) -> bool:
-    graph = moves.graph(np.ones(len(regions)))
+    graph = moves.graph(np.ones(len(moves)), len(regions))
     hops = dijkstra(graph, indices=regions.start, unweighted=True, limit=most_moves)
     return bool(np.isfinite(hops[regions.goal])) and all(
         least_use(regions, moves, budget) <= budget.left(regions) + ROUNDING for budget in budgets

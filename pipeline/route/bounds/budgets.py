@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
+from pipeline.route.cost.interface import MoveCost
 from pipeline.route.regions.table import RegionTable
 
 
@@ -79,14 +80,21 @@ def task_budgets(config: Config) -> tuple[Budget, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Prices:
-    """Budgets with a price each: Lagrange multipliers, which make their use a part of the cost.
+    """Budgets with a price each, and a price of travel: Lagrange multipliers, which make their use a part of the cost.
 
     A route of cost c that keeps all budgets has a priced cost of at most c + `credit`, so that lower bounds on
-    priced costs are lower bounds on costs. Any price is valid; good ones make the bounds sharp.
+    priced costs are lower bounds on costs. Any price is valid, that of travel up to `MoveCost.highest_price`; good
+    ones make the bounds sharp.
     """
 
     budgets: tuple[Budget, ...] = ()
     prices: tuple[float, ...] = ()
+    travel: float = 0.0
+
+    def cost(self, cost: MoveCost, regions: RegionTable, source: IntArray, target: IntArray) -> FloatArray:
+        """Bound from below what moves between rows (m,) cost at these prices, their dx left open. Shape (m,)."""
+        total = cost.least(regions, source, target, self.travel)
+        return total + self.penalty(regions, source, target) if any(self.prices) else total
 
     def penalty(self, regions: RegionTable, source: IntArray, target: IntArray) -> FloatArray:
         """Compute what moves between rows (m,) cost on top of kappa. Shape (m,)."""
@@ -96,14 +104,15 @@ class Prices:
                 total += price * budget.used(regions, source, target)
         return total
 
-    def credit(self, regions: RegionTable) -> float:
-        """Compute the price of all budgets used up."""
-        return sum(price * budget.left(regions) for budget, price in zip(self.budgets, self.prices, strict=True))
+    def credit(self, cost: MoveCost, regions: RegionTable) -> float:
+        """Compute the price of all budgets used up, less that of the travel every route makes."""
+        used_up = sum(price * budget.left(regions) for budget, price in zip(self.budgets, self.prices, strict=True))
+        return used_up - self.travel * cost.priced_travel(regions)
 
     @property
     def charged(self) -> bool:
-        """True when anything costs more than kappa."""
-        return any(price > 0.0 for price in self.prices)
+        """True when anything has a price."""
+        return any(price != 0.0 for price in (*self.prices, self.travel))
 
 
 FREE = Prices()

@@ -130,7 +130,7 @@ def _together(config: Config, machine: Machine) -> list[_Attempt]:
 
 def reached(moves: Moves, count: int, root: int, backwards: bool = False) -> BoolArray:
     """Mark the regions (count,) that can be reached from region `root`, or from which it can be reached."""
-    graph = moves.graph(np.ones(count))
+    graph = moves.graph(np.ones(len(moves)), count)
     found = np.zeros(count, dtype=bool)
     found[breadth_first_order(csr_array(graph.T) if backwards else graph, root, return_predecessors=False)] = True
     return found

@@ -1,8 +1,8 @@
 """Moves between regions: which of them a step may join.
 
 A move needs every coordinate within one grid step (14)-(17), the working mode of every arm kept unless the
-arm is at its gate (38), windows of x within reach of each other (13), the same sign of det H, and no links
-passing through each other. The last two are cheap filters; `check` decides about the moves that a route may use.
+arm is at its gate (38) and leaves it, windows of x within reach of each other (13), the same sign of det H, and no
+links passing through each other. The last two are cheap filters; `check` decides about the moves that a route may use.
 """
 
 from dataclasses import dataclass
@@ -59,14 +59,14 @@ class Moves:
         """Keep only these, in their order."""
         return Moves(self.source[rows], self.target[rows])
 
-    def graph(self, cost: FloatArray) -> csr_array:
-        """The moves as a sparse matrix whose entries are the cost (regions,) of their source."""
-        n = len(cost)
+    def graph(self, cost: FloatArray, regions: int) -> csr_array:
+        """The moves as a sparse matrix (regions, regions) whose entries are their costs (m,)."""
+        n = regions
         # Indices and pointers of different types would both be copied.
         index_type = np.int32 if len(self) < 2**31 else np.int64
         pointer = np.searchsorted(self.source, np.arange(n + 1)).astype(index_type)
         target = np.ascontiguousarray(self.target, dtype=index_type)
-        return csr_array((cost[self.source], target, pointer), shape=(n, n))
+        return csr_array((cost, target, pointer), shape=(n, n))
 
 
 def find_moves(config: Config, machine: Machine, regions: RegionTable, monitor: Monitor = QUIET) -> Moves:
@@ -176,7 +176,7 @@ class MoveSearch:
         i = np.repeat(origins, number)
         # Opposite signs of det H, or of a passing pair of links, share a bit.
         keep = (self.codes[i] & self.opposite[j]) == 0
-        keep &= (i != j) & (j != self.regions.start)
+        keep &= (i != j) & (j != self.regions.start) & ~self._needless(i, j)
         i, j = i[keep], j[keep]
         for coordinate in self.coordinates:
             near = np.abs(coordinate[i] - coordinate[j]) <= 1.0 + _ROUNDING
@@ -184,6 +184,15 @@ class MoveSearch:
         apart = np.maximum(self.low_m[i] - self.high_m[j], self.low_m[j] - self.high_m[i])
         within = apart <= self.x_step_m
         return i[within], j[within]
+
+    def _needless(self, i: IntArray, j: IntArray) -> BoolArray:
+        """Mark moves (m,) between gates of one arm that change its mode: leaving the second can change it as well.
+
+        A visit asks for the mode of its row. Without these moves a route that passes gates is one sequence, not many.
+        """
+        gates, modes = self.regions.gates, self.regions.modes
+        same = (gates[i] > 0) & (gates[i] == gates[j]) & (self.regions.visits[j] == 0)
+        return np.asarray(same & (modes[i] != modes[j]))
 
 
 def passing_codes(machine: Machine, regions: RegionTable) -> IntArray:

@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.route.bounds.budgets import Budget
-from pipeline.route.cost import region_costs
+from pipeline.route.cost.kappa_sum import region_costs
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.programs.budget_rows import add_budgets, change_columns, change_entries
 from pipeline.route.programs.exclusions import add_exclusions

@@ -1,6 +1,8 @@
 """The core: all routes of cost at most a threshold T, expanded step by step.
 
-A node is a region at a step i, an arc an admitted move (or a wait) from step i to i + 1. Two sweeps, from the start
+A node is a region at a step i, an arc an admitted move (or a wait) from step i to i + 1. Where travel along X costs,
+waits are no arcs: a route may stay in a region and travel for as long as the step budget allows, and steps count its
+moves alone; so that what is gained by waiting elsewhere needs no other nodes. Two sweeps, from the start
 and from the goal, propagate the least cost within the step budget, the x that can be reached, and the least use of
 every budget; what cannot belong to a route of cost at most T within the budgets is left out. Hence a mixed-integer
 program over the core is exact whenever its optimum is at most T.
@@ -13,9 +15,10 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.route.bounds.budgets import Budget
 from pipeline.route.bounds.shortest_paths import Bounds
-from pipeline.route.cost import region_costs
+from pipeline.route.cost.interface import MoveCost
 from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
+from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.table import RegionTable
 
 _NODE_BYTES = 80
@@ -35,7 +38,7 @@ class Core:
     tail, head : (m,)
         Nodes an arc leaves and reaches.
     cost : (m,)
-        kappa of the region left, zero once the goal is reached: gamma kappa of (25)-(26).
+        What an arc costs at least, whatever its dx.
     used : (budgets, m)
         What an arc uses of each budget, its x left out.
     threshold : float
@@ -77,19 +80,24 @@ class Core:
         return Moves(pairs[:, 0], pairs[:, 1])
 
 
-def build_core(
-    regions: RegionTable, moves: Moves, bounds: Bounds, threshold: float, step_budget: int, x_step_m: float
-) -> Core:
-    """Expand all routes of cost at most `threshold` with at most `step_budget` positions, within the budgets."""
+def build_core(problem: RouteProblem, regions: RegionTable, moves: Moves, bounds: Bounds, threshold: float) -> Core:
+    """Expand all routes of cost at most `threshold` with at most the problem's step budget, within its budgets.
+
+    `regions` and `moves` are those of the problem, or of its graph of states.
+    """
+    step_budget, x_step_m = problem.options.step_budget, problem.options.x_step_m
     limit = _limit(bounds, threshold)
-    arcs = _Arcs.within(regions, moves, bounds, limit)
+    arcs = _Arcs.within(regions, moves, problem.cost, bounds, limit)
     left = np.array([budget.left(regions) + ROUNDING for budget in bounds.prices.budgets]).reshape(-1, 1)
+    # A move, and where travel is no arc as many waits before it as are left when the moves so far are made.
+    waits = np.arange(step_budget - 2, -1, -1.0) if problem.cost.counts_x else np.zeros(step_budget - 1)
+    reach_m = np.asarray(x_step_m * (1.0 + waits))
     everywhere = _Windows.of_regions(arcs.window_m, step_budget)
     to_go = np.broadcast_to(bounds.backward[arcs.region], everywhere.low.shape)
-    forward = _sweep(arcs, arcs.tail, arcs.head, arcs.start, everywhere, to_go, limit, x_step_m)
+    forward = _sweep(arcs, arcs.tail, arcs.head, arcs.start, everywhere, to_go, limit, reach_m)
     # The sweep from the goal only uses the x that the one from the start can reach: its bounds are sharper.
     back = forward.window.reversed()
-    backward = _sweep(arcs, arcs.head, arcs.tail, arcs.goal, back, forward.cost[::-1], limit, x_step_m).reversed()
+    backward = _sweep(arcs, arcs.head, arcs.tail, arcs.goal, back, forward.cost[::-1], limit, reach_m[::-1]).reversed()
     low, high = backward.window.low, backward.window.high
     # The cost of the node itself is left out of the sweep from the start and counted in the one from the goal.
     alive = (forward.cost + backward.cost <= limit) & (low <= high + ROUNDING)
@@ -102,8 +110,8 @@ def build_core(
         use = np.flatnonzero(alive[i, arcs.tail])
         use = use[alive[i + 1, arcs.head[use]]]
         j, k = arcs.tail[use], arcs.head[use]
-        reach = (low[i, j] - x_step_m <= high[i + 1, k] + ROUNDING) & (
-            low[i + 1, k] <= high[i, j] + x_step_m + ROUNDING
+        reach = (low[i, j] - reach_m[i] <= high[i + 1, k] + ROUNDING) & (
+            low[i + 1, k] <= high[i, j] + reach_m[i] + ROUNDING
         )
         cheap = forward.cost[i, j] + arcs.priced[use] + backward.cost[i + 1, k] <= limit
         spare = (forward.used[:, i, j] + arcs.used[:, use] + backward.used[:, i + 1, k] <= left).all(axis=0)
@@ -154,17 +162,16 @@ class _Arcs:
     goal: int
 
     @classmethod
-    def within(cls, regions: RegionTable, moves: Moves, bounds: Bounds, limit: float) -> "_Arcs":
+    def within(cls, regions: RegionTable, moves: Moves, cost: MoveCost, bounds: Bounds, limit: float) -> "_Arcs":
         inside = bounds.forward + bounds.backward <= limit
         # Start and goal stay, so that an empty core needs no special case.
         inside[[regions.start, regions.goal]] = True
         region = np.flatnonzero(inside)
         local = np.cumsum(inside) - 1
         use = inside[moves.source] & inside[moves.target]
-        waits = np.arange(len(region))
+        waits = local[[regions.goal]] if cost.counts_x else np.arange(len(region))
         tail = np.concatenate([local[moves.source[use]], waits])
         head = np.concatenate([local[moves.target[use]], waits])
-        cost = region_costs(regions)[region]
         ends = (regions, region[tail], region[head])
         used = [budget.used(*ends) for budget in bounds.prices.budgets]
         return cls(
@@ -172,8 +179,8 @@ class _Arcs:
             window_m=regions.x_window_m[region],
             tail=tail,
             head=head,
-            cost=cost[tail],
-            priced=cost[tail] + bounds.prices.penalty(*ends),
+            cost=cost.least(*ends, 0.0),
+            priced=bounds.prices.cost(cost, *ends),
             used=np.array(used).reshape(-1, len(tail)),
             start=int(local[regions.start]),
             goal=int(local[regions.goal]),
@@ -216,11 +223,12 @@ def _sweep(
     allowed: _Windows,
     to_go: FloatArray,
     limit: float,
-    x_step_m: float,
+    reach_m: FloatArray,
 ) -> _Reach:
     """Propagate costs, x and use of budgets from one end through all steps, along the arcs from `source` to `target`.
 
-    Nodes whose cost and least cost `to_go` (N, regions) exceed the limit are dropped.
+    `reach_m` (N - 1,) is how far a step can travel along X. Nodes whose cost and least cost `to_go` (N, regions) exceed
+    the limit are dropped.
     """
     shape = allowed.low.shape
     cost, low, high = np.full(shape, np.inf), np.full(shape, np.inf), np.full(shape, -np.inf)
@@ -231,8 +239,8 @@ def _sweep(
     source, target = source[order], target[order]
     for i in range(1, len(cost)):
         along = np.flatnonzero((cost[i - 1] + to_go[i - 1] <= limit)[source])
-        from_low = np.maximum(low[i - 1, source[along]] - x_step_m, allowed.low[i, target[along]])
-        from_high = np.minimum(high[i - 1, source[along]] + x_step_m, allowed.high[i, target[along]])
+        from_low = np.maximum(low[i - 1, source[along]] - reach_m[i - 1], allowed.low[i, target[along]])
+        from_high = np.minimum(high[i - 1, source[along]] + reach_m[i - 1], allowed.high[i, target[along]])
         open_ = from_low <= from_high + ROUNDING
         along, from_low, from_high = along[open_], from_low[open_], from_high[open_]
         if len(along) == 0:

@@ -27,9 +27,11 @@ class StepSequence:
     solver: str = field(default_factory=solver_name)
 
 
-def solve_steps(program: LinearProgram, read: Read, time_limit_s: float, monitor: Monitor = QUIET) -> StepSequence:
+def solve_steps(
+    program: LinearProgram, read: Read, time_limit_s: float, monitor: Monitor = QUIET, relative_gap: float = 0.0
+) -> StepSequence:
     """Solve a program whose last step is at the goal (10)-(11)."""
-    outcome = solve_program(program, time_limit_s, monitor)
+    outcome = solve_program(program, time_limit_s, monitor, relative_gap)
     if outcome.values.size == 0:
         return StepSequence(np.empty(0, dtype=np.int64), np.empty(0), outcome, program.columns)
     region, x = read(outcome.values)

@@ -1,4 +1,4 @@
-"""The objectives of `route.objective`: the least sum of kappa (5), or the least largest kappa and then the least sum.
+"""The objectives of `route.objective`: the least cost, or the least largest kappa and then the least sum.
 
 An objective is a row of `OBJECTIVES`: how its optimum is found and proven over the moves admitted so far.
 """
@@ -10,12 +10,13 @@ from functools import partial
 import numpy as np
 
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
-from pipeline.route.bounds.budget_prices import priced_bounds
+from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.bounds.shortest_paths import Bounds
 from pipeline.route.deadline import OutOfTimeError
 from pipeline.route.moves.screen import Screen
 from pipeline.route.problem import RouteProblem
-from pipeline.route.search.optimum import Optimum, find_optimum
+from pipeline.route.search.best_so_far import Optimum
+from pipeline.route.search.optimum import find_optimum
 from pipeline.route.search.states import StateGraph
 
 Find = Callable[[RouteProblem, StateGraph, Bounds, Screen, Optimum | None], Optimum | None]
@@ -54,10 +55,10 @@ def find_best(
     return OBJECTIVES[problem.options.objective].find(problem, graph, bounds, screen, before)
 
 
-def _least_sum(
+def _least_cost(
     problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screen, before: Optimum | None
 ) -> Optimum | None:
-    """Find the least sum of kappa."""
+    """Find the least cost."""
     left = replace(graph, moves=screen.without_bad(graph.moves, graph.base))
     return find_optimum(problem, left, bounds, before.bound if before else 0.0, screen.screen)
 
@@ -100,7 +101,7 @@ def _least_sum_under(
 ) -> Optimum | None:
     """Find the least sum of kappa among sequences whose kappa is nowhere above a cap."""
     moves = moves_within(screen.without_bad(graph.moves, graph.base), graph.regions.kappa, cap)
-    bounds = priced_bounds(graph.regions, moves, problem.budgets, problem.monitor.progress)
+    bounds = priced_bounds(graph.regions, moves, problem.cost, problem.budgets, problem.monitor.progress)
     if not np.isfinite(bounds.optimum):
         return None
     at_least = before.bound if before and before.cap >= cap else 0.0
@@ -109,6 +110,8 @@ def _least_sum_under(
 
 
 OBJECTIVES = {
-    "sum": Objective(_least_sum, single_program=True),
+    "integral": Objective(_least_cost, single_program=False),
+    "sum": Objective(_least_cost, single_program=True),
     "bottleneck": Objective(_least_largest, single_program=False),
+    "time": Objective(_least_cost, single_program=False),
 }

@@ -1,30 +1,25 @@
-"""The least sum of kappa over the admitted moves, by cores or by a program over all regions at a time.
+"""The least cost over the admitted moves, by cores or by a program over all regions at a time.
 
 The core holds every route of cost at most a threshold, so that its optimum is the optimum when it is at most
 the threshold. The threshold starts just above the best bound and is raised until that is so: exact always.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
-
 import numpy as np
 
 from pipeline.arrays import IntArray
-from pipeline.progress import Monitor
 from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves
-from pipeline.route.cost import region_costs
-from pipeline.route.deadline import Deadline, OutOfTimeError
+from pipeline.route.deadline import OutOfTimeError
 from pipeline.route.memory import require_memory
-from pipeline.route.metric import ROUNDING
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import Core, build_core, core_bytes
-from pipeline.route.programs.core_program import build_core_program, read_core
+from pipeline.route.programs.core import build_core, core_bytes
 from pipeline.route.programs.exclusions import excluded_pairs
-from pipeline.route.programs.solution import StepSequence, solve_steps
+from pipeline.route.programs.solution import solve_steps
+from pipeline.route.programs.travel_program import Tangents
 from pipeline.route.programs.whole import WHOLE_PROGRAMS
-from pipeline.route.search.label_setting import WIDTH, solve_labels
+from pipeline.route.search.best_so_far import BestSoFar, Optimum, in_table
+from pipeline.route.search.core_optimum import solve_core
+from pipeline.route.search.first_route import Screening, offer_first_routes
 from pipeline.route.search.states import StateGraph
 from pipeline.status import Status
 
@@ -34,52 +29,12 @@ _AHEAD = 1.1
 _SCREENED_EARLY = 20_000
 """Cores of at most this many arcs are screened before their threshold is lowered, larger ones just before the solve."""
 
-Screening = Callable[[Moves, Moves, IntArray], Moves]
-"""Follows the moves of a core (first), and leaves all known to be bad out of others (second); rows are mapped to
-those of the region table by the third, (n,)."""
-
 _NO_MOVES = Moves(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
 
 
 def keep_all(core: Moves, moves: Moves, base: IntArray) -> Moves:
     """Screen nothing: all moves are admissible."""
     return moves
-
-
-@dataclass(frozen=True, eq=False)
-class Optimum:
-    """The best sequence found over the moves admitted so far, with what is proven of it.
-
-    Attributes
-    ----------
-    sequence : StepSequence
-        Rows of the region table, and x, of the steps.
-    threshold : float
-        T of the core it was found on; infinite for a program over all regions.
-    regions : int
-        Number of regions of the program.
-    relaxation : float
-        Bound on the sum of kappa when x and the step budget are left out.
-    bound : float
-        Proven lower bound on the sum of kappa.
-    proven : bool
-        That it is the optimum; otherwise the time ran out.
-    cap : float
-        Cap on kappa: the least that leaves a route where the largest kappa counts, infinite where only the sum does.
-    """
-
-    sequence: StepSequence
-    threshold: float
-    regions: int
-    relaxation: float
-    bound: float
-    proven: bool = True
-    cap: float = np.inf
-
-    @property
-    def objective(self) -> float:
-        """The sum of kappa, as the solver gives it."""
-        return self.sequence.outcome.objective
 
 
 def find_optimum(
@@ -89,7 +44,7 @@ def find_optimum(
     at_least: float = 0.0,
     screen: Screening = keep_all,
 ) -> Optimum | None:
-    """Find the route of least sum of kappa with the configured formulation; None: there is no route (proven).
+    """Find the route of least cost with the configured formulation; None: there is no route (proven).
 
     When the time runs out it is the best route found so far, and not `proven`.
 
@@ -137,7 +92,7 @@ def solve_whole(problem: RouteProblem, graph: StateGraph, bounds: Bounds) -> Opt
         raise deadline.error(bound)
     proven = found.outcome.status is Status.OPTIMAL
     return Optimum(
-        sequence=_in_table(found, graph),
+        sequence=in_table(found, graph),
         threshold=np.inf,
         regions=len(regions),
         relaxation=bounds.optimum,
@@ -163,9 +118,7 @@ def prove_on_core(
     OutOfTimeError
         When the time runs out before a route is found.
     """
-    best = _BestSoFar(
-        graph, bounds, max(bounds.optimum, at_least, float(region_costs(graph.regions)[graph.regions.start]))
-    )
+    best = BestSoFar(graph, bounds, max(bounds.optimum, at_least))
     try:
         return _raise_threshold(problem, graph, bounds, screen, best)
     except OutOfTimeError:
@@ -173,13 +126,22 @@ def prove_on_core(
 
 
 def _raise_threshold(
-    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: "_BestSoFar"
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: "BestSoFar"
 ) -> Optimum | None:
     options, regions, moves = problem.options, graph.regions, graph.moves
     # No route within the step budget can cost more than this.
-    ceiling = options.step_budget * float(regions.kappa.max())
+    ceiling = options.step_budget * problem.cost.most(regions)
+    # Costs of zero are possible: a least cost of zero has no relative margin.
+    unit = ceiling / options.step_budget**2
     margin = options.threshold_margin
-    threshold, reach, part = min(best.excluded * (1.0 + margin), ceiling), -np.inf, moves
+    if problem.cost.counts_x:
+        offer_first_routes(problem, graph, bounds, screen, best)
+    threshold, reach, part = (
+        min(best.excluded + margin * max(best.excluded, unit), best.objective, ceiling),
+        -np.inf,
+        moves,
+    )
+    tangents = Tangents(regions, problem.cost, bounds.prices.travel)
     while True:
         problem.deadline.require()
         if threshold > reach:
@@ -187,7 +149,7 @@ def _raise_threshold(
             part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
         what, needed = f"a core below {threshold:.2f}", core_bytes(bounds, threshold, options.step_budget)
         require_memory(options, needed, what, "lower route.step_budget, or coarsen route.grid")
-        core = build_core(regions, part, bounds, threshold, options.step_budget, options.x_step_m)
+        core = build_core(problem, regions, part, bounds, threshold)
         problem.monitor.progress(
             f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}"
         )
@@ -203,97 +165,11 @@ def _raise_threshold(
             threshold, margin = lower, options.threshold_margin
             continue
         if not core.empty:
-            found = solve_core(core, bounds, problem.deadline, problem.monitor)
+            found = solve_core(problem, core, bounds, tangents, best.sequence)
             if best.decided_by(found, core, problem.deadline):
                 return best.proven(found.outcome.bound)
         if threshold >= ceiling:
             return None
         best.excluded = threshold
         margin *= _GROWTH
-        threshold = min(threshold * (1.0 + margin), best.objective, ceiling)
-
-
-class _BestSoFar:
-    """The least costly sequence found on the cores solved so far, whatever their thresholds.
-
-    Attributes
-    ----------
-    excluded : float
-        No route is less costly (proven).
-    """
-
-    def __init__(self, graph: StateGraph, bounds: Bounds, excluded: float) -> None:
-        self.excluded = excluded
-        self._graph = graph
-        self._bounds = bounds
-        self._found: tuple[StepSequence, Core] | None = None
-
-    @property
-    def objective(self) -> float:
-        """Its cost, infinite without one."""
-        return self._found[0].outcome.objective if self._found else np.inf
-
-    def decided_by(self, sequence: StepSequence, core: Core, deadline: Deadline) -> bool:
-        """Take over the outcome of a core; return whether it is the optimum.
-
-        Raises
-        ------
-        OutOfTimeError
-            When the time ran out before that was proven.
-        """
-        outcome = sequence.outcome
-        # Of equal ones the last is taken, whose core may prove it.
-        if len(sequence.region) and outcome.objective <= self.objective * (1.0 + ROUNDING):
-            self._found = (sequence, core)
-        if outcome.status not in (Status.OPTIMAL, Status.INFEASIBLE):
-            self.excluded = max(self.excluded, min(outcome.bound, core.threshold))
-            raise deadline.error(self.excluded)
-        return outcome.objective <= core.threshold * (1.0 + ROUNDING)
-
-    def proven(self, bound: float) -> Optimum:
-        """Give it as the optimum."""
-        assert self._found is not None
-        sequence, core = self._found
-        return Optimum(_in_table(sequence, self._graph), core.threshold, core.regions, self._bounds.optimum, bound)
-
-    def unproven(self, deadline: Deadline) -> Optimum:
-        """Give it as what was found in time, with the bound proven by then.
-
-        Raises
-        ------
-        OutOfTimeError
-            When nothing was found.
-        """
-        if self._found is None:
-            raise deadline.error(self.excluded)
-        return replace(self.proven(min(self.excluded, self.objective)), proven=False)
-
-
-def solve_core(core: Core, bounds: Bounds, deadline: Deadline, monitor: Monitor) -> StepSequence:
-    """Find the optimum over a core that is not empty: by label setting where there are budgets, else by HiGHS.
-
-    Budgets that are almost used up make the relaxations of a mixed-integer program weak and its incumbents rare; labels
-    are then few. Should they be too many after all, HiGHS decides.
-    """
-    prices, monitor, some = np.array(bounds.prices.prices), deadline.shown(monitor), None
-    if core.budgets:
-        monitor.progress("label setting")
-        some = solve_labels(core, prices, deadline, width=WIDTH)
-        found = solve_labels(core, prices, deadline, min(some.outcome.objective, core.threshold))
-        if found.outcome.status is Status.OPTIMAL:
-            return found
-        if found.outcome.status is Status.INFEASIBLE:
-            # Nothing within the threshold; what costs more says how far to raise it.
-            return replace(some, outcome=replace(some.outcome, status=Status.INFEASIBLE))
-    found = solve_steps(build_core_program(core), partial(read_core, core=core), deadline.left_s, monitor)
-    if found.outcome.status in (Status.OPTIMAL, Status.INFEASIBLE):
-        return found
-    some = solve_labels(core, prices, deadline, width=WIDTH) if some is None else some
-    better = found if found.outcome.objective <= some.outcome.objective else some
-    bound = max(found.outcome.bound, some.outcome.bound)
-    return replace(better, outcome=replace(better.outcome, status=found.outcome.status, bound=bound))
-
-
-def _in_table(sequence: StepSequence, graph: StateGraph) -> StepSequence:
-    """Give a sequence of the graph in rows of the region table."""
-    return replace(sequence, region=graph.base[sequence.region])
+        threshold = min(threshold + margin * max(threshold, unit), best.objective, ceiling)

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.errors import NoSolutionError
-from pipeline.route.cost import route_cost
+from pipeline.route.cost.objectives import route_cost
 from pipeline.route.moves.check import check_moves
 from pipeline.route.moves.rejections import Rejection
 from pipeline.route.problem import RouteProblem
@@ -53,7 +53,9 @@ def place_route(problem: RouteProblem, sequence: StepSequence, choose_x: ChooseX
     rows = fewest_mode_changes(problem.regions, sequence.region)
     steps = problem.regions.take(rows)
     options = problem.options
-    x = choose_x(steps.x_window_m, options.x_step_m, options.time_limit_s, sequence.x_m)
+    x = sequence.x_m
+    if not problem.cost.counts_x:
+        x = choose_x(steps.x_window_m, options.x_step_m, options.time_limit_s, x)
     if _broken_rules(problem, rows, x):
         # The smoothest x is only known to the tolerance of its program, which a tight budget may not allow for.
         x = sequence.x_m
@@ -67,7 +69,7 @@ def place_route(problem: RouteProblem, sequence: StepSequence, choose_x: ChooseX
     q, pose = steps.q_m.copy(), steps.pose
     q[:, :3] += (x - pose[:, 0])[:, None]
     pose[:, 0] = x
-    return PlacedRoute(rows, steps, pose, q, route_cost(problem.regions, rows))
+    return PlacedRoute(rows, steps, pose, q, route_cost(problem.cost, problem.regions, rows, x))
 
 
 def _broken_rules(problem: RouteProblem, rows: IntArray, x_m: FloatArray) -> list[str]:

@@ -1,16 +1,24 @@
-"""Choice of x for every step of a route: the mixed-integer program only needs one to exist.
+"""Choice of x for every step of a route whose regions are known.
 
-Any x within the windows that moves at most Delta X per step (13) has the same sum (5), so the smoothest is taken:
-the least sum of squared moves, a small quadratic program.
+Where x costs nothing, as in the sum (5), any x within the windows that moves at most Delta X per step (13) will do, and
+the smoothest is taken: the least sum of squared moves, a small quadratic program. Where it costs, the cheapest is.
 """
 
 from collections.abc import Callable
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import block_array, csc_array
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
+from pipeline.route.cost.objectives import route_cost
+from pipeline.route.problem import RouteProblem
+from pipeline.route.regions.table import RegionTable
 from pipeline.solvers.highs import LinearProgram, Outcome, solve_program
+
+_LEAST_S = 1.0
+"""Seconds that a program of one sequence may take even when the time is up: it takes milliseconds."""
+_MOST_CUTS = 100
+"""Tangents of a move at most; a dozen do."""
 
 
 def smoothest_x(
@@ -40,3 +48,57 @@ def smoothest_x(
         return feasible_m
     # The solver's tolerance must not put a cart beyond its rail.
     return np.clip(outcome.values, windows_m[:, 0], windows_m[:, 1])
+
+
+def cheapest_x(
+    problem: RouteProblem, regions: RegionTable, rows: IntArray, close: float = 1e-10
+) -> tuple[FloatArray, float] | None:
+    """Choose the x (n,) of least cost for rows (n,) of a table, to a relative precision of `close`; with its cost.
+
+    Kelley's cutting planes: linear programs over tangents of the moves' costs, which are convex in their travel, until
+    the cost is that of the tangents. None: no x keeps the windows, (13) and the budgets.
+    """
+    ends = regions, rows[:-1], rows[1:]
+    travels = problem.cost.first_travel(*ends, 0.0)
+    best: tuple[FloatArray, float] | None = None
+    for _ in range(_MOST_CUTS):
+        outcome = solve_program(_x_program(problem, regions, rows, travels), max(problem.deadline.left_s, _LEAST_S))
+        if not outcome.status.solved or outcome.values.size == 0:
+            return best
+        # The solver's tolerance must not put a cart beyond its rail.
+        x = np.clip(outcome.values[: len(rows)], *regions.x_window_m[rows].T)
+        cost = route_cost(problem.cost, regions, rows, x)
+        if best is None or cost < best[1]:
+            best = x, cost
+        if best[1] - outcome.objective <= close * abs(best[1]):
+            break
+        travels = np.vstack([travels, np.diff(x)])
+    return best
+
+
+def _x_program(problem: RouteProblem, regions: RegionTable, rows: IntArray, travels_m: FloatArray) -> LinearProgram:
+    """Write the linear program of tangents at travels (k, n - 1): x, then the cost and the |dx| of each move."""
+    n, moves = len(rows), len(rows) - 1
+    change = csc_array(np.diff(np.eye(n), axis=0))
+    eye, step = csc_array(np.eye(moves)), problem.options.x_step_m
+    low, high = regions.x_window_m[rows].T
+    blocks: list[list[csc_array | None]] = [[change, None, None], [change, None, -eye], [-change, None, -eye]]
+    row_low = [np.full(moves, -step), np.full(2 * moves, -np.inf)]
+    row_high = [np.full(moves, step), np.zeros(2 * moves)]
+    for dx in travels_m:
+        constant, slope = problem.cost.tangent(regions, rows[:-1], rows[1:], dx)
+        blocks.append([csc_array(-slope[:, None] * change.toarray()), eye, None])
+        row_low.append(constant)
+        row_high.append(np.full(moves, np.inf))
+    for budget in problem.budgets:
+        if budget.travels:
+            blocks.append([None, None, csc_array(np.ones((1, moves)))])
+            row_low.append(np.array([-np.inf]))
+            row_high.append(np.array([budget.limit - budget.used(regions, rows[:-1], rows[1:]).sum()]))
+    return LinearProgram(
+        matrix=csc_array(block_array(blocks, format="csc")),
+        cost=np.concatenate([np.zeros(n), np.ones(moves), np.zeros(moves)]),
+        column_bounds=(np.concatenate([low, np.zeros(2 * moves)]), np.concatenate([high, np.full(2 * moves, np.inf)])),
+        row_bounds=(np.concatenate(row_low), np.concatenate(row_high)),
+        integer=np.zeros(n + 2 * moves, dtype=bool),
+    )

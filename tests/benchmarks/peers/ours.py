@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from pipeline.arrays import FloatArray
+from pipeline.config.choices import RouteObjective
 from pipeline.machine import build_machine
 from pipeline.route.bounds.shortest_paths import shortest_paths, shortest_route
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.moves.candidates import find_moves
 from pipeline.route.problem import RouteProblem
 from pipeline.route.search.optimum import prove_on_core
@@ -22,11 +24,12 @@ from tests.benchmarks.isolated import peak_mb
 def core(folder: Path, limit_s: float) -> Iterator[dict[str, Any]]:
     """Prove the optimum on the core; moves and shortest paths count, too."""
     config, regions = load_problem(folder), load_regions(folder)
-    config = config.model_copy(update={"route": config.route.model_copy(update={"time_limit_s": limit_s})})
+    limits = {"time_limit_s": limit_s, "objective": RouteObjective.SUM}
+    config = config.model_copy(update={"route": config.route.model_copy(update=limits)})
     machine = build_machine(config.machine)
     begin = time.perf_counter()
     moves = find_moves(config, machine, regions)
-    bounds = shortest_paths(regions, moves)
+    bounds = shortest_paths(regions, moves, KappaSum())
     problem = RouteProblem.of(config, machine, regions, moves)
     optimum = prove_on_core(problem, unexpanded_graph(regions, moves), bounds)
     told: dict[str, Any] = {"seconds": time.perf_counter() - begin, "solver": solver_name(), "peak_mb": peak_mb()}
@@ -45,7 +48,7 @@ def shortest_path(folder: Path, limit_s: float) -> Iterator[dict[str, Any]]:
     machine = build_machine(config.machine)
     begin = time.perf_counter()
     moves = find_moves(config, machine, regions)
-    rows = shortest_route(regions, moves, shortest_paths(regions, moves))
+    rows = shortest_route(regions, moves, KappaSum(), shortest_paths(regions, moves, KappaSum()))
     x = place_along_x(regions.x_window_m[rows], config.route.x_step_m)
     told = {"seconds": time.perf_counter() - begin, "solver": "SciPy", "peak_mb": peak_mb()}
     if x is None or len(rows) > config.route.step_budget:

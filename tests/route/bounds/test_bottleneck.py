@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 
 
 @settings(max_examples=100)
@@ -17,7 +18,7 @@ def test_the_cap_of_the_graph_is_the_least_with_a_way(random_problem, seed):
     for cap in np.unique(regions.kappa):
         left = moves_within(moves, regions.kappa, cap)
         ends = max(regions.kappa[regions.start], regions.kappa[regions.goal])
-        if cap >= ends and np.isfinite(shortest_paths(regions, left).optimum):
+        if cap >= ends and np.isfinite(shortest_paths(regions, left, KappaSum()).optimum):
             expected = cap
             break
     assert least_cap(regions, moves) == expected

@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.route import RegionTable
 from pipeline.route.bounds.budgets import FREE, Prices, task_budgets
+from pipeline.route.cost.kappa_sum import KappaSum
 
 
 @pytest.fixture
@@ -45,10 +46,10 @@ def test_a_price_is_paid_per_use_and_credited_for_all_that_is_left(regions, budg
     prices = Prices(budgets, (10.0, 0.0, 100.0))
     penalty = prices.penalty(regions, np.array([0]), np.array([1]))
     assert penalty.tolist() == pytest.approx([10.0 * 2.0 + 100.0 * 0.3])
-    assert prices.credit(regions) == pytest.approx(10.0 * 4.0 + 100.0 * 1.7)
+    assert prices.credit(KappaSum(), regions) == pytest.approx(10.0 * 4.0 + 100.0 * 1.7)
     assert prices.charged
     assert not FREE.charged
-    assert FREE.credit(regions) == 0.0
+    assert FREE.credit(KappaSum(), regions) == 0.0
 
 
 def test_what_is_not_limited_is_not_a_budget(quick_config):

@@ -24,9 +24,9 @@ from tests.conftest import CONFIGS, WITHOUT_FORCE_LIMITS
 
 @pytest.fixture(scope="module")
 def coarse(vary) -> Config:
-    """Take tiny.yaml with a tilt grid of 10 degrees: a route exists with 10 degrees of tilt, in 8 positions."""
+    """Take tiny.yaml with a tilt grid of 10 degrees and (5): a route exists with 10 degrees of tilt, in 8 positions."""
     tilts = {"route.grid.rx_step_deg": 10, "route.grid.rz_step_deg": 10, "task.tilt_max_deg": 10}
-    return vary(load_config(CONFIGS / "tiny.yaml"), WITHOUT_FORCE_LIMITS | tilts)
+    return vary(load_config(CONFIGS / "tiny.yaml"), WITHOUT_FORCE_LIMITS | tilts | {"route.objective": "sum"})
 
 
 def explain(config: Config, without: str = "nothing") -> InfeasibilityReport:

@@ -17,6 +17,7 @@ from pipeline.machine import (
 from pipeline.machine.clearance import link_pairs
 from pipeline.machine.kinematics import follow, newton
 from pipeline.route.bounds.shortest_paths import shortest_paths, shortest_route
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.moves.candidates import passing_codes, rule_moves
 from pipeline.route.moves.check import check_moves, check_pairs
 from pipeline.route.moves.rejections import NO_CLOSURE, SIGN_CHANGE, WRONG_BRANCH, Rejection
@@ -305,7 +306,9 @@ def without_tilt(cross_config, vary, pose_problem):
 def test_two_singularities_within_one_step_are_seen_when_followed(without_tilt, statics):
     """The second kind of tunnelling: det H has the same sign at both ends of a move and changes it twice between."""
     regions, machine = without_tilt.regions, without_tilt.machine
-    rows = shortest_route(regions, without_tilt.moves, shortest_paths(regions, without_tilt.moves))
+    rows = shortest_route(
+        regions, without_tilt.moves, KappaSum(), shortest_paths(regions, without_tilt.moves, KappaSum())
+    )
     ends = np.column_stack([rows[:-1], rows[1:]])
     checks = check_moves(without_tilt.config, machine, regions.pose[ends], regions.q_m[ends])
     assert not checks.good.all()
@@ -326,7 +329,7 @@ def test_two_singularities_within_one_step_make_no_route(without_tilt, vary):
     """Once such moves are forbidden nothing is left: the 3-DOF machine has no route, however lax the cap."""
     config = vary(without_tilt.config, {"route.kappa_max": 200})
     kept = without_tilt.regions.kappa < 200
-    assert np.isfinite(shortest_paths(without_tilt.regions, without_tilt.moves).optimum)
+    assert np.isfinite(shortest_paths(without_tilt.regions, without_tilt.moves, KappaSum()).optimum)
     with pytest.raises(NoSolutionError, match="moves were forbidden that fail when followed") as caught:
         plan_route(config, without_tilt.machine, without_tilt.regions.take(kept))
     assert caught.value.diagnosis["status"] == "infeasible"

@@ -12,7 +12,8 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.budgets import task_budgets
-from pipeline.route.cost import route_cost
+from pipeline.route.cost.kappa_sum import KappaSum
+from pipeline.route.cost.objectives import route_cost
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.candidates import Moves, find_moves
 from pipeline.route.programs.exclusions import add_exclusions, excluded_pairs
@@ -53,7 +54,7 @@ def test_optimum_is_that_of_a_dynamic_program(random_problem, cheapest, formulat
     assert outcome.objective == pytest.approx(expected, abs=1e-6)
     rows, x = whole.read(outcome.values, regions, positions)
     assert rule_violations(regions, rows, x, WIDE, positions) == []
-    assert route_cost(regions, rows) == pytest.approx(expected, abs=1e-6)
+    assert route_cost(KappaSum(), regions, rows, x) == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.fixture(scope="module")

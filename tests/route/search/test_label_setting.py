@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from pipeline.route.bounds.budgets import Budget, Prices
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.deadline import Deadline
-from pipeline.route.programs.core import build_core
 from pipeline.route.programs.core_program import build_core_program, read_core
 from pipeline.route.programs.solution import solve_steps
 from pipeline.route.search.label_setting import solve_labels
@@ -19,13 +19,13 @@ from pipeline.status import Status
 ENDLESS = Deadline.after(np.inf)
 
 
-def a_core(random_problem, seed: int, travel_m: float | None):
+def a_core(random_problem, core_of, seed: int, travel_m: float | None):
     """Make a core of all routes of a random problem, with a budget of travel where one is given."""
     regions, moves, positions = random_problem(seed)
     budgets = () if travel_m is None else (Budget("travel_m", travel_m, (1, 2), travels=True),)
-    bounds = shortest_paths(regions, moves)
+    bounds = shortest_paths(regions, moves, KappaSum())
     bounds = replace(bounds, prices=Prices(budgets, (0.0,) * len(budgets)))
-    return build_core(regions, moves, bounds, 1000.0, positions, 1.0)
+    return core_of(regions, moves, bounds, 1000.0, positions, 1.0)
 
 
 @settings(max_examples=200)
@@ -35,9 +35,9 @@ def a_core(random_problem, seed: int, travel_m: float | None):
     price=st.floats(0.0, 3.0),
     cost=st.sampled_from([np.inf, 60.0]),
 )
-def test_labels_and_the_program_agree(random_problem, seed, travel_m, price, cost):
+def test_labels_and_the_program_agree(random_problem, core_of, seed, travel_m, price, cost):
     """Whatever the prices: the same optimum as HiGHS over the same core, or the same proof that there is none."""
-    core = a_core(random_problem, seed, travel_m)
+    core = a_core(random_problem, core_of, seed, travel_m)
     if core.empty:
         return
     expected = solve_steps(build_core_program(core), lambda values: read_core(values, core), 60.0)
@@ -57,7 +57,7 @@ def test_labels_and_the_program_agree(random_problem, seed, travel_m, price, cos
 
 
 @pytest.fixture
-def two_ways(hand_table, hand_moves):
+def two_ways(hand_table, hand_moves, core_of):
     """Give a function that makes the core of two ways from x 0 to x 0, with a budget of travel.
 
     Over a window that begins at 2: cost 2 and four metres; round it: cost 51 and none.
@@ -69,8 +69,8 @@ def two_ways(hand_table, hand_moves):
 
     def core(travel_m: float):
         budget = Budget("travel_m", travel_m, (1, 2), travels=True)
-        bounds = replace(shortest_paths(regions, moves), prices=Prices((budget,), (0.0,)))
-        return build_core(regions, moves, bounds, 100.0, 3, 2.0)
+        bounds = replace(shortest_paths(regions, moves, KappaSum()), prices=Prices((budget,), (0.0,)))
+        return core_of(regions, moves, bounds, 100.0, 3, 2.0)
 
     return core
 

@@ -10,6 +10,7 @@ from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route
 from pipeline.route.bounds.bottleneck import moves_within
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.moves.rejections import Rejection
 from pipeline.route.moves.screen import Screen
@@ -45,7 +46,7 @@ def test_the_bottleneck_route_is_that_of_brute_force(
         None,
     )
     screen = Screen(lambda source, target: [KAPPA if flawed else None for flawed in bad[source, target]], len(regions))
-    bounds = shortest_paths(regions, moves)
+    bounds = shortest_paths(regions, moves, KappaSum())
     problem = RouteProblem.of(config, machine, regions, moves)
     best = find_best(problem, unexpanded_graph(regions, moves), bounds, screen)
     if expected is None:

@@ -5,6 +5,7 @@ import pytest
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Monitor
 from pipeline.route.bounds.shortest_paths import shortest_paths
+from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.problem import RouteProblem
 from pipeline.route.search.optimum import find_optimum, prove_on_core
 from pipeline.route.search.states import unexpanded_graph
@@ -12,7 +13,7 @@ from pipeline.route.search.states import unexpanded_graph
 
 def _prove(problem):
     graph = unexpanded_graph(problem.regions, problem.moves)
-    return prove_on_core(problem, graph, shortest_paths(problem.regions, problem.moves))
+    return prove_on_core(problem, graph, shortest_paths(problem.regions, problem.moves, KappaSum()))
 
 
 @pytest.mark.parametrize(
@@ -30,7 +31,7 @@ def test_the_optimum_over_real_regions_is_that_of_a_dynamic_program(
         "task.tilt_max_deg": 10,
     }
     problem = pose_problem(vary(quick_config, values))
-    bounds = shortest_paths(problem.regions, problem.moves)
+    bounds = shortest_paths(problem.regions, problem.moves, KappaSum())
     objective = _prove(RouteProblem.of(problem.config, problem.machine, problem.regions, problem.moves)).objective
     expected = cheapest(problem.regions, problem.moves, 20, x_step_m, cap=objective + 0.1)
     assert objective == pytest.approx(expected, abs=1e-6)
@@ -51,7 +52,7 @@ def test_an_optimum_above_its_threshold_is_not_a_proof(hand_table, hand_moves, q
     moves = hand_moves(
         [(start, a) for a in before] + [(a, j) for a in before] + [(j, b) for b in after] + [(b, goal) for b in after]
     )
-    assert shortest_paths(regions, moves).optimum == 4.0
+    assert shortest_paths(regions, moves, KappaSum()).optimum == 4.0
     config = vary(quick_config, {"route.x_step_m": 1.0, "route.step_budget": 5, "route.threshold_margin": 2.75})
     seen = []
     monitor = Monitor(lambda text, part=None: seen.append(text))
@@ -71,4 +72,4 @@ def test_programs_that_would_not_fit_are_refused(small, vary):
         problem = RouteProblem.of(config, small.machine, small.regions, small.moves)
         graph = unexpanded_graph(problem.regions, problem.moves)
         with pytest.raises(NoSolutionError, match=rf"{what} .*route\.memory_gb allows 1e-05"):
-            find_optimum(problem, graph, shortest_paths(problem.regions, problem.moves))
+            find_optimum(problem, graph, shortest_paths(problem.regions, problem.moves, KappaSum()))

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from pipeline.route import RegionTable
-from pipeline.route.cost import region_costs, route_cost
+from pipeline.route.cost.kappa_sum import KappaSum, region_costs
+from pipeline.route.cost.objectives import route_cost
 
 
 @pytest.fixture
@@ -21,10 +22,15 @@ def test_every_region_costs_its_kappa_and_the_goal_nothing(regions):
 
 def test_all_regions_but_the_goal_are_added_up(regions):
     """(5): start, then three regions."""
-    assert route_cost(regions, np.array([4, 0, 1, 2, 5])) == 7.0 + 3.0 + 4.0 + 5.0
+    assert (
+        route_cost(KappaSum(), regions, np.array([4, 0, 1, 2, 5]), np.zeros(len([4, 0, 1, 2, 5])))
+        == 7.0 + 3.0 + 4.0 + 5.0
+    )
 
 
 def test_the_goal_costs_nothing_however_long_it_is_waited_in(regions):
     """(25)-(26): the summation stops once the goal is reached; waiting elsewhere costs."""
-    assert route_cost(regions, np.array([4, 0, 1, 2, 5, 5, 5])) == 19.0
-    assert route_cost(regions, np.array([4, 0, 0, 1, 2, 5])) == 22.0
+    assert (
+        route_cost(KappaSum(), regions, np.array([4, 0, 1, 2, 5, 5, 5]), np.zeros(len([4, 0, 1, 2, 5, 5, 5]))) == 19.0
+    )
+    assert route_cost(KappaSum(), regions, np.array([4, 0, 0, 1, 2, 5]), np.zeros(len([4, 0, 0, 1, 2, 5]))) == 22.0

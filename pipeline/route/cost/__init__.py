@@ -1,0 +1,1 @@
+"""The costs of moves that the objectives of stage one add up."""
