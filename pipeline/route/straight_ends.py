@@ -58,7 +58,7 @@ def with_straight_ends(config: Config, machine: Machine, route: Route) -> Route:
 def _joined(config: Config, machine: Machine, route: Route, approach: Approach) -> Route:
     samples = _samples(config, machine, approach)
     at_start = approach.name == "start"
-    kept, end = (slice(0, -1), 0) if at_start else (slice(1, None), -1)
+    kept = slice(0, -1) if at_start else slice(1, None)
     count = len(samples) - 1
 
     def join(outside: FloatArray, inside: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ With the actuators as unknowns of their own the Hessian is sparse: a node touche
                 corridor, strokes and travel (bounds of the coefficients hold everywhere: convex hull),
                 0.5 <= speed along s relative to the mean <= 1.5, actuators moving at both ends,
                 the rows of every limit at the nodes,
-                every cart on its side of the platform,
+                every cart on its side of the platform, the TCP behind the walls of straight ends,
                 the first and the last leg of the splines' control polygon along given directions.
 """
 
@@ -178,6 +178,7 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
         *_path_rows(machine, data.mesh, x, squared, distance),
         *(row for part in parts for row in part.rows),
         Row("sides of the carts", _sides(machine, data.corridor, x), data.corridor.side_margin_m, np.inf),
+        *_walls(data.corridor, x.pose),
         *_end_speeds(data.mesh, x),
         *_directions(data.directions, x.coefficients),
         *_one_way(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), x.coefficients),
@@ -248,6 +249,15 @@ def _sides(machine: Machine, corridor: Corridor, x: _Symbols) -> ca.MX:
     # Every node has 18 entries by columns, x first.
     rows = (18 * nodes + PRIMARY[arms]).tolist()
     return ca.DM(corridor.sides[nodes, arms]) * (cart[rows] - platform[rows])
+
+
+def _walls(corridor: Corridor, pose: ca.MX) -> list[Row]:
+    """Write normal . (x, y, z) - offset for the walls of straight ends."""
+    walls = corridor.walls
+    if len(walls) == 0:
+        return []
+    at = pose[:3, walls.node.tolist()]
+    return [Row("cones of straight ends", ca.sum1(ca.DM(walls.normal.T) * at).T - ca.DM(walls.offset), -np.inf, 0.0)]
 
 
 def _end_speeds(mesh: Mesh, x: _Symbols) -> list[Row]:
