@@ -37,7 +37,7 @@ class RefineConfig(Section):
     corridor: Corridor = Field(
         Corridor.CELLS, description="cells: those of the route, and its working modes in order; free: the modes alone"
     )
-    corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
+    corridor_cells: float = Field(3.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
     start_direction: Vector | None = Field(
         None, description="(x, y, z) of the TCP's path at the very start, not tilting; null: any"
     )

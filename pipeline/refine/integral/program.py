@@ -34,6 +34,7 @@ from pipeline.machine.symbolic import closure_function, joints_function
 from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.integral.derivatives import derivative_options
 from pipeline.refine.integral.node_kappa import NodeKappa
+from pipeline.refine.integral.wall_rows import wall_rows
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.one_way import OneWayLeg, one_way_legs
 from pipeline.refine.result import directions_of
@@ -178,7 +179,7 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
         *_path_rows(machine, data.mesh, x, squared, distance),
         *(row for part in parts for row in part.rows),
         Row("sides of the carts", _sides(machine, data.corridor, x), data.corridor.side_margin_m, np.inf),
-        *_walls(data.corridor, x.pose),
+        *wall_rows(data.corridor.walls, x.pose),
         *_end_speeds(data.mesh, x),
         *_directions(data.directions, x.coefficients),
         *_one_way(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), x.coefficients),
@@ -249,15 +250,6 @@ def _sides(machine: Machine, corridor: Corridor, x: _Symbols) -> ca.MX:
     # Every node has 18 entries by columns, x first.
     rows = (18 * nodes + PRIMARY[arms]).tolist()
     return ca.DM(corridor.sides[nodes, arms]) * (cart[rows] - platform[rows])
-
-
-def _walls(corridor: Corridor, pose: ca.MX) -> list[Row]:
-    """Write normal . (x, y, z) - offset for the walls of straight ends."""
-    walls = corridor.walls
-    if len(walls) == 0:
-        return []
-    at = pose[:3, walls.node.tolist()]
-    return [Row("cones of straight ends", ca.sum1(ca.DM(walls.normal.T) * at).T - ca.DM(walls.offset), -np.inf, 0.0)]
 
 
 def _end_speeds(mesh: Mesh, x: _Symbols) -> list[Row]:
