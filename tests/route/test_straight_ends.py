@@ -54,11 +54,7 @@ def test_costs_of_straight_ends_are_those_of_their_moves(straight_config: Config
     steps = step_sizes(straight_config.route)
     expected = np.trapezoid(straight_route.kappa, arc_length(straight_route.pose, steps))
     assert straight_route.objective == pytest.approx(expected, rel=1e-9)
-    assert (
-        straight_route.search.gap <= straight_config.route.max_gap
-        if hasattr(straight_config.route, "max_gap")
-        else True
-    )
+    assert straight_route.search.gap < 1e-6
     assert straight_route.search.bound <= straight_route.objective * (1.0 + 1e-9)
 
 
