@@ -37,12 +37,19 @@ class RefineConfig(Section):
     corridor: Corridor = Field(
         Corridor.CELLS, description="cells: those of the route, and its working modes in order; free: the modes alone"
     )
-    corridor_cells: float = Field(1.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
+    corridor_cells: float = Field(3.0, ge=0.0, le=50.0, description="cells a corridor of cells is widened by")
     start_direction: Vector | None = Field(
         None, description="(x, y, z) of the TCP's path at the very start, not tilting; null: any"
     )
     goal_direction: Vector | None = Field(
         None, description="(x, y, z) of the TCP's path at the very goal, not tilting; null: any"
+    )
+    approach_m: float | None = Field(
+        None,
+        ge=0.005,
+        le=0.5,
+        description="length over which the path keeps to these directions, within 3 degrees and hardly tilting, with "
+        "poses to pass at their ends; null: at the very ends only",
     )
     clearance_margin_m: float = Field(0.001, ge=0.0, le=0.1, description="kept at the nodes on top of the clearance")
     travel_margin_m: float = Field(
@@ -65,6 +72,12 @@ class RefineConfig(Section):
         for key in ("start_direction", "goal_direction"):
             if getattr(self, key) == (0.0, 0.0, 0.0):
                 raise wrong(key, "is [0, 0, 0]; allowed is any other direction")
+        return self
+
+    @model_validator(mode="after")
+    def _approach_has_a_direction(self) -> Self:
+        if self.approach_m is not None and self.start_direction is None and self.goal_direction is None:
+            raise wrong("approach_m", f"is {self.approach_m:g}; it needs start_direction, goal_direction or both")
         return self
 
     @model_validator(mode="after")

@@ -1,6 +1,7 @@
 """Margins that routes and paths keep from the ends of rails and strokes (`refine.travel_margin_m`, `stroke_margin_m`).
 
-Limit switches and end stops are at these ends. Start, goal and poses to visit are given, and may be nearer.
+Limit switches and end stops are at these ends. Start, goal, their approach poses and poses to visit are given, and may
+be nearer.
 """
 
 from dataclasses import replace
@@ -9,6 +10,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.config import Config, PoseConfig
+from pipeline.limits.approach import approaches
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
 
@@ -28,7 +30,7 @@ def planned_range_m(config: Config, machine: Machine) -> FloatArray:
     """Return the range of each actuator that a path keeps: the machine's less the margins, where the task lets it.
 
     Least and largest position, shape (5, 2). An actuator that is nearer to an end of its range at the start, the goal
-    or a pose to visit keeps the distance that it has there.
+    a pose to visit or an approach pose keeps the distance that it has there.
     """
     allowed = within_margins(config, machine).actuator_limits_m
     q = given_positions_m(config, machine)
@@ -37,7 +39,7 @@ def planned_range_m(config: Config, machine: Machine) -> FloatArray:
 
 
 def given_positions_m(config: Config, machine: Machine) -> FloatArray:
-    """Compute the actuators at the start, the goal and the poses to visit; NaN out of reach. Shape (n, 5)."""
+    """Compute the actuators at the given poses; NaN out of reach. Shape (n, 5)."""
     poses = given_poses(config).values()
     controlled = np.array([controlled_pose(pose) for pose in poses])
     solution = inverse_kinematics(machine, controlled, np.array([MODES.index(pose.mode) for pose in poses]))
@@ -45,9 +47,10 @@ def given_positions_m(config: Config, machine: Machine) -> FloatArray:
 
 
 def given_poses(config: Config) -> dict[str, PoseConfig]:
-    """Return the start, the goal and the poses to visit by their keys."""
+    """Return the start, the goal and the poses to visit by their keys, and the approach poses by what they are."""
     visits = {f"task.visit[{k}].pose": visit.pose for k, visit in enumerate(config.task.visit)}
     given = {key: pose for key, pose in visits.items() if pose is not None}
+    given |= {approach.title: approach.pose for approach in approaches(config)}
     return {"task.start": config.task.start, "task.goal": config.task.goal, **given}
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
-from pipeline.limits.actuator_margins import planned_range_m, within_margins
+from pipeline.limits.actuator_margins import given_poses, planned_range_m, within_margins
 from pipeline.limits.interface.limit import Limit, Wording
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
@@ -208,7 +208,7 @@ def _narrowed(windows_m: FloatArray, allowed_m: FloatArray) -> tuple[FloatArray,
 
 
 def _premises(config: Config) -> dict[str, Any]:
-    visits = [visit.pose.model_dump(mode="json") for visit in config.task.visit if visit.pose is not None]
+    visits = [pose.model_dump(mode="json") for pose in list(given_poses(config).values())[2:]]
     margins = {key: getattr(config.refine, key) for key in ("travel_margin_m", "stroke_margin_m")}
     return {"actuators": {**margins, "visits": visits}}
 

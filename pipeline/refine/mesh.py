@@ -17,6 +17,8 @@ _AS_LARGE = 1e-6
 _TOO_NEAR = 0.25
 """Share of the spacing: nodes nearer to each other make programs that solvers cannot scale."""
 _SAMPLES_PER_INTERVAL = 8
+_NODES, _SPANS = 8, 4
+"""Intervals between nodes, and knot spans, of a straight end at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +39,29 @@ def even_mesh(nodes: int, coefficients: int, also: FloatArray) -> Mesh:
     s = np.linspace(0.0, 1.0, nodes)
     near = np.any(np.abs(s[1:-1, None] - also) < _TOO_NEAR / (nodes - 1), axis=1)
     return Mesh(np.union1d(np.concatenate([[0.0], s[1:-1][~near], [1.0]]), also), clamped_knots(coefficients))
+
+
+def with_straight_ends(mesh: Mesh, s: FloatArray) -> Mesh:
+    """Refine a mesh where its ends are straight, up to s (m,), and as far beyond: lines and corners take many knots.
+
+    An s below one half ends a straight start, another one begins a straight goal.
+    """
+    nodes, knots = mesh.s, np.unique(mesh.knots)
+    for at in s.tolist():
+        length = min(at, 1.0 - at)
+        nodes, knots = (_denser(part, at, length, count) for part, count in ((nodes, _NODES), (knots, _SPANS)))
+    return Mesh(nodes, np.concatenate([np.zeros(DEGREE), knots, np.ones(DEGREE)]))
+
+
+def _denser(s: FloatArray, at: float, length: float, count: int) -> FloatArray:
+    """Divide the interval of a length between an end and `at` into as many parts at least, and the next like it."""
+    count = max(count, int(np.count_nonzero(np.abs(s - at) < length)) // 2)
+    part = length / count
+    even = np.linspace(at - length, at + length, 2 * count + 1)
+    # The first or the last of them is an end of the path, but for rounding.
+    even = even[(even > part / 2.0) & (even < 1.0 - part / 2.0)]
+    kept = s[(np.abs(s - at) > length + part / 2.0) | (s == 0.0) | (s == 1.0)]
+    return np.union1d(kept, even)
 
 
 def adapted_mesh(mesh: Mesh, path: Path, steps: FloatArray) -> Mesh:

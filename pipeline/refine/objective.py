@@ -2,12 +2,13 @@
 
 | objective | minimised | then lowered by the sequential programs |
 |---|---|---|
-| integral | I | I / L + max(0, K - 0.97 K_c), with K <= K_c |
+| integral | I | I / L + max(0, K - min(0.97 K_c, 1.1 K_r)), with K <= K_c |
 | mixed | I / L + K | I / L + K |
 | maximum | K | 0.01 I / L + K |
 
 I is the integral of kappa over the length in the metric of the route, L the length of the coarse path, K the largest
-kappa and K_c that of the coarse path. K counts down to kappa at the start and the goal, which are given.
+kappa, K_c that of the coarse path, and K_r the least one with which regions join start and goal. What is not smooth
+counts as part of I. K counts down to kappa at the start and the goal, which are given.
 """
 
 from collections.abc import Callable

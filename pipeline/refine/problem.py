@@ -13,7 +13,7 @@ from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import newton
 from pipeline.progress import QUIET, Monitor
 from pipeline.refine.coarse import coarse_path
-from pipeline.refine.directions import end_directions
+from pipeline.refine.corridor.directions import end_directions
 from pipeline.refine.measure import PathFigures, measure_path, sample_path
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.objective import OBJECTIVES, Objective

@@ -2,7 +2,7 @@
 
 Of the path as a whole: det H keeps its sign, the pose does not jump to another branch, the working modes are those of
 the route and no more changes than its budget allows, the poses stay in the corridor, and the actuators do not nearly
-stop.
+stop. Straight ends keep to their cones.
 """
 
 from collections.abc import Callable
@@ -17,6 +17,7 @@ from pipeline.machine.geometry import MODE_SIGNS
 from pipeline.machine.kinematics import pose_jacobian
 from pipeline.machine.working_modes import working_modes
 from pipeline.refine.corridor.cells import cells_excess
+from pipeline.refine.corridor.cone import StraightEnd, straight_ends
 from pipeline.refine.corridor.sides import sides_at
 from pipeline.refine.measure import PathSamples, relative_speed
 from pipeline.refine.result import Path, directions_of
@@ -110,12 +111,25 @@ def _of_the_route(config: Config, route: Route, path: Path, coarse: Path) -> lis
         what = f"arm {arm + 1} on the side that is another working mode, metres"
         return _bounded(what, _MORE_NODES, lambda samples: wrong_side(route, coarse, samples)[:, arm])
 
+    straight = [_straight(end) for end in straight_ends(config, route, coarse)]
     speed = _bounded(
         "the actuators nearly stop, relative to the mean speed",
         "Raise refine.corridor_cells or refine.nodes, or change refine.coefficients.",
         lambda samples: _LEAST_SPEED - relative_speed(path, samples.s),
     )
-    return [*([] if config.refine.corridor == "free" else [corridor]), *map(side_of, range(3)), speed]
+    return [*([] if config.refine.corridor == "free" else [corridor]), *map(side_of, range(3)), *straight, speed]
+
+
+def _straight(end: StraightEnd) -> Requirement:
+    """Require the cone of a straight end, and hardly any tilt."""
+    return Requirement(
+        f"off the straight line at the {end.name}, by more than 3 degrees (metres) or tilted by more than 1 (radians)",
+        f"Raise refine.nodes, or change refine.approach_m or refine.{end.name}_direction.",
+        lambda samples: -end.excess(samples.pose),
+        lambda samples: end.excess(samples.pose),
+        _ROUNDING,
+        counts=lambda samples: end.inside(samples.s)[:, None],
+    )
 
 
 def _bounded(what: str, advice: str, excess: Callable[[PathSamples], FloatArray]) -> Requirement:

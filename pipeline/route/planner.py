@@ -1,6 +1,7 @@
 """Stage one as a whole: solve, follow the moves of the route, forbid those that fail, and solve again."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from pipeline.limits import move_limits
 from pipeline.machine.geometry import Machine
 from pipeline.parallel import blocks
 from pipeline.progress import QUIET, Monitor
+from pipeline.route.bounds.bottleneck import least_cap, moves_within
 from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.infeasible import require_route, too_few_routes, without_route
 from pipeline.route.metric import ROUNDING
@@ -25,7 +27,8 @@ from pipeline.route.result import Route, Search
 from pipeline.route.search.best_so_far import Optimum
 from pipeline.route.search.objective import find_best
 from pipeline.route.search.placement import PlacedRoute, place_route, rejected_moves
-from pipeline.route.search.states import expand_states, near_route
+from pipeline.route.search.states import StateGraph, expand_states, near_route
+from pipeline.route.straight_ends import require_straight_ends, with_straight_ends
 from pipeline.status import Status
 
 _FOLLOWED = 8_192
@@ -45,6 +48,8 @@ def plan_route(config: Config, machine: Machine, regions: RegionTable, monitor: 
 
     Raises
     ------
+    ConfigError
+        When the straight move between an end and its approach pose fails.
     InfeasibleError
         When there is no such route (proven).
     NoSolutionError
@@ -76,6 +81,8 @@ def plan_routes(
 
     Raises
     ------
+    ConfigError
+        When the straight move between an end and its approach pose fails.
     InfeasibleError
         When there is no route at all (proven).
     NoSolutionError
@@ -84,8 +91,10 @@ def plan_routes(
         When the count is not a whole number of at least one.
     """
     count = require_whole("count", count, 1, _MOST_ROUTES)
+    require_straight_ends(config, machine)
     moves = find_moves(config, machine, regions, monitor)
-    return solve_problem(RouteProblem.of(config, machine, regions, moves, monitor), count)
+    routes = solve_problem(RouteProblem.of(config, machine, regions, moves, monitor), count)
+    return [with_straight_ends(config, machine, route) for route in routes]
 
 
 def solve_problem(
@@ -155,7 +164,9 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
         if not found:
             proven = best.proven and all(route.status is Status.OPTIMAL for route in better)
             status = Status.OPTIMAL if proven else Status.UNPROVEN
-            return _route(problem, placed, _search(placed, best, screen, len(problem.moves), round_), status)
+            search = _search(placed, best, screen, len(problem.moves), round_)
+            least = _least_kappa_max(problem, graph, float(placed.steps.kappa.max()))
+            return _route(problem, placed, replace(search, least_kappa_max=least), status)
         for step, rejection in found:
             # Gates may have been exchanged for their twins: forbid the move between either.
             for rows in (placed.region.tolist(), best.sequence.region.tolist()):
@@ -166,6 +177,14 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
         f"({screen.report})",
         "raise route.max_rounds, or choose a finer grid: moves become shorter and fail less",
     )
+
+
+def _least_kappa_max(problem: RouteProblem, graph: StateGraph, largest: float) -> float:
+    """Find the least largest kappa over the graph, given that of a route through it: no other region matters."""
+    kappa = graph.regions.kappa
+    moves = moves_within(graph.moves, kappa, largest)
+    least = least_cap(graph.regions, moves, kappa.clip(max=largest), problem.options.step_budget - 1, problem.budgets)
+    return min(least, largest)
 
 
 def _search(placed: PlacedRoute, best: Optimum, screen: Screen, moves: int, rounds: int) -> Search:
@@ -182,6 +201,7 @@ def _search(placed: PlacedRoute, best: Optimum, screen: Screen, moves: int, roun
         rounds=rounds,
         followed_moves=screen.followed,
         forbidden_moves=screen.rejections.total(),
+        least_kappa_max=np.inf,
     )
 
 

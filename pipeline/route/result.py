@@ -34,6 +34,9 @@ class Search:
         Number of moves followed continuously: all those of a core before it was solved.
     forbidden_moves : int
         Number of moves that were inadmissible when followed continuously.
+    least_kappa_max : float
+        The least largest kappa of regions that any admitted moves from start to goal go through, which stage two aims
+        at; those of a core alone are followed, so that there need not be such a route.
     """
 
     solver: str
@@ -47,6 +50,7 @@ class Search:
     rounds: int
     followed_moves: int
     forbidden_moves: int
+    least_kappa_max: float
 
 
 @dataclass(frozen=True, eq=False)

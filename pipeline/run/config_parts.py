@@ -1,7 +1,7 @@
 """The part of the configuration that each stage may read: only a change in it makes the stage run again.
 
-Stages one and two depend on limits and masses only as far as forces have to hold the machine, so that other limits of
-motion only cost a new trajectory. The files of the last stages quote the configuration with its name and hash, so that
+Regions and route depend on limits and masses only as far as forces have to hold the machine, and the path on velocity
+limits beside them, in whose units it is smooth: other limits of motion only cost a new trajectory. The files of the last stages quote the configuration with its name and hash, so that
 these depend on all of it.
 """
 
@@ -17,6 +17,8 @@ _TOLERANCES_ONLY = ("tolerance_resolution", "monte_carlo_samples")
 
 _MARGINS = ("travel_margin_m", "stroke_margin_m")
 """Keys of stage two that its route keeps, too."""
+_DIRECTIONS = ("start_direction", "goal_direction")
+"""Keys of stage two that say, with `approach_m`, between which poses its route is planned."""
 
 Part = dict[str, Any]
 
@@ -35,7 +37,7 @@ def regions_part(config: Config) -> Part:
         "machine": _machine_part(config),
         "task": _without(whole["task"], "budget"),
         "route": {key: whole["route"][key] for key in ("grid", "kappa_max", *margin)},
-        "refine": {key: whole["refine"][key] for key in _MARGINS},
+        "refine": _of_refine(config),
     }
 
 
@@ -46,20 +48,22 @@ def grid_part(config: Config) -> Part:
         "machine": part["machine"],
         "task": {key: part["task"][key] for key in ("tilt_max_deg", "locked_axes")},
         "route": {key: part["route"][key] for key in ("grid", "kappa_max")},
-        "refine": part["refine"],
+        "refine": {key: part["refine"][key] for key in _MARGINS},
     }
 
 
 def route_part(config: Config) -> Part:
     """Give the keys that the route depends on."""
     whole = whole_config(config)
-    margins = {key: whole["refine"][key] for key in _MARGINS}
-    return {"machine": _machine_part(config), "task": whole["task"], "route": whole["route"], "refine": margins}
+    refine = _of_refine(config)
+    return {"machine": _machine_part(config), "task": whole["task"], "route": whole["route"], "refine": refine}
 
 
 def refine_part(config: Config) -> Part:
     """Give the keys that the refined path depends on."""
-    return {**route_part(config), "refine": whole_config(config)["refine"]}
+    velocities = [limits.velocity_mps for limits in config.machine.limits.of_actuators()]
+    smooth = {"velocity_mps": velocities} if config.refine.smoothness > 0.0 else {}
+    return {**route_part(config), **smooth, "refine": whole_config(config)["refine"]}
 
 
 def certify_part(config: Config) -> Part:
@@ -77,6 +81,11 @@ def with_sufficient_proofs(config: Config) -> tuple[Config, ...]:
     """Give the configurations whose certificates prove at least what is asked for, the least first."""
     proofs = list(Proof)
     return tuple(with_proof(config, what) for what in proofs[proofs.index(config.certify.what) :])
+
+
+def _of_refine(config: Config) -> Part:
+    keys = (*_MARGINS, "approach_m", *(_DIRECTIONS if config.refine.approach_m is not None else ()))
+    return {key: value for key, value in whole_config(config)["refine"].items() if key in keys}
 
 
 def _machine_part(config: Config) -> Part:

@@ -28,6 +28,7 @@ SEARCH = Search(
     rounds=1,
     followed_moves=0,
     forbidden_moves=0,
+    least_kappa_max=0.0,
 )
 
 

@@ -22,7 +22,7 @@ def route() -> Route:
         kappa=np.array([3.0, 5.0, 9.0, 4.0, 2.0]),
         objective=21.0,
         status=Status.OPTIMAL,
-        search=Search("solver", 21.0, 0.0, 20.0, 22.0, 5, 7, 8, 1, 4, 0),
+        search=Search("solver", 21.0, 0.0, 20.0, 22.0, 5, 7, 8, 1, 4, 0, 20.0),
     )
 
 

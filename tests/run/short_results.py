@@ -56,7 +56,7 @@ def make_route(machine: Machine, objective: float = 100.0, status: Status = Stat
         kappa=np.array([25.0, 1.0 / 0.03, 30.0, 24.0]),
         objective=objective,
         status=status,
-        search=Search("HiGHS 1", bound, 1.0 - bound / objective, 99.0, 105.0, 5, 40, 12, 2, 7, 3),
+        search=Search("HiGHS 1", bound, 1.0 - bound / objective, 99.0, 105.0, 5, 40, 12, 2, 7, 3, 20.0),
     )
 
 

@@ -49,12 +49,14 @@ def test_stages_read_only_what_they_declare(quick_config: Config, machine: Machi
     from pipeline.route import build_regions, plan_route
 
     config = change(quick_config, refine__nodes=40, refine__coefficients=16)
-    blind = replace(machine, velocity_mps=np.full(5, np.nan), acceleration_mps2=np.full(5, np.nan))
+    nothing = np.full(5, np.nan)
+    slow = replace(machine, acceleration_mps2=nothing, jerk_mps3=nothing)
+    blind = replace(slow, velocity_mps=nothing)
     results: list[Any] = []
     for stage, make in (
         (Stage.REGIONS, lambda config: build_regions(config, blind)),
         (Stage.ROUTE, lambda config: plan_route(config, blind, results[0])),
-        (Stage.REFINE, lambda config: refine_path(config, blind, results[1])),
+        (Stage.REFINE, lambda config: refine_path(config, slow, results[1])),
     ):
         read: set[str] = set()
         results.append(make(Recorder(config, read)))
@@ -91,7 +93,6 @@ def test_config_parts_grow(fast_config: Config) -> None:
         ("machine__characteristic_length_m", 0.9, True),
         ("refine__travel_margin_m", 0.004, True),
         ("refine__stroke_margin_m", 0.001, True),
-        ("machine__limits__telescopes__velocity_mps", 0.2, False),
         ("machine__limits__carts__jerk_mps3", 20.0, False),
         ("machine__limits__tcp__speed_mps", 0.2, False),
     ],
@@ -101,6 +102,29 @@ def test_planning_depends_on_what_holds_the_machine(fast_config: Config, change:
     for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE):
         part = spec_of(SPECS, stage).config_part
         assert (part(change(fast_config, **{key: value})) != part(fast_config)) is counts
+
+
+def test_velocity_limits_cost_a_new_path_only_where_it_is_smooth(fast_config: Config, change: Change) -> None:
+    """Regions and route never depend on them."""
+    faster = {"machine__limits__telescopes__velocity_mps": 0.2}
+    for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE):
+        part = spec_of(SPECS, stage).config_part
+        for config, counts in (
+            (fast_config, stage is Stage.REFINE),
+            (change(fast_config, refine__smoothness=0.0), False),
+        ):
+            assert (part(change(config, **faster)) != part(config)) is counts
+
+
+def test_directions_count_for_the_route_with_an_approach_only(fast_config: Config, change: Change) -> None:
+    """Without one they are the path's alone; the approach counts for regions and route."""
+    ahead = change(fast_config, refine__start_direction=(0.0, 1.0, 0.0))
+    straight = change(ahead, refine__approach_m=0.05)
+    for stage in (Stage.REGIONS, Stage.ROUTE):
+        part = spec_of(SPECS, stage).config_part
+        assert part(ahead) == part(fast_config)
+        assert part(straight) != part(ahead)
+        assert part(change(straight, refine__start_direction=(0.0, 0.0, 1.0))) != part(straight)
 
 
 def test_without_force_limits_masses_do_not_count(fast_config: Config, change: Change) -> None:

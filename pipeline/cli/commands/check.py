@@ -47,10 +47,12 @@ def check(
     from pipeline.machine.geometry import build_machine
     from pipeline.route.regions.counting import require_possible_task
     from pipeline.route.regions.size import require_table_fits
+    from pipeline.route.straight_ends import require_straight_ends
 
     loaded = load_task(config)
     machine = build_machine(loaded.machine)
     ends = require_possible_task(loaded, machine)
+    require_straight_ends(loaded, machine)
     require_table_fits(loaded, machine)
     require_ends_below_cap(loaded, [end.kappa for end in ends])
     console = results_console()

@@ -1,1 +1,1 @@
-"""What the path may not leave: the cells of the route, and the sides of the platform that the carts are on."""
+"""What the path may not leave: cells of the route, sides of the platform for the carts, straight lines at its ends."""

@@ -4,7 +4,8 @@ The path goes through the working modes of the route in their order, for which i
 routes were proven; only around the place where an arm changes may it do so back and forth. Between two neighbouring
 steps of the route the corridor is also the box that holds both, widened by a number of cells; a free corridor has no
 box. In both cases the tilt limit holds, a locked axis keeps its tolerance, and a box to avoid cuts off the corridor at
-the side that the coarse path is farthest beyond. Start, goal and poses to visit are exact.
+the side that the coarse path is farthest beyond. Start, goal, approach poses and poses to visit are exact; straight
+ends keep to their cones (`cone`).
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from pipeline.limits.avoid import Box, boxes_to_avoid
 from pipeline.limits.tilt import node_limits_rad
 from pipeline.machine.pose import CONTROLLED, RY, TILT_COLUMNS
 from pipeline.refine.coarse import corner_parameters, move_of
+from pipeline.refine.corridor.cone import NO_WALLS, Walls, narrow_to, straight_ends, walls_at
 from pipeline.refine.corridor.sides import sides_at
 from pipeline.refine.result import Path
 from pipeline.route.metric import step_sizes
@@ -41,12 +43,15 @@ class Corridor:
         0 where the arm is free.
     side_margin_m : float
         Least side * (cart - platform joint) along X.
+    walls : Walls
+        Planes that the TCP stays behind.
     """
 
     low: FloatArray
     high: FloatArray
     sides: FloatArray
     side_margin_m: float
+    walls: Walls = NO_WALLS
 
 
 def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corridor:
@@ -58,10 +63,12 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corri
     _avoid(config, coarse.pose(s), low, high)
     low[[0, -1]] = high[[0, -1]] = route.pose[[0, -1]]
     _visit(config, route, s, visit_parameters(coarse, route), low, high)
+    ends = straight_ends(config, route, coarse)
+    narrow_to(ends, route, s, low, high)
     sides = _sides_around(route, coarse, s)
-    # Start, goal and poses to visit are as they are.
+    # Start, goal, approach poses and poses to visit are as they are.
     sides[(low == high).all(axis=1, where=np.arange(6) != RY)] = 0.0
-    return Corridor(low, high, sides, _SIDE_MARGIN_M)
+    return Corridor(low, high, sides, _SIDE_MARGIN_M, walls_at(ends, s))
 
 
 def cells_excess(config: Config, route: Route, coarse: Path, s: FloatArray, pose: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ With the actuators as unknowns of their own the Hessian is sparse: a node touche
                 corridor, strokes and travel (bounds of the coefficients hold everywhere: convex hull),
                 0.5 <= speed along s relative to the mean <= 1.5, actuators moving at both ends,
                 the rows of every limit at the nodes,
-                every cart on its side of the platform,
+                every cart on its side of the platform, the TCP behind the walls of straight ends,
                 the first and the last leg of the splines' control polygon along given directions.
 """
 
@@ -34,6 +34,7 @@ from pipeline.machine.symbolic import closure_function, joints_function
 from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.integral.derivatives import derivative_options
 from pipeline.refine.integral.node_kappa import NodeKappa
+from pipeline.refine.integral.wall_rows import wall_rows
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.one_way import OneWayLeg, one_way_legs
 from pipeline.refine.result import directions_of
@@ -178,6 +179,7 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
         *_path_rows(machine, data.mesh, x, squared, distance),
         *(row for part in parts for row in part.rows),
         Row("sides of the carts", _sides(machine, data.corridor, x), data.corridor.side_margin_m, np.inf),
+        *wall_rows(data.corridor.walls, x.pose),
         *_end_speeds(data.mesh, x),
         *_directions(data.directions, x.coefficients),
         *_one_way(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), x.coefficients),

@@ -13,9 +13,10 @@ from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.limits import NodeLimit
 from pipeline.machine.pose import CONTROLLED
 from pipeline.refine.corridor.cells import Corridor
+from pipeline.refine.corridor.cone import Walls
 from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, slopes
 
-_POSE_SLACK, _SIDE_SLACK_M = 0.01, 0.001
+_POSE_SLACK, _SIDE_SLACK_M, _WALL_SLACK_M = 0.01, 0.001, 0.001
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +69,15 @@ def least_values(limit: NodeLimit, values: FloatArray, margin: float, counts: Bo
 
 
 def pose_constraints(points: EvaluationPoints, required: PathConstraints, iterate: Iterate) -> Iterator[Constraint]:
-    """Write what poses have to keep: the corridor, the limits, and the sides of the carts."""
+    """Write what poses have to keep: the corridor, the limits, the sides of the carts, the cones of straight ends."""
     free = np.flatnonzero((required.corridor.low < required.corridor.high)[:, CONTROLLED].any(axis=1))
     yield _corridor(points, required.corridor, iterate)
     for limit in required.limits:
         yield _limit(points, limit, iterate, free)
     if required.corridor.sides.any():
         yield _sides(points, required.corridor, iterate)
+    if len(required.corridor.walls):
+        yield _walls(points, required.corridor.walls, iterate)
 
 
 def by_unknowns(points: EvaluationPoints, at: IntArray, slope: FloatArray) -> csr_array:
@@ -120,3 +123,12 @@ def _sides(points: EvaluationPoints, corridor: Corridor, iterate: Iterate) -> Co
     value = side * iterate.samples.reach_m[point, arm]
     low = np.full(len(value), corridor.side_margin_m)
     return Constraint(value, low, np.full(len(value), np.inf), _SIDE_SLACK_M, slope)
+
+
+def _walls(points: EvaluationPoints, walls: Walls, iterate: Iterate) -> Constraint:
+    def slope(rows: IntArray) -> csr_array:
+        at = walls.node[rows]
+        return by_unknowns(points, at, np.einsum("ki,kij->kj", walls.normal[rows], iterate.moves[at, :3]))
+
+    value = np.einsum("ki,ki->k", walls.normal, iterate.samples.pose[walls.node, :3])
+    return Constraint(value, np.full(len(value), -np.inf), walls.offset, _WALL_SLACK_M, slope)

@@ -24,6 +24,9 @@ from pipeline.status import Status
 
 _BELOW_COARSE = 0.97
 """Share of the coarse path's largest kappa that an objective which improves on it aims at: peaks shall fall."""
+_ABOVE_LEAST = 1.1
+"""How far above the least largest kappa of regions that aim may be at most: going farther down costs more of the
+integral than it brings, and between regions kappa is a few per cent larger than at them."""
 _BELOW_CAP = 0.995
 """Share of the cap that counts as it: between two points kappa may be a little higher than at them."""
 
@@ -93,8 +96,8 @@ def _target_and_cap(problem: Problem, iterate: Iterate) -> tuple[float, float]:
     cap = _BELOW_CAP * path_cap(problem.config)
     if not problem.objective.improves_on_coarse:
         return ends, max(cap, ends)
-    coarse = problem.coarse_kappa_max
-    return max(min(_BELOW_COARSE * coarse, cap), ends), max(min(coarse, cap), ends)
+    coarse, least = problem.coarse_kappa_max, problem.route.search.least_kappa_max
+    return max(min(_BELOW_COARSE * coarse, _ABOVE_LEAST * least, cap), ends), max(min(coarse, cap), ends)
 
 
 def _solution_of(problem: Problem, peak: PeakProblem, initial: MeshSolution, descent: Descent) -> MeshSolution:

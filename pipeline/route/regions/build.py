@@ -15,6 +15,7 @@ from pipeline.config import Config
 from pipeline.limits import admitted, pose_limits
 from pipeline.limits.actuator_margins import within_margins
 from pipeline.limits.actuators import x_windows
+from pipeline.limits.approach import between_approaches
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import discriminants, inverse_kinematics
 from pipeline.machine.pose import RY, full_pose
@@ -41,7 +42,7 @@ _POINT_BYTES = 16_000
 def build_regions(
     config: Config, machine: Machine, monitor: Monitor = QUIET, grid: RegionTable | None = None
 ) -> RegionTable:
-    """Compute the region table: grid, gates, then what the task adds, start and goal last.
+    """Compute the region table: grid, gates, then what the task adds, start and goal last, or their approach poses.
 
     `grid` is the result of `grid_regions`, if it is known already.
 
@@ -53,7 +54,8 @@ def build_regions(
         If no region lies in a box to visit.
     """
     task_endpoints(config, machine)
-    return add_task_rows(config, machine, grid_regions(config, machine, monitor) if grid is None else grid)
+    grid = grid_regions(config, machine, monitor) if grid is None else grid
+    return add_task_rows(between_approaches(config), machine, grid)
 
 
 def grid_regions(config: Config, machine: Machine, monitor: Monitor = QUIET) -> RegionTable:

@@ -14,6 +14,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config, PoseConfig
 from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.limits.actuator_margins import controlled_pose
+from pipeline.limits.approach import between_approaches
 from pipeline.limits.avoid import ROUNDING, Box
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.route.metric import step_sizes
@@ -44,7 +45,7 @@ def require_possible_task(config: Config, machine: Machine) -> tuple[Endpoint, E
     ConfigError
         For the reasons of `task_endpoints`, and when the task asks for what is impossible by counting.
     """
-    issues = counting_issues(config)
+    issues = counting_issues(between_approaches(config))
     try:
         ends = task_endpoints(config, machine)
     except ConfigError as error:

@@ -1,4 +1,4 @@
-"""Start, goal and poses to visit: whether the machine can be there at all, before any search."""
+"""Start, goal, approach poses and poses to visit: whether the machine can be there at all, before any search."""
 
 from dataclasses import dataclass
 
@@ -10,6 +10,7 @@ from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.limits import pose_limits
 from pipeline.limits.actuator_margins import controlled_pose, given_poses
 from pipeline.limits.actuators import cart_travel, x_windows
+from pipeline.limits.approach import Approach, approaches
 from pipeline.limits.avoid import boxes_to_avoid
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
@@ -52,15 +53,20 @@ def task_endpoints(config: Config, machine: Machine) -> tuple[Endpoint, Endpoint
     Raises
     ------
     ConfigError
-        When the machine cannot be at the start, the goal or a pose to visit, when the goal or a visit repeats an end,
-        or when det H has opposite signs there, so that every way between them meets a Type-II singularity.
+        When the machine cannot be at the start, the goal, an approach pose or a pose to visit, when the goal or a visit
+        repeats an end, or when det H has opposite signs there, so that every way between them meets a Type-II
+        singularity.
     """
     issues: list[ConfigIssue] = []
     ends = []
+    straight = {approach.title: approach for approach in approaches(config)}
     for key, pose in given_poses(config).items():
         end, found = _place(config, machine, key, pose)
-        issues += found
-        ends.append(end)
+        if key in straight:
+            issues += [_of_approach(straight[key], issue) for issue in found]
+        else:
+            issues += found
+            ends.append(end)
     if not issues and ends[0].mode == ends[1].mode and np.array_equal(ends[0].pose, ends[1].pose):
         issues.append(
             ConfigIssue("task.goal", "is the start itself, in the same working mode: there is nothing to plan")
@@ -103,6 +109,14 @@ def _visit_issues(config: Config, ends: list[Endpoint]) -> list[ConfigIssue]:
                 )
             )
     return issues
+
+
+def _of_approach(approach: Approach, issue: ConfigIssue) -> ConfigIssue:
+    """Say of the key of the approach what is wrong with its pose."""
+    pose, part = approach.pose, issue.path.removeprefix(approach.title).removeprefix(".")
+    where = f"x {pose.x_m:.6g}, y {pose.y_m:.6g}, z {pose.z_m:.6g} m"
+    why = f"its {part} {issue.message}" if part else f"it {issue.message}"
+    return ConfigIssue("refine.approach_m", f"is {approach.length_m:g}; {approach.title} is {where}: {why}")
 
 
 def visited_pose(config: Config, machine: Machine, index: int, pose: PoseConfig) -> Endpoint:

@@ -147,6 +147,7 @@ _RULES: tuple[tuple[str, Any, str], ...] = (
     ("refine.coefficients", 399, "refine.coefficients"),
     ("refine.start_direction", [0, 0, 0], "refine.start_direction"),
     ("refine.goal_direction", [1, 0], "refine.goal_direction"),
+    ("refine.approach_m", 0.05, "refine.approach_m"),
     ("retime.speed", 5e-324, "retime.speed"),
     ("retime.dwell_s", [-1, 0], "retime.dwell_s[0]"),
     ("certify.what", False, "in quotes"),

@@ -16,8 +16,10 @@ from pipeline.machine.kinematics import newton
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
 from pipeline.refine.corridor.cells import corridor
+from pipeline.refine.corridor.cone import Walls
 from pipeline.refine.integral.program import InitialGuess, Program, ProgramData, build_program
 from pipeline.refine.mesh import Mesh
+from pipeline.refine.smoothness import Smoothness
 from pipeline.refine.splines import DEGREE, clamped_knots, fit
 from pipeline.route import Route
 from pipeline.route.metric import arc_length
@@ -40,6 +42,7 @@ def data(quick_config: Config, machine: Machine, route: Route, coarse: Path, ste
         actuator_range_m=planned_range_m(quick_config, machine),
         exponent=2.0,
         evenness=3.0,
+        smoothness=Smoothness(2.0, machine.velocity_mps).form(clamped_knots(9)),
     )
 
 
@@ -74,13 +77,15 @@ def test_the_integral_is_the_trapezoidal_one_of_kappa(data: ProgramData, guess: 
     assert float(program.integral(program.guess)) == pytest.approx(expected, rel=1e-8)
 
 
-def test_uneven_speed_costs_its_variance_times_the_length(
+def test_uneven_speed_and_roughness_are_what_the_objective_adds(
     data: ProgramData, guess: InitialGuess, program: Program
 ) -> None:
-    """What the objective has beyond the integral is the weighted variance of the speed along s."""
+    """Beyond the integral there is the weighted variance of the speed along s, and what is not smooth."""
     length, ds = arc_length(guess.nodes.pose, data.steps), np.diff(data.mesh.s)
     speed = np.diff(length) / ds / length[-1]
     expected = 3.0 * length[-1] * np.sum(ds * (speed - 1.0) ** 2)
+    c = guess.coefficients.ravel()
+    expected += c @ (data.smoothness @ c)
     extra = _values(program, "f", program.guess) - float(program.integral(program.guess))
     assert extra == pytest.approx(expected, rel=1e-7)
 
@@ -136,6 +141,16 @@ def test_a_direction_bounds_a_leg_of_the_control_polygon(data: ProgramData, gues
     np.testing.assert_allclose(g[across.begin : across.end], np.zeros(4), atol=1e-12)
     np.testing.assert_allclose(g[along.begin : along.end], [np.linalg.norm(leg)])
     assert "goal" in across.name
+
+
+def test_the_walls_of_straight_ends_are_rows(data: ProgramData, guess: InitialGuess) -> None:
+    """How far the TCP at their nodes is in front of them."""
+    rng = np.random.default_rng(4)
+    walls = Walls(np.array([2, 5, 5]), rng.normal(size=(3, 3)), rng.normal(size=3))
+    program = build_program(replace(data, corridor=replace(data.corridor, walls=walls)), guess)
+    block = next(block for block in program.blocks if block.name == "cones of straight ends")
+    expected = (walls.normal * guess.nodes.pose[walls.node, :3]).sum(axis=1) - walls.offset
+    np.testing.assert_allclose(_values(program, "g", program.guess)[block.begin : block.end], expected, atol=1e-12)
 
 
 def test_solutions_are_read_as_they_were_written(guess: InitialGuess, program: Program) -> None:

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from pipeline.refine.peak.iterate import Iterate, iterate_at
 from pipeline.refine.peak.problem import PeakObjective, PeakProblem
 from pipeline.refine.peak.sqp import descend, restore_feasibility
 
-MAXIMUM = PeakObjective(0.0, 1.0, 0.0, np.inf, 12.0)
+NOT_SMOOTH = csr_array((80, 80))
+MAXIMUM = PeakObjective(0.0, 1.0, 0.0, np.inf, 12.0, NOT_SMOOTH)
 
 
 @pytest.fixture(scope="module")
@@ -58,8 +60,10 @@ def test_running_out_of_steps_is_reported(peak: PeakProblem, iterate: Iterate) -
 def test_the_target_is_not_undercut_at_a_cost(peak: PeakProblem, iterate: Iterate, lowest: Iterate) -> None:
     """Above the target the largest kappa counts; with a target that is met initially the mean of kappa alone does."""
     between = 0.5 * (lowest.kappa.max() + iterate.kappa.max())
-    targeted = descend(peak, PeakObjective(1.0, 10.0, between, np.inf, 12.0), iterate, 200).iterate
-    free = descend(peak, PeakObjective(1.0, 10.0, float(iterate.kappa.max()), np.inf, 12.0), iterate, 200).iterate
+    targeted = descend(peak, PeakObjective(1.0, 10.0, between, np.inf, 12.0, NOT_SMOOTH), iterate, 200).iterate
+    free = descend(
+        peak, PeakObjective(1.0, 10.0, float(iterate.kappa.max()), np.inf, 12.0, NOT_SMOOTH), iterate, 200
+    ).iterate
     assert targeted.kappa.max() <= between * (1.0 + 1e-6)
     assert free.integral <= targeted.integral * (1.0 + 1e-3)
     assert targeted.integral < iterate.integral

@@ -2,21 +2,24 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from pipeline.refine.peak.constraints import by_unknowns
 from pipeline.refine.peak.iterate import Iterate, iterate_at
 from pipeline.refine.peak.problem import PeakObjective, PeakProblem
 from pipeline.refine.peak.sqp import descend
 from pipeline.refine.peak.step import StepProgram, integral_slope
+from pipeline.refine.smoothness import Smoothness
 
-MAXIMUM = PeakObjective(0.0, 1.0, 0.0, np.inf, 12.0)
+SMOOTH = csr_array((80, 80))
+MAXIMUM = PeakObjective(0.0, 1.0, 0.0, np.inf, 12.0, SMOOTH)
 H = 1e-6
 
 
 @pytest.fixture(scope="module")
 def feasible(peak: PeakProblem, iterate: Iterate) -> Iterate:
     """Give an iterate that keeps every constraint: the one of least mean kappa."""
-    found = descend(peak, PeakObjective(1.0, 0.0, 0.0, np.inf, 12.0), iterate, 200).iterate
+    found = descend(peak, PeakObjective(1.0, 0.0, 0.0, np.inf, 12.0, SMOOTH), iterate, 200).iterate
     assert peak.excess(found) < 1e-6
     return found
 
@@ -45,6 +48,20 @@ def test_a_damped_step_brings_its_predicted_gain(peak: PeakProblem, feasible: It
     tried = iterate_at(peak.points, feasible.coefficients + change, feasible.samples.pose)
     assert tried is not None
     assert MAXIMUM.value(feasible) - MAXIMUM.value(tried) == pytest.approx(predicted, rel=0.05)
+
+
+def test_the_step_knows_what_is_not_smooth(peak: PeakProblem, feasible: Iterate) -> None:
+    """Where smoothness alone counts, a damped step brings the gain that its slope predicts."""
+    form = Smoothness(1e-3, peak.points.machine.velocity_mps).form(peak.points.knots)
+    objective = PeakObjective(1.0, 0.0, 0.0, np.inf, 12.0, form)
+    without = PeakObjective(1.0, 0.0, 0.0, np.inf, 12.0, SMOOTH)
+    assert objective.value(feasible) > 1.5 * without.value(feasible)
+    change, predicted = StepProgram(peak, objective, feasible).solve(1e6)
+    assert change is not None
+    tried = iterate_at(peak.points, feasible.coefficients + change, feasible.samples.pose)
+    assert tried is not None
+    assert predicted > 0.0
+    assert objective.value(feasible) - objective.value(tried) == pytest.approx(predicted, rel=0.05)
 
 
 def test_more_damping_makes_shorter_steps(peak: PeakProblem, feasible: Iterate) -> None:

@@ -9,7 +9,7 @@ from pipeline.config import Config
 from pipeline.errors import ConfigError
 from pipeline.machine import Machine
 from pipeline.refine import pose_derivatives, refine_path
-from pipeline.refine.directions import end_directions
+from pipeline.refine.corridor.directions import end_directions
 from pipeline.route import Route
 
 
