@@ -27,7 +27,7 @@ from pipeline.refine.timed.visits import VisitNodes, visit_bounds, visits_at
 from pipeline.solvers import interrupts_noted
 from pipeline.status import Status
 
-_COEFFICIENTS, _MESHES = 40, 2
+_COEFFICIENTS, _MESHES = 50, 2
 """Coefficients of the first mesh at least, and how many meshes there are at most, each with half the knot spans."""
 _BELOW_CAP = 0.995
 """Share of the cap that nodes keep: kappa may be a little higher between two of them."""
