@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from pipeline.summary.section import SKIPPED, Section, failed_part
 
 if TYPE_CHECKING:
-    from pipeline.retime import TrajectoryFigures, Usage
+    from pipeline.retime import TimingReport, TrajectoryFigures, Usage
 
 
 def trajectory_section(figures: "TrajectoryFigures") -> Section:
@@ -28,16 +28,25 @@ def trajectory_section(figures: "TrajectoryFigures") -> Section:
         section |= {
             "jerk": "limited" if timing.jerk_limited else "not limited",
             "motion_s": timing.motion_s,
-            "duration_without_jerk_s": timing.fastest_s,
-            "duration_bound_s": timing.bound_s,
-            "gap": timing.gap,
-            "jerk_cost": timing.jerk_cost,
-            "grid_points": timing.grid_points,
+            **_against_bound(timing),
             "jerk_pieces": timing.pieces,
             "jerk_rounds": timing.rounds,
             "jerk_iterations": timing.iterations,
         }
     return section
+
+
+def _against_bound(timing: "TimingReport") -> Section:
+    """Give what planning without jerk limits found; nothing for a path that came with a time law."""
+    if timing.grid_points == 0:
+        return {}
+    return {
+        "duration_without_jerk_s": timing.fastest_s,
+        "duration_bound_s": timing.bound_s,
+        "gap": timing.gap,
+        "jerk_cost": timing.jerk_cost,
+        "grid_points": timing.grid_points,
+    }
 
 
 def back_section(figures: "TrajectoryFigures") -> Section:
