@@ -173,7 +173,8 @@ class Report:
     verdicts, stages, usage
         The summary.
     quality, comparison, workspace, bounds, distances : Table or None
-        Reversals and least times of the actuators; coarse against refined; usable workspace; what the certificate proves, also for each pair of axes.
+        Reversals and least times of the actuators; coarse against refined; usable workspace; what the certificate
+        proves, also for each pair of axes.
     workspace_picture : str
         The workspace in 3-D, a PNG in base64.
     scene, motions

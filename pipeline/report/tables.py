@@ -37,7 +37,7 @@ def comparison_table(rows: list[ComparisonRow]) -> Table:
 def quality_table(path: Section, motion: Section) -> Table:
     """Tabulate the sign changes and least times of the actuators from the parts of the summary that have them."""
     keys = ("velocity_sign_changes", "acceleration_sign_changes", "least_times_s")
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (name, str(velocity), str(acceleration), f"{time_s:.2f}")
         for name, velocity, acceleration, time_s in zip(ACTUATORS, *(motion[key] for key in keys), strict=True)
     ]

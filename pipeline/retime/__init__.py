@@ -1,6 +1,6 @@
 """Stage three: a path becomes a trajectory, as fast as the limits of actuators, links and TCP allow."""
 
-from pipeline.retime.motion_quality import MotionQuality, measure_quality
+from pipeline.retime.quality.motion_quality import MotionQuality, measure_quality
 from pipeline.retime.quantities import QUANTITIES, Quantity
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples, slowed, stretched
 from pipeline.retime.retime import TimingOptions, retime_path

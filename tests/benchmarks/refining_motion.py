@@ -15,8 +15,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.refine import measure_path, refine_path, sample_path
 from pipeline.refine.check import find_violations
-from pipeline.retime import retime_path
-from pipeline.retime.motion_quality import measure_quality
+from pipeline.retime import measure_quality, retime_path
 from pipeline.route import build_regions, plan_route
 from pipeline.route.metric import step_sizes
 from tests.benchmarks.isolated import FINISHED, measure
