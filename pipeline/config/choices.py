@@ -35,11 +35,12 @@ class Formulation(StrEnum):
 
 
 class PathObjective(StrEnum):
-    """What the path minimises: the integral of kappa, the largest kappa, or both."""
+    """What the path minimises: the integral of kappa, the largest kappa, or both; or the duration of the motion."""
 
     INTEGRAL = "integral"
     MAXIMUM = "maximum"
     MIXED = "mixed"
+    TIME = "time"
 
 
 class Corridor(StrEnum):

@@ -24,7 +24,14 @@ class RefineConfig(Section):
     )
     objective: PathObjective = Field(
         PathObjective.INTEGRAL,
-        description="integral of kappa; maximum: the largest kappa; mixed: mean and largest alike",
+        description="integral of kappa; maximum: the largest kappa; mixed: mean and largest alike; time: duration, "
+        "path and time law together",
+    )
+    time_weight: float = Field(
+        1.0,
+        gt=0.0,
+        le=1_000.0,
+        description="objective time: weight w of the integral of kappa in T / T_ref + w K / K_ref; less is faster",
     )
     smoothness: float = Field(
         1e-6,

@@ -11,7 +11,8 @@ from pipeline.refine.result import Path
 from pipeline.route.metric import arc_length
 from pipeline.route.result import Route
 
-_SAMPLES_PER_MOVE = 100
+SAMPLES_PER_MOVE = 100
+"""Known poses of the coarse path from one step to the next."""
 _ARRIVAL = 1e-6
 """How far, in metres and radians, a move may end from the next step of the route."""
 _STILL = 1e-9
@@ -28,7 +29,7 @@ def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     NoSolutionError
         If a move, followed continuously, does not arrive at the next step: the route is not one of stage one.
     """
-    part = np.linspace(0.0, 1.0, _SAMPLES_PER_MOVE + 1)[:, None]
+    part = np.linspace(0.0, 1.0, SAMPLES_PER_MOVE + 1)[:, None]
     q = route.q_m[:-1, None] * (1.0 - part) + route.q_m[1:, None] * part
     poses, misses = follow(machine, q, route.pose[:-1])
     _require_arrival(poses, misses, route)
@@ -59,7 +60,7 @@ def _require_arrival(poses: FloatArray, misses: FloatArray, route: Route) -> Non
 
 def corner_parameters(coarse: Path) -> FloatArray:
     """Return the parameter s of every step of the route on its coarse path, shape (steps,)."""
-    return coarse.node_s[::_SAMPLES_PER_MOVE]
+    return coarse.node_s[::SAMPLES_PER_MOVE]
 
 
 def move_of(coarse: Path, s: FloatArray) -> IntArray:

@@ -5,6 +5,7 @@
 | integral | I | I / L + max(0, K - 0.97 K_c), with K <= K_c |
 | mixed | I / L + K | I / L + K |
 | maximum | K | 0.01 I / L + K |
+| time | as integral, then T / T_ref + w I / I_ref from its path (`timed.minimise`) | as integral |
 
 I is the integral of kappa over the length in the metric of the route, L the length of the coarse path, K the largest
 kappa and K_c that of the coarse path. K counts down to kappa at the start and the goal, which are given.
@@ -33,6 +34,8 @@ class Objective:
         Whether IPOPT minimises the integral of kappa first.
     minimised : callable
         Reduces the figures of a path, given L, to the value whose relative change ends the refinement of the mesh.
+    timed : bool
+        Whether path and time law are found together afterwards.
     """
 
     mean_weight: float
@@ -40,6 +43,7 @@ class Objective:
     improves_on_coarse: bool
     starts_with_ipopt: bool
     minimised: Callable[[PathFigures, float], float]
+    timed: bool = False
 
 
 OBJECTIVES: dict[str, Objective] = {
@@ -63,6 +67,14 @@ OBJECTIVES: dict[str, Objective] = {
         improves_on_coarse=False,
         starts_with_ipopt=False,
         minimised=lambda figures, length: figures.kappa_max,
+    ),
+    "time": Objective(
+        mean_weight=1.0,
+        peak_weight=1.0,
+        improves_on_coarse=True,
+        starts_with_ipopt=True,
+        minimised=lambda figures, length: figures.kappa_integral,
+        timed=True,
     ),
 }
 """All objectives, by their value of `refine.objective`."""

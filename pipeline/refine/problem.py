@@ -90,12 +90,17 @@ class MeshSolution:
     @property
     def arrays(self) -> dict[str, object]:
         """The path as arrays, for the diagnosis of a failure."""
-        return {
-            "knots": self.path.spline.t,
-            "coefficients": self.path.spline.c,
-            "node_s": self.path.node_s,
-            "node_pose": self.path.node_pose,
-        }
+        return path_arrays(self.path)
+
+
+def path_arrays(path: Path) -> dict[str, object]:
+    """Give a path as arrays, for the diagnosis of a failure."""
+    return {
+        "knots": path.spline.t,
+        "coefficients": path.spline.c,
+        "node_s": path.node_s,
+        "node_pose": path.node_pose,
+    }
 
 
 def build_problem(config: Config, machine: Machine, route: Route, monitor: Monitor = QUIET) -> Problem:

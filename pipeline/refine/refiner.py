@@ -16,6 +16,7 @@ from pipeline.refine.mesh import adapted_mesh, even_mesh, with_nodes
 from pipeline.refine.peak.lower import lower_peak
 from pipeline.refine.problem import MeshSolution, Problem, build_problem, figures_of, fit_coarse, transfer_to
 from pipeline.refine.result import Path, Refinement
+from pipeline.refine.timed.minimise import minimise_time
 from pipeline.route.result import Route
 from pipeline.status import Status
 
@@ -50,7 +51,8 @@ def refine_path(config: Config, machine: Machine, route: Route, monitor: Monitor
     """
     problem = build_problem(config, machine, route, monitor)
     try:
-        return repair_between_nodes(problem, refine_mesh(problem, find_first_path(problem)))
+        refinement = repair_between_nodes(problem, refine_mesh(problem, find_first_path(problem)))
+        return minimise_time(problem, refinement) if problem.objective.timed else refinement
     except NoSolutionError as failure:
         raise advise_on_directions(failure, config) from failure
 

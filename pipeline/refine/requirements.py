@@ -99,7 +99,7 @@ def _of_the_course(config: Config, route: Route, path: Path, coarse: Path) -> li
 
 
 def _of_the_route(config: Config, route: Route, path: Path, coarse: Path) -> list[Requirement]:
-    """List where along its route a path has to be, and that it moves on."""
+    """List where along its route a path has to be, and that it moves on; where s is time, it may stand still."""
     corridor = _bounded(
         "outside the corridor, grid steps",
         "Raise refine.nodes or refine.corridor_cells.",
@@ -115,7 +115,8 @@ def _of_the_route(config: Config, route: Route, path: Path, coarse: Path) -> lis
         "Raise refine.corridor_cells or refine.nodes, or change refine.coefficients.",
         lambda samples: _LEAST_SPEED - relative_speed(path, samples.s),
     )
-    return [*([] if config.refine.corridor == "free" else [corridor]), *map(side_of, range(3)), speed]
+    corridors = [] if config.refine.corridor == "free" else [corridor]
+    return [*corridors, *map(side_of, range(3)), *([speed] if path.motion_s is None else [])]
 
 
 def _bounded(what: str, advice: str, excess: Callable[[PathSamples], FloatArray]) -> Requirement:

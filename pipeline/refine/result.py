@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
 
-from pipeline.arguments import require_array, require_one_length, require_whole
+from pipeline.arguments import require_array, require_number, require_one_length, require_whole
 from pipeline.arrays import FloatArray
 from pipeline.errors import ArgumentError
 from pipeline.machine.geometry import ACTUATORS, Machine
@@ -41,17 +41,23 @@ class Path:
         q(s) in metres, coefficients (n, 5), s in [0, 1]. Degree 1 for the coarse path.
     node_s, node_pose : (k,), (k, 6)
         Known poses along the path, from which forward kinematics starts; s increases.
+    motion_s : float or None
+        If s is time, the duration T of the motion q(t / T): path and time law were found together, the motion begins
+        and ends at rest without acceleration, and keeps all limits of velocity, acceleration and jerk. None: s is
+        no time, and the path is still to be timed.
 
     Raises
     ------
     ArgumentError
-        If degree, knots, coefficients or known poses are not finite real numbers of these shapes.
+        If degree, knots, coefficients or known poses are not finite real numbers of these shapes, or the duration is
+        not positive.
     """
 
     machine: Machine
     spline: BSpline
     node_s: FloatArray
     node_pose: FloatArray
+    motion_s: float | None = None
 
     def __post_init__(self) -> None:
         require_path(self)
@@ -110,6 +116,8 @@ def require_path(path: Path) -> None:
     grows = np.diff(node_s) > 0.0 if degree > 1 else np.diff(node_s) >= 0.0
     if len(node_s) < 2 or not grows.all():
         raise ArgumentError("node_s: expected at least two numbers that increase")
+    if path.motion_s is not None:
+        require_number("motion_s", path.motion_s, above=0.0)
 
 
 def _path_parameter(s: FloatArray | float) -> FloatArray:

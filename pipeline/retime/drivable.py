@@ -39,6 +39,8 @@ def require_smooth(path: Path) -> None:
 def require_motion(path: Path) -> None:
     """Refuse a path that does not move, that needs a locked actuator, or that nearly stops somewhere.
 
+    A path that comes with a time law may stop.
+
     Raises
     ------
     NoSolutionError
@@ -62,6 +64,8 @@ def require_motion(path: Path) -> None:
             "Raise machine.limits, or give the task a goal that does not need this actuator.",
             {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
         )
+    if path.motion_s is not None:
+        return
     speed = np.linalg.norm(rates, axis=1)
     relative = speed / speed.mean()
     slowest = int(np.argmin(relative))

@@ -24,13 +24,13 @@ class TimingReport:
     jerk_limited : bool
         Jerk was limited, too; otherwise accelerations jump.
     fastest_s : float
-        Shortest duration under all limits but those of jerk.
+        Shortest duration under all limits but those of jerk; NaN for a path that came with a time law.
     bound_s : float
-        Lower bound on that duration, from an independent convex problem.
+        Lower bound on that duration, from an independent convex problem; NaN for such a path.
     motion_s : float
         Duration of the time law as it was found, before it was slowed down and fitted to the period.
     grid_points : int
-        Points of the planner's last grid.
+        Points of the planner's last grid; zero without a planner.
     pieces, rounds, iterations : int
         Pieces of the time law with limited jerk, programs solved for it, and their iterations; zero without.
     """

@@ -13,6 +13,7 @@ from pipeline.retime.drivable import require_motion, require_smooth
 from pipeline.retime.holding_forces import require_standing
 from pipeline.retime.jerk.options import DEFAULTS as JERK_DEFAULTS
 from pipeline.retime.jerk.options import JerkOptions
+from pipeline.retime.own_law import time_by_own_law
 from pipeline.retime.path_dynamics import TABLE_POINTS, PathDynamicsTable, dynamics_table, grid
 from pipeline.retime.quantities import JERK, limited
 from pipeline.retime.result import TimingReport, Trajectory, slowed, stretched
@@ -51,8 +52,10 @@ DEFAULTS = TimingOptions()
 def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: TimingOptions = DEFAULTS) -> Trajectory:
     """Time a path within all limits of the machine, from rest to rest.
 
-    With `retime.jerk` accelerations are continuous, and zero at both ends. The duration is a whole number of
-    `retime.period_s`. Limits that are exceeded between the points of a program are met by stretching time.
+    With `retime.jerk` accelerations are continuous, and zero at both ends. A path that comes with a time law keeps it,
+    stretched where forces or the TCP ask for that, or gets a shorter one, with limited jerk in any case. The duration
+    is a whole number of `retime.period_s`. Limits that are exceeded between the points of a program are met by
+    stretching time.
 
     Raises
     ------
@@ -102,6 +105,9 @@ def fastest_trajectory(
     NoSolutionError
         When forces do not suffice to hold the machine.
     """
+    if table.path.motion_s is not None:
+        count_periods(table.path.motion_s / config.retime.speed, config.retime.period_s)
+        return time_by_own_law(table, table.path.motion_s, config.retime.jerk_pieces, options.jerk, monitor)
     fastest, report = _without_jerk_limits(config, table, monitor, options)
     # The usage is measured at every tenth of a period.
     count_periods(fastest.motion_s / config.retime.speed, config.retime.period_s)

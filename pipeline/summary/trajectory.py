@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from pipeline.summary.section import QUALITY, SKIPPED, Section, failed_part
 
 if TYPE_CHECKING:
-    from pipeline.retime import MotionQuality, TrajectoryFigures, Usage
+    from pipeline.retime import MotionQuality, TimingReport, TrajectoryFigures, Usage
 
 
 def trajectory_section(figures: "TrajectoryFigures") -> Section:
@@ -28,11 +28,7 @@ def trajectory_section(figures: "TrajectoryFigures") -> Section:
         section |= {
             "jerk": "limited" if timing.jerk_limited else "not limited",
             "motion_s": timing.motion_s,
-            "duration_without_jerk_s": timing.fastest_s,
-            "duration_bound_s": timing.bound_s,
-            "gap": timing.gap,
-            "jerk_cost": timing.jerk_cost,
-            "grid_points": timing.grid_points,
+            **_against_bound(timing),
             "jerk_pieces": timing.pieces,
             "jerk_rounds": timing.rounds,
             "jerk_iterations": timing.iterations,
@@ -50,6 +46,19 @@ def quality_part(quality: "MotionQuality") -> Section:
             "least_times_s": list(quality.least_times_s),
             "time_ratio": quality.time_ratio,
         }
+    }
+
+
+def _against_bound(timing: "TimingReport") -> Section:
+    """Give what planning without jerk limits found; nothing for a path that came with a time law."""
+    if timing.grid_points == 0:
+        return {}
+    return {
+        "duration_without_jerk_s": timing.fastest_s,
+        "duration_bound_s": timing.bound_s,
+        "gap": timing.gap,
+        "jerk_cost": timing.jerk_cost,
+        "grid_points": timing.grid_points,
     }
 
 

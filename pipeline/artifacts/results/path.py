@@ -105,6 +105,7 @@ def pack_path(path: Path, prefix: str) -> dict[str, object]:
         f"{prefix}coefficients": path.spline.c,
         f"{prefix}node_s": path.node_s,
         f"{prefix}node_pose": path.node_pose,
+        **({} if path.motion_s is None else {f"{prefix}motion_s": path.motion_s}),
     }
 
 
@@ -125,6 +126,11 @@ def unpack_path(arrays: Arrays, prefix: str, machine: Machine) -> Path:
     spline = BSpline(knots, coefficients, degree)
     if (spline.t[degree], spline.t[-degree - 1]) != (0.0, 1.0):
         raise ValueError(f"{prefix}knots are not those of s from 0 to 1")
-    if len(node_s) < 2 or (np.diff(node_s) <= 0.0).any():
+    # A path of straight lines may have two steps at one place.
+    grows = np.diff(node_s) >= 0.0 if degree == 1 else np.diff(node_s) > 0.0
+    if len(node_s) < 2 or not grows.all():
         raise ValueError(f"{prefix}node_s does not increase")
-    return Path(machine, spline, node_s, node_pose)
+    motion_s = checked.number(f"{prefix}motion_s") if f"{prefix}motion_s" in checked else None
+    if motion_s is not None and not 0.0 < motion_s < np.inf:
+        raise ValueError(f"{prefix}motion_s is {motion_s}; expected a duration")
+    return Path(machine, spline, node_s, node_pose, motion_s)

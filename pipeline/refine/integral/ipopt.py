@@ -16,10 +16,17 @@ _STATUS = {
     "Solved_To_Acceptable_Level": Status.CONVERGED,
     "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
 }
-Accuracy = Literal["rough", "precise"]
-"""Good enough to start another solve from, or as good as it gets."""
+Accuracy = Literal["rough", "timed", "precise"]
+"""Good enough to start another solve from, to a millionth, or as good as it gets."""
 _TOLERANCES: dict[Accuracy, dict[str, float]] = {
     "rough": {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1},
+    "timed": {
+        "tol": 1e-6,
+        "constr_viol_tol": 1e-9,
+        "acceptable_tol": 1e-4,
+        "acceptable_constr_viol_tol": 1e-9,
+        "acceptable_obj_change_tol": 1e-6,
+    },
     "precise": {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9},
 }
 

@@ -58,7 +58,7 @@ def solve_on_mesh(
     integral = float(program.integral(result.x))
     solution = MeshSolution(mesh, path, integral, initial.iterations + result.iterations)
     if not result.status.solved:
-        raise _failure(solution, result)
+        raise ipopt_failure(result, solution.arrays)
     return solution
 
 
@@ -86,7 +86,8 @@ def guess_from(initial: MeshSolution) -> InitialGuess:
     return InitialGuess(PoseSamples(path.machine, path.node_pose, path.q(initial.mesh.s)), path.spline.c)
 
 
-def _failure(solution: MeshSolution, result: IpoptResult) -> NoSolutionError:
+def ipopt_failure(result: IpoptResult, arrays: dict[str, object]) -> NoSolutionError:
+    """Say how IPOPT failed, and what is violated; `arrays` are those of the last path."""
     worst = sorted(result.violations.items(), key=lambda item: -item[1])[:_NAMED]
     broken = ", ".join(f"{name} by {value:.2e}" for name, value in worst if value > _VIOLATED)
     state = f"most violated: {broken}" if broken else "all constraints hold, but kappa can still be lowered"
@@ -98,6 +99,6 @@ def _failure(solution: MeshSolution, result: IpoptResult) -> NoSolutionError:
             "status": result.status.value,
             "message": result.message,
             "violations": result.violations,
-            **solution.arrays,
+            **arrays,
         },
     )

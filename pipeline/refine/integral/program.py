@@ -21,23 +21,21 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
 from pipeline.arrays import FloatArray
 from pipeline.limits import NodeLimit
 from pipeline.limits.interface.rows import Nodes, Row, Unknowns
-from pipeline.machine.geometry import PRIMARY, Machine
 from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.samples import PoseSamples
-from pipeline.machine.symbolic import closure_function, joints_function
 from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.integral.derivatives import derivative_options
 from pipeline.refine.integral.node_kappa import NodeKappa
+from pipeline.refine.integral.rows import direction_rows, node_rows, one_way_rows, side_rows, sparse
 from pipeline.refine.mesh import Mesh
-from pipeline.refine.one_way import OneWayLeg, one_way_legs
+from pipeline.refine.one_way import one_way_legs
 from pipeline.refine.result import directions_of
-from pipeline.refine.splines import DEGREE, basis
+from pipeline.refine.splines import DEGREE
 from pipeline.route.metric import arc_length
 
 SPEED_RANGE = (0.5, 1.5)
@@ -175,26 +173,27 @@ def build_program(data: ProgramData, guess: InitialGuess) -> Program:
     parts = [limit.program_part(at_nodes) for limit in data.limits]
     unknowns = _unknowns(data, guess, x, [own for part in parts for own in part.unknowns], first_length)
     rows = [
-        *_path_rows(machine, data.mesh, x, squared, distance),
+        *node_rows(machine, data.mesh, x.pose, x.q, x.coefficients),
+        *_path_rows(data.mesh, x, squared, distance),
         *(row for part in parts for row in part.rows),
-        Row("sides of the carts", _sides(machine, data.corridor, x), data.corridor.side_margin_m, np.inf),
+        *side_rows(machine, data.corridor, x.pose, x.q),
         *_end_speeds(data.mesh, x),
-        *_directions(data.directions, x.coefficients),
-        *_one_way(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), x.coefficients),
+        *direction_rows(data.directions, _end_legs(x.coefficients)),
+        *one_way_rows(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), x.coefficients),
     ]
     vector, g = ca.veccat(*(part.symbol for part in unknowns)), ca.vertcat(*(row.expression for row in rows))
     nodes, kappa = ca.vertcat(x.pose, x.q[:3, :]), NodeKappa(machine, k, data.exponent)
     trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
     rest = data.evenness * _unevenness(data.mesh, distance, x.length, first_length)
-    rest += ca.bilin(_sparse(data.smoothness), ca.vec(x.coefficients), ca.vec(x.coefficients))
+    rest += ca.bilin(sparse(data.smoothness), ca.vec(x.coefficients), ca.vec(x.coefficients))
 
-    def objective(kappas: ca.MX) -> ca.MX:
-        return ca.dot(kappas, trapezoids) + rest
+    def written(kappas: ca.MX) -> tuple[ca.MX, ca.MX]:
+        return ca.dot(kappas, trapezoids) + rest, g
 
     kappas = kappa(nodes)[0]
     return Program(
-        problem={"x": vector, "f": objective(kappas), "g": g},
-        derivatives=derivative_options(kappa, nodes, vector, objective, g),
+        problem={"x": vector, "f": written(kappas)[0], "g": g},
+        derivatives=derivative_options(kappa, nodes, vector, written),
         integral=ca.Function("integral", [vector], [ca.dot(kappas, trapezoids)]),
         variable_bounds=(_joined(part.low for part in unknowns), _joined(part.high for part in unknowns)),
         constraint_bounds=(
@@ -226,28 +225,15 @@ def _unknowns(
     ]
 
 
-def _path_rows(machine: Machine, mesh: Mesh, x: _Symbols, squared: ca.MX, distance: ca.MX) -> list[Row]:
-    """Write closure, splines, the speed along s and the length."""
+def _path_rows(mesh: Mesh, x: _Symbols, squared: ca.MX, distance: ca.MX) -> list[Row]:
+    """Write the speed along s and the length."""
     fraction = ca.DM(np.diff(mesh.s)).T * x.length
     least, largest = SPEED_RANGE
     return [
-        Row("closure", ca.vec(closure_function(machine).map(len(mesh.s))(x.pose, x.q)), 0.0, 0.0),
-        Row("spline", ca.vec(x.q - x.coefficients @ _sparse(basis(mesh.knots, mesh.s)).T), 0.0, 0.0),
         Row("speed along the path (least)", ca.vec(squared - (least * fraction) ** 2), 0.0, np.inf),
         Row("speed along the path (largest)", ca.vec(squared - (largest * fraction) ** 2), -np.inf, 0.0),
         Row("length", x.length - ca.sum2(distance), 0.0, 0.0),
     ]
-
-
-def _sides(machine: Machine, corridor: Corridor, x: _Symbols) -> ca.MX:
-    """Write side * (C_x - A_x) for the arms and nodes that have a side. Shape (entries,)."""
-    nodes, arms = np.nonzero(corridor.sides)
-    if len(nodes) == 0:
-        return ca.MX(0, 1)
-    platform, cart = (ca.vec(joints) for joints in joints_function(machine).map(x.pose.shape[1])(x.pose, x.q))
-    # Every node has 18 entries by columns, x first.
-    rows = (18 * nodes + PRIMARY[arms]).tolist()
-    return ca.DM(corridor.sides[nodes, arms]) * (cart[rows] - platform[rows])
 
 
 def _end_speeds(mesh: Mesh, x: _Symbols) -> list[Row]:
@@ -263,24 +249,9 @@ def _end_speeds(mesh: Mesh, x: _Symbols) -> list[Row]:
     ]
 
 
-def _directions(directions: FloatArray, coefficients: ca.MX) -> list[Row]:
-    """Write that a leg of the control polygon has nothing across its direction, and something along it."""
-    legs = (coefficients[:, 1] - coefficients[:, 0], coefficients[:, -1] - coefficients[:, -2])
-    rows = []
-    for name, direction, leg in zip(("start", "goal"), directions, legs, strict=True):
-        if np.isfinite(direction).all():
-            across = null_space(direction[None]).T
-            rows.append(Row(f"direction at the {name}", ca.DM(across) @ leg, 0.0, 0.0))
-            rows.append(Row(f"sense of direction at the {name}", ca.dot(ca.DM(direction), leg), 0.0, np.inf))
-    return rows
-
-
-def _one_way(legs: Sequence[OneWayLeg], coefficients: ca.MX) -> list[Row]:
-    """Write that legs of the control polygon do not go the way that is blocked to their actuators."""
-    if not legs:
-        return []
-    rows = [-sign * (coefficients[axis, leg + 1] - coefficients[axis, leg]) for leg, axis, sign in legs]
-    return [Row("ways blocked at the ends", ca.vertcat(*rows), 0.0, np.inf)]
+def _end_legs(coefficients: ca.MX) -> tuple[ca.MX, ca.MX]:
+    """Return the first and the last leg of the control polygon."""
+    return coefficients[:, 1] - coefficients[:, 0], coefficients[:, -1] - coefficients[:, -2]
 
 
 def _unevenness(mesh: Mesh, distance: ca.MX, length: ca.MX, first_length: float) -> ca.MX:
@@ -297,8 +268,3 @@ def _blocks(rows: Sequence[Row]) -> tuple[Block, ...]:
 
 def _joined(parts: Iterable[FloatArray]) -> FloatArray:
     return np.concatenate([np.ravel(part) for part in parts])
-
-
-def _sparse(matrix: csr_array) -> ca.DM:
-    triplets = matrix.tocoo()
-    return ca.DM.triplet(triplets.row.tolist(), triplets.col.tolist(), ca.DM(triplets.data), *matrix.shape)

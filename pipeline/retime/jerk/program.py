@@ -58,11 +58,14 @@ class Program:
 def build_program(table: PathDynamicsTable, before: QuarticLaw, checks: Checks) -> Program:
     """Build the program: minimise the sum of h under all limits at breakpoints and checks.
 
-    Speed, acceleration and jerk along the path are zero at both ends. Limits that the time law `before` keeps by a wide
+    Speed, acceleration and jerk along the path are zero at both ends, or free where the path itself is at rest there,
+    having come with a time law. Limits that the time law `before` keeps by a wide
     margin at a point are left out there.
     """
     n = len(before.s)
     scale = np.array([np.abs(before.v).max(), np.abs(before.w).max(), np.abs(before.j).max(), before.h.mean()])
+    # At constant speed there are neither accelerations nor jerks.
+    scale = np.where(scale > 0.0, scale, scale[0] ** np.array([1, 2, 3, 0]))
     x = ca.MX.sym("x", 4 * n - 1)
     parts = ca.vertsplit(x, [0, n, 2 * n, 3 * n, 4 * n - 1])
     v, w, j, h = (part * float(unit) for part, unit in zip(parts, scale, strict=True))
@@ -77,7 +80,7 @@ def build_program(table: PathDynamicsTable, before: QuarticLaw, checks: Checks) 
     within, beside = (_fractions(table.at(place.clip(0.0, 1.0))) for place in (s_check, s_check + _SLOPE_STEP))
     kept += _near(within, tuple(known), beside).expressions(tuple(state), s_new - ca.DM(s_check))
     held = ca.vertcat(*kept)
-    lbx, ubx = _bounds(before, at_nodes, scale)
+    lbx, ubx = _bounds(before, at_nodes, scale, at_rest=table.path.motion_s is None)
     equations = np.zeros(3 * (n - 1))
     return Program(
         nlp={"x": x, "f": ca.sum1(h) / before.h.sum(), "g": ca.vertcat(*joined, held)},
@@ -118,14 +121,17 @@ def _parts(law: QuarticLaw) -> tuple[FloatArray, ...]:
     return law.v, law.w, law.j, law.h
 
 
-def _bounds(before: QuarticLaw, at_nodes: "_Fractions", scale: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _bounds(
+    before: QuarticLaw, at_nodes: "_Fractions", scale: FloatArray, at_rest: bool
+) -> tuple[FloatArray, FloatArray]:
     """Bound the scaled unknowns: rest at both ends, velocity limits at breakpoints, seconds near those of before."""
     n = len(before.s)
     with np.errstate(divide="ignore"):
         cap = 1.0 / at_nodes.first[0].max(axis=1)
     free = np.full(n, np.inf)
-    for part in (cap, free):
-        part[[0, -1]] = 0.0
+    if at_rest:
+        for part in (cap, free):
+            part[[0, -1]] = 0.0
     seconds = before.h / scale[3]
     lower = np.concatenate([np.zeros(n), -free, -free, _SHORTEST * seconds])
     return lower, np.concatenate([cap / scale[0], free, free, _LONGEST * seconds])

@@ -61,6 +61,34 @@ def limit_jerk(
     """
     path, table = table.path, _resolved(table, fastest, options.most_ramps)
     law = first_guess(table, fastest, pieces, options.pieces_per_width)
+    found = _in_rounds(table, law, monitor, options)
+    return replace(found, trajectory=replace(found.trajectory, path=path))
+
+
+def shorten(
+    table: PathDynamicsTable, own: Trajectory, pieces: int, monitor: Monitor = QUIET, options: JerkOptions = DEFAULTS
+) -> JerkLimited:
+    """Shorten a motion s = t / T along a path that is at rest at both ends itself, on even breakpoints.
+
+    Raises
+    ------
+    NoSolutionError
+        When a program is not solved.
+    """
+    s, none = np.linspace(0.0, 1.0, pieces + 1), np.zeros(pieces + 1)
+    motion_s = own.motion_s
+    law = QuarticLaw(s, none + 1.0 / motion_s, none, none, np.full(pieces, motion_s / pieces))
+    return _in_rounds(table, law, monitor, options)
+
+
+def _in_rounds(table: PathDynamicsTable, law: QuarticLaw, monitor: Monitor, options: JerkOptions) -> JerkLimited:
+    """Solve from a time law, check within pieces and solve again, until all limits hold.
+
+    Raises
+    ------
+    NoSolutionError
+        When the first program is not solved.
+    """
     checks = _midpoints(law)
     iterations, before = 0, np.inf
     for number in range(options.rounds):
@@ -81,7 +109,7 @@ def limit_jerk(
             checks = _midpoints(law)
         else:
             checks = _add_checks(checks, largest)
-    trajectory = Trajectory(path, law.time_law())
+    trajectory = Trajectory(table.path, law.time_law())
     return JerkLimited(trajectory, len(law.h), number + 1, iterations)
 
 

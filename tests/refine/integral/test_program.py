@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
+from scipy.sparse import csr_array
 
 from pipeline.config import Config
 from pipeline.limits import node_limits
@@ -40,6 +41,7 @@ def data(quick_config: Config, machine: Machine, route: Route, coarse: Path, ste
         actuator_range_m=planned_range_m(quick_config, machine),
         exponent=2.0,
         evenness=3.0,
+        smoothness=csr_array((45, 45)),
     )
 
 

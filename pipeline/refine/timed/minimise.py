@@ -1,0 +1,195 @@
+"""The least duration on a mesh over tau and on a finer one, checked between the nodes."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from pipeline.arrays import FloatArray
+from pipeline.errors import ForwardKinematicsError, NoSolutionError
+from pipeline.limits import node_limits
+from pipeline.limits.actuator_margins import planned_range_m
+from pipeline.limits.kappa import path_cap
+from pipeline.machine.samples import PoseSamples
+from pipeline.refine.check import Violation, find_violations
+from pipeline.refine.corridor.cells import Corridor, corridor
+from pipeline.refine.integral.ipopt import IpoptOptions, solve_program
+from pipeline.refine.integral.minimise import ipopt_failure
+from pipeline.refine.measure import measure_path, sample_path
+from pipeline.refine.mesh import Mesh, midpoints
+from pipeline.refine.problem import SCHATTEN, Problem
+from pipeline.refine.result import Refinement
+from pipeline.refine.splines import DEGREE
+from pipeline.refine.timed.hull import least_motion_s
+from pipeline.refine.timed.motion import MotionSolution, coarse_in_time, first_motion, halved, on_mesh
+from pipeline.refine.timed.program import TimedData, TimedGuess, TimedProgram, build_timed_program
+from pipeline.refine.timed.visits import VisitNodes, visit_bounds, visits_at
+from pipeline.solvers import interrupts_noted
+from pipeline.status import Status
+
+_COEFFICIENTS, _MESHES = 50, 2
+"""Coefficients of the first mesh at least, and how many meshes there are at most, each with half the knot spans."""
+_BELOW_CAP = 0.995
+"""Share of the cap that nodes keep: kappa may be a little higher between two of them."""
+_FIGURE_SAMPLES = 5_001
+
+
+def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
+    """Find path and time law of least T / T_ref + w K / K_ref, beginning with a refined path.
+
+    T_ref is the duration of a first motion along that path, and K_ref its integral of kappa.
+
+    Raises
+    ------
+    NoSolutionError
+        If IPOPT does not converge, or a requirement stays broken between the nodes; the last motion is in the
+        `diagnosis`.
+    """
+    options = problem.config.refine
+    start, clock = first_motion(problem, refinement.path, max(_COEFFICIENTS, options.coefficients))
+    samples = sample_path(refinement.path, np.linspace(0.0, 1.0, _FIGURE_SAMPLES))
+    kappa_integral = measure_path(samples, problem.steps).kappa_integral
+    weights = 1.0 / start.motion_s, options.time_weight / kappa_integral
+    timed = replace(problem, coarse=coarse_in_time(problem.coarse, clock))
+    solution, rounds = solve_and_check(timed, start, weights)
+    meshes, change = 1, None
+    while meshes < min(_MESHES, options.max_meshes):
+        before = solution.motion_s
+        solution, more = solve_and_check(timed, on_mesh(solution, halved(solution.mesh)), weights)
+        meshes, rounds, change = meshes + 1, rounds + more, abs(solution.motion_s / before - 1.0)
+        if change < options.tolerance:
+            break
+    return replace(
+        refinement,
+        path=solution.path,
+        status=Status.CONVERGED,
+        iterations=refinement.iterations + solution.iterations,
+        rounds=refinement.rounds + rounds,
+        meshes=refinement.meshes + meshes,
+        mesh_change=change,
+        nodes=len(solution.mesh.s),
+        surrogate_integral=solution.integral,
+    )
+
+
+def solve_and_check(
+    problem: Problem, start: MotionSolution, weights: tuple[float, float]
+) -> tuple[MotionSolution, int]:
+    """Solve, check between the nodes, and add nodes where a requirement is broken, until none is; counts the checks.
+
+    `problem` has the coarse path over tau.
+
+    Raises
+    ------
+    NoSolutionError
+        If IPOPT does not converge, or a requirement is still broken after the configured rounds.
+    """
+    solution, found, most = start, [], problem.config.refine.max_rounds
+    for round_ in range(1, most + 1):
+        solution, settled = solve(problem, solution, weights)
+        problem.monitor.progress("refine: checking between the nodes")
+        found = find_violations(problem.config, problem.route, solution.path, problem.coarse)
+        if settled and not found:
+            return solution, round_
+        if found and round_ < most:
+            mesh = _with_nodes_around(solution.mesh, np.concatenate([violation.s for violation in found]))
+            solution = _repaired(solution, start, mesh)
+    raise _broken(most, solution, found)
+
+
+def solve(problem: Problem, start: MotionSolution, weights: tuple[float, float]) -> tuple[MotionSolution, bool]:
+    """Solve the program of a mesh, and tell whether every visit is inside its knot span.
+
+    Raises
+    ------
+    NoSolutionError
+        If IPOPT does not converge; its last motion is in the `diagnosis`.
+    """
+    mesh, options = start.mesh, problem.config.refine
+    label = f"refine: time, {len(mesh.s)} nodes, {mesh.coefficients} coefficients"
+    problem.monitor.progress(f"{label}: building the program")
+    guess = TimedGuess(
+        PoseSamples(problem.machine, start.path.node_pose, start.path.q(mesh.s)),
+        start.path.spline,
+        start.motion_s,
+        start.visits,
+    )
+    # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
+    with interrupts_noted():
+        timed = build_timed_program(timed_data(problem, guess, mesh, weights), guess)
+    ipopt = IpoptOptions(options.max_iterations, options.time_limit_s, "timed")
+    result = solve_program(timed.program, ipopt, label, problem.monitor)
+    solution, settled = _read(start, timed, result.x, result.iterations)
+    if not result.status.solved:
+        raise ipopt_failure(result, solution.arrays)
+    return solution, settled
+
+
+def timed_data(problem: Problem, guess: TimedGuess, mesh: Mesh, weights: tuple[float, float]) -> TimedData:
+    """Collect what the program of a mesh is written for."""
+    config, kappa = problem.config, guess.nodes.kappa
+    ends = max(kappa[0], kappa[-1])
+    log_cap = np.full(len(mesh.s), np.log(max(_BELOW_CAP * path_cap(config), ends)))
+    log_cap[[0, -1]] = np.inf
+    return TimedData(
+        mesh=mesh,
+        corridor=_corridor(problem, mesh.s),
+        limits=node_limits(config, problem.machine),
+        clearance_margin_m=config.refine.clearance_margin_m,
+        reach_m=float(problem.steps[:3].max()),
+        steps=problem.steps,
+        directions=problem.directions,
+        actuator_range_m=planned_range_m(config, problem.machine),
+        exponent=SCHATTEN,
+        log_cap=log_cap,
+        visit_bounds=visit_bounds(config, problem.route),
+        weights=weights,
+    )
+
+
+def _corridor(problem: Problem, tau: FloatArray) -> Corridor:
+    """Bound the nodes at tau (k,); visits have nodes of their own."""
+    task = problem.config.task.model_copy(update={"visit": ()})
+    route = replace(problem.route, visits=np.zeros_like(problem.route.visits))
+    return corridor(problem.config.model_copy(update={"task": task}), route, problem.coarse, tau)
+
+
+def _read(start: MotionSolution, timed: TimedProgram, x: FloatArray, iterations: int) -> tuple[MotionSolution, bool]:
+    """Read a solution; T is at least what keeps the limits exactly. Tells whether visits are inside their spans."""
+    program = timed.program
+    spline = BSpline(start.mesh.knots, program.spline_coefficients(x), DEGREE)
+    motion_s = max(float(timed.motion(x)), least_motion_s(start.path.machine, spline))
+    tau, at_edge = visits_at(timed.spans, np.array(timed.visit_shares(x)).ravel())
+    path = replace(start.path, spline=spline, node_s=start.mesh.s, node_pose=program.poses(x), motion_s=motion_s)
+    visits = VisitNodes(tau, np.array(timed.visit_poses(x)).T)
+    integral = float(program.integral(x))
+    return MotionSolution(start.mesh, path, visits, integral, start.iterations + iterations), not at_edge
+
+
+def _repaired(solution: MotionSolution, start: MotionSolution, mesh: Mesh) -> MotionSolution:
+    """Transfer a motion to more nodes; where it has met another assembly mode, begin again from the start."""
+    try:
+        return on_mesh(solution, mesh)
+    except ForwardKinematicsError:
+        return replace(on_mesh(start, mesh), iterations=solution.iterations)
+
+
+def _with_nodes_around(mesh: Mesh, broken: FloatArray) -> Mesh:
+    """Halve every interval of nodes that contains one of the parameters `broken` (m,), and its neighbours."""
+    hit = np.clip(np.searchsorted(mesh.s, broken) - 1, 0, len(mesh.s) - 2)
+    around = np.unique(np.clip(hit[:, None] + np.array([-1, 0, 1]), 0, len(mesh.s) - 2))
+    return Mesh(np.union1d(mesh.s, midpoints(mesh.s)[around]), mesh.knots)
+
+
+def _broken(rounds: int, solution: MotionSolution, found: list[Violation]) -> NoSolutionError:
+    broken = "; ".join(map(str, found)) or "a visit still moves from knot span to knot span"
+    return NoSolutionError(
+        "refine",
+        f"after {rounds} rounds the motion is still outside its limits between its nodes: {broken}",
+        " ".join(dict.fromkeys(violation.advice for violation in found)) or "Raise refine.max_rounds.",
+        {
+            "status": Status.NOT_CONVERGED.value,
+            "breaches": [str(violation) for violation in found],
+            **solution.arrays,
+        },
+    )
