@@ -1,13 +1,19 @@
-"""The motion of a whole run before and after the defaults that smooth it, on fixed tasks and random machines."""
+"""The motion of a whole run before and after the defaults that smooth it; the second part of `make bench-refine`.
+
+On fixed tasks and random machines, into motion.json and motion.md.
+"""
 
 import copy
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+import typer
 
+from pipeline.artifacts import json_bytes, write_whole
 from pipeline.certify import certify_path
 from pipeline.config import Config
 from pipeline.config.file import load_config, parse_config
@@ -18,11 +24,13 @@ from pipeline.refine.check import find_violations
 from pipeline.retime import measure_quality, retime_path
 from pipeline.route import build_regions, plan_route
 from pipeline.route.metric import step_sizes
+from tests.benchmarks.host import describe_host
 from tests.benchmarks.isolated import FINISHED, measure
 from tests.benchmarks.problems import CONFIGS, Problem
 from tests.benchmarks.report import table
 from tests.benchmarks.variety import CHECK_POINTS, random_machines
 
+_OUT = Path(__file__).parents[2] / "results" / "benchmarks"
 BEFORE = {"route": {"objective": "sum"}, "refine": {"smoothness": 0.0, "corridor_cells": 1.0}}
 """What the defaults were: the sum of kappa (5), cells widened by one, and no cost of the third derivative."""
 
@@ -60,6 +68,32 @@ _COMPARED = {
     "time_ratio": "duration / least",
     "cpu_s": "CPU seconds",
 }
+
+
+def main() -> None:
+    """Run the command line."""
+    typer.run(benchmark)
+
+
+def benchmark(
+    out: Annotated[Path, typer.Option(help="folder for motion.json and motion.md")] = _OUT,
+    limit_s: Annotated[float, typer.Option(min=1.0, help="time limit of each run")] = 600.0,
+    tasks: Annotated[int, typer.Option(min=0, help="tasks, in their order")] = len(_TASKS),
+    machines: Annotated[int, typer.Option(min=0, help="random machines")] = 5,
+) -> None:
+    """Compare the motions of the former defaults with those of today."""
+    host, rows = describe_host(), []
+    for problem in motion_problems(tasks, machines):
+        typer.echo(problem.name)
+        rows.append(compare_defaults(problem, limit_s))
+    write_page(out, host, rows)
+
+
+def write_page(out: Path, host: dict[str, object], rows: list[dict[str, Any]]) -> None:
+    """Write all figures, and the page."""
+    write_whole(out / "motion.json", json_bytes({"host": host, "motions": rows}))
+    write_whole(out / "motion.md", markdown(host, rows).encode())
+    typer.echo(f"{out / 'motion.md'}")
 
 
 def motion_problems(tasks: int, machines: int) -> list[Problem]:
@@ -134,8 +168,8 @@ def changes(rows: list[dict[str, Any]], key: str) -> list[float]:
     return sorted(after / before - 1.0 for before, after in pairs if before and after is not None)
 
 
-def markdown(rows: list[dict[str, Any]]) -> list[str]:
-    """Write the comparison as the sections of a page."""
+def markdown(host: dict[str, object], rows: list[dict[str, Any]]) -> str:
+    """Write the comparison as a page."""
     summary = []
     for key, name in _COMPARED.items():
         if found := changes(rows, key):
@@ -145,8 +179,10 @@ def markdown(rows: list[dict[str, Any]]) -> list[str]:
         for key, value in (("outcome", "path"), ("certified", True))
     )
     cells = [(row["problem"], *(_cell(row, key) for key in _COMPARED), _certified(row)) for row in rows]
-    return [
-        "## The defaults, before and after",
+    sections = [
+        "# Motions before and after",
+        "Written by `make bench-refine`; every number is in `motion.json`. Each run in a process of its own, on "
+        f"{host['cpu']}, {host['cores']} cores, {host['date']}.",
         "Tasks on the grid of `quick.yaml`, and its task on machines up to five per cent off in every joint. *Before*: "
         "`route.objective: sum`, `refine.smoothness: 0`, `refine.corridor_cells: 1`; *after*: the defaults. Durations "
         "at full speed, not rounded to periods; sign changes of all five actuators together, above 5 % of the limit; "
@@ -156,6 +192,7 @@ def markdown(rows: list[dict[str, Any]]) -> list[str]:
         table(("change", "median", "least", "largest"), summary),
         table(("problem", *_COMPARED.values(), "certified"), cells),
     ]
+    return "\n\n".join(sections) + "\n"
 
 
 def _cell(row: dict[str, Any], key: str) -> str:
@@ -173,3 +210,8 @@ def _number(figures: dict[str, Any], key: str) -> str:
 def _certified(row: dict[str, Any]) -> str:
     verdicts = ["yes" if row[side].get("certified") else "NO" for side in ("before", "after")]
     return verdicts[0] if verdicts[0] == verdicts[1] else " → ".join(verdicts)
+
+
+if __name__ == "__main__":
+    # Only here: every process that a measurement gets to itself imports this module.
+    main()
