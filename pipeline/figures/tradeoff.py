@@ -25,6 +25,8 @@ def tradeoff_figure(points: tuple[TradeoffPoint, ...]) -> Figure:
         for ax, name in zip(axes, ("kappa_integral", "kappa_max"), strict=True):
             values = [getattr(point, name) for point in curve]
             ax.plot(values, duration, **look)
+            # Room for the weights beside the outermost points.
+            ax.margins(0.15)
             for point, x, y in zip(curve, values, duration, strict=True):
                 ax.annotate(
                     weight_text(point.weight),

@@ -32,7 +32,7 @@ WEIGHTS = (10.0, 3.0, 1.0, 0.3, 0.1)
 
 @dataclass(frozen=True)
 class TradeoffPoint:
-    """A certified motion, timed at full speed without waiting.
+    """A certified motion at full speed, without waiting.
 
     Attributes
     ----------
@@ -43,7 +43,8 @@ class TradeoffPoint:
     modes : tuple of str
         Working modes in their order.
     duration_s, kappa_integral, kappa_max : float
-        What is traded off; integrals in steps of the route's metric, kappa at samples.
+        What is traded off: the duration before it is fitted to whole periods, the integral in steps of the route's
+        metric, the largest kappa at samples.
     kappa_bound : float
         Proven bound of kappa along the whole path.
     boxes : int
@@ -186,17 +187,18 @@ def measured(
     assert certificate.bounds is not None, "a certified path has boxes"
     trajectory = retimed(config, common_retiming(config), path)
     samples = sample_path(path, np.linspace(0.0, 1.0, config.refine.check_points))
-    figures, quality = measure_path(samples, step_sizes(config.route)), measure_quality(trajectory)
+    figures, timing = measure_path(samples, step_sizes(config.route)), trajectory.timing
+    assert timing is not None, "a motion that was just planned has a report"
     return TradeoffPoint(
         route=name[0],
         weight=name[1],
         modes=figures.modes,
-        duration_s=quality.motion_s,
+        duration_s=timing.motion_s,
         kappa_integral=figures.kappa_integral,
         kappa_max=figures.kappa_max,
         kappa_bound=certificate.bounds.kappa,
         boxes=len(certificate.chain.boxes),
-        quality=quality,
+        quality=measure_quality(trajectory),
     )
 
 
