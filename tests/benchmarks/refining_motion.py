@@ -188,7 +188,8 @@ def markdown(host: dict[str, object], rows: list[dict[str, Any]]) -> str:
         "at full speed, not rounded to periods; sign changes of all five actuators together, above 5 % of the limit; "
         "length in actuator space against the straight line; duration against the least time of the slowest actuator "
         "alone; CPU seconds of stages one to three. "
-        f"Of {2 * len(rows)} paths {kept} keep every limit at {CHECK_POINTS:,} places, and {certified} are certified.",
+        f"Of the {2 * len(rows)} paths of {len(rows)} problems {kept} keep every limit at {CHECK_POINTS:,} places, and "
+        f"{certified} are certified.",
         table(("change", "median", "least", "largest"), summary),
         table(("problem", *_COMPARED.values(), "certified"), cells),
     ]
