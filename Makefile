@@ -44,10 +44,12 @@ bench: $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
 	$(BIN)/python -m tests.benchmarks $(ARGS)
 
-# Stage two: meshes, other solvers and formulations, random tasks and machines: ten minutes.
+# Stage two: meshes, other solvers and formulations, random tasks and machines: ten minutes. Then the motions of the
+# defaults before and after, on fixed tasks and random machines: twenty.
 .PHONY: bench-refine
 bench-refine: $(READY)
 	$(BIN)/python -m tests.benchmarks.refining $(ARGS)
+	$(BIN)/python -m tests.benchmarks.refining_motion
 
 # Stage three: grids, lower bound, limited jerk, and what one would use instead: a minute.
 .PHONY: bench-retime

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.compare.motion import MotionFigures, at_duration
 from pipeline.limits import Measure, measures
 from pipeline.refine.measure import PathFigures
+from pipeline.retime import MotionQuality
 
 Preference = Literal["lower", "higher", "neither"]
 
@@ -75,6 +76,14 @@ def _motion(name: str, unit: str, resolution: float, attribute: str, paced: bool
     return Criterion(name, unit, "lower", resolution, read)
 
 
+def _quality(name: str, resolution: float, read: Callable[[MotionQuality], float | None]) -> Criterion:
+    def read_of_motion(one: MeasuredPath) -> float | None:
+        quality = None if one.motion is None else one.motion.quality
+        return None if quality is None else read(quality)
+
+    return Criterion(name, "", "lower", resolution, read_of_motion)
+
+
 # Differences below the resolution come from sampling and rounding, not from the paths. Peaks that reach a limit come
 # within a per cent of it.
 CRITERIA = (
@@ -82,10 +91,15 @@ CRITERIA = (
     _path("largest kappa", "", "lower", 1e-6, "kappa_max"),
     _path("largest kappa at s", "", "neither", 1e-6, "kappa_max_s"),
     _path("length", "steps", "lower", 1e-6, "length"),
+    _path("length in actuator space", "m", "lower", 1e-6, "actuator_length_m"),
+    _path("length against straight line", "", "lower", 1e-6, "length_ratio"),
     *(_measure(measure) for measure in measures()),
     _path("closure residual", "m", "lower", 1e-9, "closure_residual_m"),
     Criterion("working-mode changes", "", "neither", 0.5, lambda one: one.path.mode_changes),
     _motion("duration", "s", 1e-6, "duration_s"),
+    _quality("duration against least time", 1e-6, lambda quality: quality.time_ratio),
+    _quality("sign changes of velocity", 0.5, lambda quality: sum(quality.velocity_sign_changes)),
+    _quality("sign changes of acceleration", 0.5, lambda quality: sum(quality.acceleration_sign_changes)),
     _motion("peak cart acceleration", "m/s^2", 2e-2, "cart_acceleration_mps2"),
     _motion("peak telescope acceleration", "m/s^2", 5e-3, "telescope_acceleration_mps2"),
     _motion("peak cart jerk", "m/s^3", 0.4, "cart_jerk_mps3"),

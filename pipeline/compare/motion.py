@@ -9,7 +9,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config, RetimeConfig
 from pipeline.errors import NoSolutionError
 from pipeline.refine.result import Path
-from pipeline.retime import Trajectory, retime_path
+from pipeline.retime import MotionQuality, Trajectory, measure_quality, retime_path
 
 _INSTANTS = 4_001
 _CARTS, _TELESCOPES = slice(0, 3), slice(3, 5)
@@ -27,6 +27,8 @@ class MotionFigures:
         Peaks of acceleration.
     cart_jerk_mps3, telescope_jerk_mps3 : float
         Peaks of jerk; infinite where accelerations jump.
+    quality : MotionQuality or None
+        Sign changes, and the duration against the least one; None at a duration that the motion was not planned for.
     """
 
     duration_s: float
@@ -34,6 +36,7 @@ class MotionFigures:
     telescope_acceleration_mps2: float
     cart_jerk_mps3: float
     telescope_jerk_mps3: float
+    quality: MotionQuality | None = None
 
 
 def common_retiming(config: Config) -> RetimeConfig:
@@ -68,7 +71,7 @@ def measure_motion(trajectory: Trajectory) -> MotionFigures:
     t = np.linspace(0.0, trajectory.duration_s, _INSTANTS)
     acceleration = _peaks(trajectory.q(t, 2))
     jerk = (np.inf, np.inf) if trajectory.jerk_jumps else _peaks(trajectory.q(t, 3))
-    return MotionFigures(trajectory.motion_s, *acceleration, *jerk)
+    return MotionFigures(trajectory.motion_s, *acceleration, *jerk, measure_quality(trajectory))
 
 
 def at_duration(figures: MotionFigures, duration_s: float) -> MotionFigures:

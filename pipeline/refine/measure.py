@@ -15,6 +15,8 @@ from pipeline.refine.result import Path
 from pipeline.route.metric import arc_length
 
 _SPEED_SAMPLES = 1_001
+_NO_DISTANCE_M = 1e-9
+"""Distance between start and goal, in actuator space, that is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,8 @@ class PathSamples(PoseSamples):
 class PathFigures:
     """A path in numbers; lengths and integrals in the metric of the route, working modes in their order.
 
-    `measures` holds the figures of `limits.measures`, by their keys.
+    `measures` holds the figures of `limits.measures`, by their keys; `actuator_length_m` and `actuator_distance_m` are
+    the length of the path in actuator space, Euclidean, and that of the straight line between its ends.
     """
 
     kappa_max: float
@@ -45,6 +48,14 @@ class PathFigures:
     measures: dict[str, float]
     det_sign_constant: bool
     modes: tuple[str, ...]
+    actuator_length_m: float
+    actuator_distance_m: float
+
+    @property
+    def length_ratio(self) -> float | None:
+        """Length in actuator space against the straight line; None if the goal is the start."""
+        distance = self.actuator_distance_m
+        return self.actuator_length_m / distance if distance > _NO_DISTANCE_M else None
 
     @property
     def mode_changes(self) -> int:
@@ -117,4 +128,6 @@ def measure_path(samples: PathSamples, steps: FloatArray) -> PathFigures:
         measures={measure.key: measure.reduce(samples) for measure in measures()},
         det_sign_constant=bool(np.all(samples.det_sign == samples.det_sign[0]) and samples.det_sign[0] != 0.0),
         modes=tuple(mode_sequence(working_modes(samples.reach_m))),
+        actuator_length_m=float(np.linalg.norm(np.diff(samples.q_m, axis=0), axis=1).sum()),
+        actuator_distance_m=float(np.linalg.norm(samples.q_m[-1] - samples.q_m[0])),
     )

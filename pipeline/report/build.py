@@ -17,11 +17,19 @@ from pipeline.refine.measure import PathSamples, measure_path
 from pipeline.refine.result import Path, Refinement
 from pipeline.report.data import Motion, Proof, Report, Table
 from pipeline.report.motion import build_motion, build_scene
-from pipeline.report.tables import bounds_table, build_proof, comparison_table, distances_table, workspace_part
+from pipeline.report.tables import (
+    bounds_table,
+    build_proof,
+    comparison_table,
+    distances_table,
+    quality_table,
+    workspace_part,
+)
 from pipeline.report.verdicts import Facts, headline, stage_rows, used_limits, verdicts
 from pipeline.retime.result import Trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
+from pipeline.summary.section import QUALITY
 
 Retime = Callable[[Config, RetimeConfig, Path], Trajectory]
 
@@ -82,6 +90,7 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         config_yaml=dump_config(config),
         provenance=_provenance(run),
         scene=build_scene(machine),
+        quality=_quality(run.facts),
         comparison=_comparison(run, coarse, retime),
         workspace=workspace,
         workspace_picture=picture,
@@ -147,6 +156,13 @@ def _comparison(run: RunResults, coarse: _Driven, retime: Retime) -> Table | Non
         for samples, motion in zip(run.samples, (coarse.figures, refined), strict=True)
     )
     return comparison_table(compare_paths(before, after))
+
+
+def _quality(facts: Facts) -> Table | None:
+    """Tabulate the quality of the motion, once it is timed."""
+    parts = [facts[stage].section.get(QUALITY) for stage in (Stage.REFINE, Stage.RETIME) if stage in facts]
+    known = [part for part in parts if part is not None]
+    return quality_table(*known) if len(known) == 2 else None
 
 
 def _at_full_speed(config: Config, trajectory: Trajectory, retime: Retime) -> Trajectory:

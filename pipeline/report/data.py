@@ -172,8 +172,9 @@ class Report:
         The outcome, in one line.
     verdicts, stages, usage
         The summary.
-    comparison, workspace, bounds, distances : Table or None
-        Coarse against refined; usable workspace; what the certificate proves, also for each pair of axes.
+    quality, comparison, workspace, bounds, distances : Table or None
+        Reversals and least times of the actuators; coarse against refined; usable workspace; what the certificate
+        proves, also for each pair of axes.
     workspace_picture : str
         The workspace in 3-D, a PNG in base64.
     scene, motions
@@ -195,6 +196,7 @@ class Report:
     provenance: tuple[tuple[str, str], ...]
     scene: Scene
     usage: tuple[UsedLimit, ...] = ()
+    quality: Table | None = None
     comparison: Table | None = None
     workspace: Table | None = None
     workspace_picture: str = ""

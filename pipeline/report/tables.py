@@ -13,10 +13,11 @@ from pipeline.config import Config
 from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.proof import boxes_of
 from pipeline.limits import CertificateKey, Side, certificate_keys, proven_limits
-from pipeline.machine.geometry import Machine
+from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.report.data import Proof, Table
 from pipeline.route.metric import arc_length, step_sizes
+from pipeline.summary.section import Section
 from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
 from pipeline.workspace.table import at_two_steps, setting_text, workspace_rows
 from pipeline.workspace.table import table_cells as workspace_cells
@@ -31,6 +32,25 @@ def comparison_table(rows: list[ComparisonRow]) -> Table:
     """Tabulate coarse against refined, naming the better one."""
     cells = tuple((row[0], _unit(row[1]), *(cell.replace("-", "−") for cell in row[2:])) for row in table_cells(rows))
     return Table(TABLE_HEADER, cells, words=(0, 1, 6))
+
+
+def quality_table(path: Section, motion: Section) -> Table:
+    """Tabulate the sign changes and least times of the actuators from the parts of the summary that have them."""
+    keys = ("velocity_sign_changes", "acceleration_sign_changes", "least_times_s")
+    rows: list[tuple[str, ...]] = [
+        (name, str(velocity), str(acceleration), f"{time_s:.2f}")
+        for name, velocity, acceleration, time_s in zip(ACTUATORS, *(motion[key] for key in keys), strict=True)
+    ]
+    totals = (sum(motion[key]) for key in keys[:2])
+    rows.append(("all", *(str(total) for total in totals), f"{max(motion[keys[2]]):.2f}"))
+    note = f"At full speed the motion takes {motion['motion_s']:.2f} s"
+    if motion["time_ratio"] is not None:
+        note += f", {motion['time_ratio']:.2f} times the least time of the slowest actuator alone, whatever the path"
+    note += f"; it is {path['actuator_length_m']:.2f} m long in actuator space"
+    if path["length_ratio"] is not None:
+        note += f", {path['length_ratio']:.2f} times the straight line"
+    header = ("actuator", "sign changes of velocity", "of acceleration", "least time, s")
+    return Table(header, tuple(rows), words=(0,), note=f"{note}. Values below 5 % of a limit have no sign.")
 
 
 def _unit(text: str) -> str:

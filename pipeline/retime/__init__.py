@@ -1,5 +1,6 @@
 """Stage three: a path becomes a trajectory, as fast as the limits of actuators, links and TCP allow."""
 
+from pipeline.retime.quality.motion_quality import MotionQuality, measure_quality
 from pipeline.retime.quantities import QUANTITIES, Quantity
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples, slowed, stretched
 from pipeline.retime.retime import TimingOptions, retime_path
@@ -9,6 +10,7 @@ from pipeline.retime.way_back import time_reversed, way_back
 
 __all__ = [
     "QUANTITIES",
+    "MotionQuality",
     "Quantity",
     "TimingOptions",
     "TimingReport",
@@ -16,6 +18,7 @@ __all__ = [
     "TrajectoryFigures",
     "TrajectorySamples",
     "Usage",
+    "measure_quality",
     "measure_trajectory",
     "measure_usage",
     "require_limits",

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from pipeline.summary.section import Section
+from pipeline.summary.section import QUALITY, Section
 
 if TYPE_CHECKING:
     from pipeline.refine.measure import PathFigures
@@ -10,7 +10,10 @@ if TYPE_CHECKING:
 
 
 def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "PathFigures") -> Section:
-    """Give the figures of the refined path, and of the coarse one measured in the same way."""
+    """Give the figures of the refined path, and of the coarse one measured in the same way.
+
+    `quality` has what is known of the motion without its time; `summary.whole` adds the rest.
+    """
     return {
         "status": str(refinement.status),
         "iterations": refinement.iterations,
@@ -32,6 +35,11 @@ def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "Path
         "det_sign_constant": refined.det_sign_constant,
         "modes": list(refined.modes),
         "mode_changes": refined.mode_changes,
+        QUALITY: {
+            "actuator_length_m": refined.actuator_length_m,
+            "actuator_distance_m": refined.actuator_distance_m,
+            "length_ratio": refined.length_ratio,
+        },
     }
 
 

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 SKIPPED = "skipped"
+QUALITY = "quality"
+"""The key of the motion's quality, which refining and timing know in part each."""
 
 Section = dict[str, Any]
 

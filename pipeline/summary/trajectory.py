@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from pipeline.summary.section import SKIPPED, Section, failed_part
+from pipeline.summary.section import QUALITY, SKIPPED, Section, failed_part
 
 if TYPE_CHECKING:
-    from pipeline.retime import TimingReport, TrajectoryFigures, Usage
+    from pipeline.retime import MotionQuality, TimingReport, TrajectoryFigures, Usage
 
 
 def trajectory_section(figures: "TrajectoryFigures") -> Section:
@@ -34,6 +34,19 @@ def trajectory_section(figures: "TrajectoryFigures") -> Section:
             "jerk_iterations": timing.iterations,
         }
     return section
+
+
+def quality_part(quality: "MotionQuality") -> Section:
+    """Give what timing knows of the motion's quality, per actuator; `summary.whole` puts it into the path's part."""
+    return {
+        QUALITY: {
+            "velocity_sign_changes": list(quality.velocity_sign_changes),
+            "acceleration_sign_changes": list(quality.acceleration_sign_changes),
+            "motion_s": quality.motion_s,
+            "least_times_s": list(quality.least_times_s),
+            "time_ratio": quality.time_ratio,
+        }
+    }
 
 
 def _against_bound(timing: "TimingReport") -> Section:

@@ -69,7 +69,7 @@ def other_solution(machine: Machine, q: np.ndarray, pose: np.ndarray) -> np.ndar
     raise AssertionError("there is none near")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Jumping(Path):
     """A path with poses of another branch beyond s = 1/2: from there on (`before`), or only after it."""
 

@@ -160,7 +160,7 @@ def test_proven_boxes_on_two_branches_do_not_join(machine: Machine, line: Path, 
     with working_precision(64):
         for path in (one, other):
             assert close_chain(build_problem(machine, path, 0.3)).failure is None
-        jumping = Jumping(machine, one.spline, one.node_s, one.node_pose, other, before)
+        jumping = Jumping(machine, one.spline, one.node_s, one.node_pose, beyond=other, before=before)
         chain = close_chain(build_problem(machine, jumping, 0.3))
     assert chain.failure is not None
     assert chain.failure.reason is JUMP

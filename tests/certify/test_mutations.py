@@ -146,7 +146,7 @@ def witness_links(path: Path) -> None:
     """Two proven boxes on different branches make no chain, whichever of them holds the pose where they meet."""
     one, other = two_branches(path.machine, path)
     for before in (True, False):
-        jumping = Jumping(one.machine, one.spline, one.node_s, one.node_pose, other, before)
+        jumping = Jumping(one.machine, one.spline, one.node_s, one.node_pose, beyond=other, before=before)
         chain = close_chain(build_problem(path.machine, jumping, 0.3))
         assert chain.failure is not None
 

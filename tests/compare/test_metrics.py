@@ -11,6 +11,7 @@ from pipeline.compare.criteria import MeasuredPath
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, compare_paths, markdown_table, table_cells
 from pipeline.compare.motion import MotionFigures
 from pipeline.refine.measure import PathFigures, PathSamples, measure_path
+from pipeline.retime import MotionQuality
 
 COARSE_PATH = PathFigures(
     kappa_max=40.0,
@@ -21,6 +22,8 @@ COARSE_PATH = PathFigures(
     measures={"min_link_distance_m": 0.040, "min_rail_distance_m": 0.5, "max_tilt_deg": 30.0},
     det_sign_constant=True,
     modes=("LLL", "RLL"),
+    actuator_length_m=4.0,
+    actuator_distance_m=2.0,
 )
 REFINED_PATH = dataclasses.replace(
     COARSE_PATH,
@@ -30,6 +33,7 @@ REFINED_PATH = dataclasses.replace(
     length=21.0,
     closure_residual_m=3e-13,
     measures={"min_link_distance_m": 0.030, "min_rail_distance_m": 0.6, "max_tilt_deg": 27.0},
+    actuator_length_m=3.0,
 )
 COARSE, REFINED = MeasuredPath(COARSE_PATH), MeasuredPath(REFINED_PATH)
 SLOW, FAST = MotionFigures(8.0, 2.0, 0.5, 40.0, 10.0), MotionFigures(4.0, 2.0, 0.4, 40.0, 10.0)
@@ -47,6 +51,8 @@ figures = st.builds(
     ),
     det_sign_constant=st.just(True),
     modes=st.sampled_from([("LLL",), ("LLL", "RLL"), ("LLL", "LRR", "RRR")]),
+    actuator_length_m=positive,
+    actuator_distance_m=positive,
 ).map(MeasuredPath)
 
 
@@ -73,6 +79,8 @@ def test_lower_kappa_is_better_and_counts_negative() -> None:
         ("least link-rail distance", 20.0, "refined"),
         ("largest tilt", -10.0, "refined"),
         ("closure residual", 200.0, "equal"),
+        ("length in actuator space", -25.0, "refined"),
+        ("length against straight line", -25.0, "refined"),
     ],
 )
 def test_every_figure_knows_its_better_direction(figure: str, per_cent: float, better: str) -> None:
@@ -104,6 +112,20 @@ def test_durations_are_optional() -> None:
     assert "duration" not in by_name(compare_paths(dataclasses.replace(COARSE, motion=SLOW), REFINED))
     row = by_name(with_motions(SLOW, FAST))["duration"]
     assert (row.difference, row.per_cent, row.better, row.unit) == (-4.0, -50.0, "refined", "s")
+
+
+def test_reversals_and_the_least_time_are_compared() -> None:
+    """Fewer sign changes are better, all actuators together; durations are compared with the same least time."""
+    rough = MotionQuality((1, 0, 0, 0, 2), (4, 4, 4, 4, 4), 8.0, (2.0, 1.0, 1.0, 1.0, 1.0))
+    smooth = MotionQuality((1, 0, 0, 0, 0), (1, 1, 1, 1, 1), 4.0, rough.least_times_s)
+    motions = (dataclasses.replace(SLOW, quality=rough), dataclasses.replace(FAST, quality=smooth))
+    rows = by_name(with_motions(*motions))
+    for figure, coarse, refined in (
+        ("duration against least time", 4.0, 2.0),
+        ("sign changes of velocity", 3, 1),
+        ("sign changes of acceleration", 20, 5),
+    ):
+        assert (rows[figure].coarse, rows[figure].refined, rows[figure].better) == (coarse, refined, "refined")
 
 
 def test_peaks_as_driven_and_equally_long() -> None:
@@ -149,13 +171,13 @@ def test_measured_paths_compare(coarse: PathSamples, refined: PathSamples) -> No
 def test_markdown_is_a_table() -> None:
     """Every line has as many cells as the header; the second is the rule, numbers to the right."""
     lines = markdown_table(compare_paths(COARSE, REFINED)).splitlines()
-    assert len(lines) == 2 + 9
+    assert len(lines) == 2 + 11
     assert {line.count("|") for line in lines} == {len(TABLE_HEADER) + 1}
     assert lines[1] == "| :-- | :-- | --: | --: | --: | --: | :-- |"
     assert lines[2] == "| kappa integral | steps | 500 | 350 | -150 | -30.0 | refined |"
     assert lines[4] == "| largest kappa at s |  | 0.4 | 0.5 | +0.1 |  |  |"
-    assert lines[9] == "| closure residual | m | 1e-13 | 3e-13 | +2e-13 |  | equal |"
-    assert lines[10] == "| working-mode changes |  | 1 | 1 | +0 |  |  |"
+    assert lines[11] == "| closure residual | m | 1e-13 | 3e-13 | +2e-13 |  | equal |"
+    assert lines[12] == "| working-mode changes |  | 1 | 1 | +0 |  |  |"
 
 
 def test_cells_fill_the_header() -> None:

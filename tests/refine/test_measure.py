@@ -46,6 +46,18 @@ def test_every_measure_of_the_limits_is_taken(coarse: Path, steps: np.ndarray) -
     assert found["max_tilt_deg"] == pytest.approx(np.rad2deg(np.abs(samples.pose[:, [3, 5]]).max()))
 
 
+def test_lengths_in_actuator_space(coarse: Path, steps: np.ndarray) -> None:
+    """A polygon is as long as its moves together; to its own start and back there is no straight line."""
+    corners = coarse.spline.c
+    there = measure_path(sample_path(coarse, np.union1d(coarse.spline.t, np.linspace(0.0, 1.0, 100))), steps)
+    assert there.actuator_length_m == pytest.approx(np.linalg.norm(np.diff(corners, axis=0), axis=1).sum())
+    assert there.actuator_distance_m == pytest.approx(np.linalg.norm(corners[-1] - corners[0]))
+    assert there.length_ratio == pytest.approx(there.actuator_length_m / there.actuator_distance_m)
+    s = np.linspace(0.0, 1.0, 100)
+    back = measure_path(sample_path(coarse, np.concatenate([s, s[::-1]])), steps)
+    assert back.length_ratio is None
+
+
 def test_merged_samples_are_those_of_all_parameters(coarse: Path) -> None:
     """In the order of s; what was known of the first is known of all."""
     first, more = sample_path(coarse, np.linspace(0.0, 1.0, 11)), sample_path(coarse, np.array([0.33, 0.05]))

@@ -15,6 +15,8 @@ FIGURES = PathFigures(
     measures={},
     det_sign_constant=True,
     modes=("LLL",),
+    actuator_length_m=3.0,
+    actuator_distance_m=2.0,
 )
 
 

@@ -13,14 +13,14 @@ from pipeline.config.file import parse_config
 from pipeline.machine import Machine
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
-from pipeline.retime import measure_trajectory, sample_trajectory
+from pipeline.retime import measure_quality, measure_trajectory, sample_trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
 from pipeline.summary.certificate import certificate_section
 from pipeline.summary.path import path_section
 from pipeline.summary.regions import regions_section
 from pipeline.summary.route import route_section
-from pipeline.summary.trajectory import trajectory_section
+from pipeline.summary.trajectory import quality_part, trajectory_section
 from pipeline.summary.versions import versions
 from tests.run.short_results import make_certificate, make_refinement, make_regions, make_route, make_trajectory
 
@@ -59,7 +59,7 @@ def complete(config: Config, machine: Machine) -> RunResults:
         Stage.ROUTE: route_section(make_route(machine)),
         Stage.REFINE: path_section(refinement, measure_path(refined, steps), measure_path(coarse, steps)),
         Stage.CERTIFY: certificate_section(certificate),
-        Stage.RETIME: trajectory_section(figures),
+        Stage.RETIME: trajectory_section(figures) | quality_part(measure_quality(trajectory)),
     }
     return RunResults(
         config=config,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pipeline.errors import NoSolutionError
 from pipeline.figures.maps.kappa_map import kappa_map
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
-from pipeline.machine.geometry import MODES
+from pipeline.machine.geometry import ACTUATORS, MODES
 from pipeline.report import Report, RunResults, build_report
 from pipeline.report.motion import build_scene, singular_loops
 from pipeline.report.payload import OUT_OF_REACH, levels, packed, payload
@@ -192,6 +192,13 @@ class TestTables:
         assert report.motion_note == "The coarse path is not shown in motion: too heavy."
         assert report.comparison is not None
         assert "duration" not in [row[0] for row in report.comparison.rows]
+
+    def test_every_actuator_has_its_reversals_and_least_time(self, report: Report) -> None:
+        """A row per actuator and one of all together, with what the summary states."""
+        assert report.quality is not None
+        assert [row[0] for row in report.quality.rows] == [*ACTUATORS, "all"]
+        assert report.quality.rows[-1][2] == str(sum(int(row[2]) for row in report.quality.rows[:-1]))
+        assert "times the least time of the slowest actuator alone" in report.quality.note
 
     def test_hashes_are_listed(self, report: Report) -> None:
         """The provenance has versions, the configuration's hash, and that of every file of a stage."""

@@ -79,6 +79,9 @@ class TestWhole:
         assert {len(trajectory["usage"][name]) for name in ("velocity", "acceleration", "jerk", "force")} == {5}
         assert len(trajectory["usage"]["link_force"]) == 6
         assert trajectory["back"]["duration_s"] == 2.0
+        assert len(told["path"]["quality"]["acceleration_sign_changes"]) == 5
+        assert told["path"]["quality"]["motion_s"] == 2.0
+        assert "quality" not in trajectory
         assert all(told[part]["seconds"] >= 0.0 for part in ("regions", "route", "path", "trajectory"))
 
     def test_path_table_gives_the_summary(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:

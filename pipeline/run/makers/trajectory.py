@@ -6,12 +6,12 @@ from pipeline.artifacts.results.trajectory import back_files, trajectory_files
 from pipeline.errors import NoSolutionError
 from pipeline.export import sidecar
 from pipeline.progress import Monitor
-from pipeline.retime import measure_trajectory, retime_path, sample_trajectory, way_back
+from pipeline.retime import measure_quality, measure_trajectory, retime_path, sample_trajectory, way_back
 from pipeline.retime.result import Trajectory
 from pipeline.run.product import Product
 from pipeline.stage import Stage
 from pipeline.summary.section import failure_section, without_part
-from pipeline.summary.trajectory import back_section, trajectory_section
+from pipeline.summary.trajectory import back_section, quality_part, trajectory_section
 
 if TYPE_CHECKING:
     from pipeline.run.results import Results
@@ -40,7 +40,7 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     samples = sample_trajectory(trajectory, config.retime.period_s)
     figures = measure_trajectory(trajectory, samples)
     files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
-    section = trajectory_section(figures)
+    section = trajectory_section(figures) | quality_part(measure_quality(trajectory, config.retime.speed))
     if isinstance(back, NoSolutionError):
         return Product(files, {**section, **without_part("back", failure_section(back.reason, back.advice))})
     samples = sample_trajectory(back, config.retime.period_s)
