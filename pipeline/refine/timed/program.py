@@ -31,6 +31,7 @@ from pipeline.refine.integral.derivatives import derivative_options
 from pipeline.refine.integral.node_kappa import NodeKappa
 from pipeline.refine.integral.program import Block, Program
 from pipeline.refine.integral.rows import direction_rows, node_rows, one_way_rows, side_rows, sparse
+from pipeline.refine.integral.wall_rows import wall_rows
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.one_way import one_way_legs
 from pipeline.refine.result import directions_of
@@ -136,6 +137,7 @@ def build_timed_program(data: TimedData, guess: TimedGuess) -> TimedProgram:
         *_rate_rows(machine, data.mesh, x, guess.motion_s),
         *(row for part in parts for row in part.rows),
         *side_rows(machine, data.corridor, x.pose, x.q),
+        *wall_rows(data.corridor.walls, x.pose),
         *direction_rows(data.directions, legs),
         *one_way_rows(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), c),
         *visits.rows,
