@@ -75,12 +75,14 @@ regions_figure(config, regions)
 # %% [markdown]
 # ## Route: the best sequence of regions
 #
-# The least sum of kappa over the steps, proven to be the least on this grid. Status and gap tell whether that
+# The least integral of kappa along the moves, proven to be the least on this grid. Status and gap tell whether that
 # proof is complete; look at them before anything else.
 
 # %%
 route = plan_route(config, machine, regions)
-print(f"{route.status}: sum of kappa {route.objective:.1f}, gap {route.search.gap:.0%}, largest {route.kappa_max:.1f}")
+print(
+    f"{route.status}: kappa integral {route.objective:.1f}, gap {route.search.gap:.0%}, largest {route.kappa_max:.1f}"
+)
 route_figure(config, machine, route)
 
 # %% [markdown]

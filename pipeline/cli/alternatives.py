@@ -12,11 +12,11 @@ from rich.table import Table
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.reporter import make_reporter
 from pipeline.config import Config
-from pipeline.config.objective_words import ROUTE_QUANTITIES
 from pipeline.config.section import MOST_NAME
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.regular_file import read_regular_file
 from pipeline.stage import Stage
+from pipeline.summary.objective_words import ROUTE_QUANTITIES
 
 if TYPE_CHECKING:
     from pipeline.run import RunOptions

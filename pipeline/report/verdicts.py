@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.config.objective_words import route_quantity
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
 from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
 from pipeline.status import Status
+from pipeline.summary.objective_words import route_quantity
 from pipeline.summary.section import failed_part
 
 CERTIFIED, SKIPPED = "certified", "skipped"

@@ -4,10 +4,10 @@ import time
 from dataclasses import dataclass
 
 from pipeline.config.choices import RouteObjective
-from pipeline.config.objective_words import ROUTE_QUANTITIES, Quantity
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Monitor
 from pipeline.status import Status
+from pipeline.summary.objective_words import ROUTE_QUANTITIES, Quantity
 
 
 class OutOfTimeError(NoSolutionError):

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from pipeline.config.objective_words import route_quantity
 from pipeline.errors import NoSolutionError
 from pipeline.status import Status
+from pipeline.summary.objective_words import route_quantity
 from pipeline.summary.section import Section
 
 if TYPE_CHECKING:

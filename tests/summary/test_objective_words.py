@@ -3,8 +3,8 @@
 import pytest
 
 from pipeline.config.choices import RouteObjective
-from pipeline.config.objective_words import ROUTE_QUANTITIES, route_quantity
 from pipeline.errors import ConfigError
+from pipeline.summary.objective_words import ROUTE_QUANTITIES, route_quantity
 
 
 def test_every_objective_has_its_words():
