@@ -1,8 +1,8 @@
 """The part of the configuration that each stage may read: only a change in it makes the stage run again.
 
 Regions and route depend on limits and masses only as far as forces have to hold the machine, and the path on velocity
-limits beside them, in whose units it is smooth: other limits of motion only cost a new trajectory. The files of the last stages quote the configuration with its name and hash, so that
-these depend on all of it.
+limits beside them, in whose units it is smooth, so that other limits of motion only cost a new trajectory. The files of
+the last stages quote the configuration with its name and hash, so that these depend on all of it.
 """
 
 from typing import Any
