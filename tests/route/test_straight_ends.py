@@ -72,5 +72,5 @@ def test_a_straight_move_that_breaks_a_limit_is_refused(straight_config: Config,
     """A box to avoid that both ends of the move are beside: the error says which move, and what it meets."""
     require_straight_ends(straight_config, machine)
     box = {"x_m": [1.19, 1.21], "y_m": [0.49, 0.51], "z_m": [0.93, 0.94]}
-    with pytest.raises(ConfigError, match="straight move from the approach pose of task.goal to it fails"):
+    with pytest.raises(ConfigError, match=r"straight move from the approach pose of task.goal to it fails"):
         require_straight_ends(vary(straight_config, {"task.avoid": [box]}), machine)
