@@ -34,6 +34,8 @@ from pipeline.status import Status
 _FOLLOWED = 8_192
 """Moves followed between two looks at the clock."""
 
+_FINE = 1.01
+"""Ratio of neighbouring caps at which the least largest kappa is looked for."""
 _MOST_ROUTES = 1_000
 """More routes than a search could give."""
 Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
@@ -180,11 +182,11 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
 
 
 def _least_kappa_max(problem: RouteProblem, graph: StateGraph, largest: float) -> float:
-    """Find the least largest kappa over the graph, given that of a route through it: no other region matters."""
+    """Bound the least largest kappa over the graph to one per cent, given that of a route: no other region matters."""
     kappa = graph.regions.kappa
+    values = np.minimum(largest * _FINE ** np.ceil(np.log(kappa / largest) / np.log(_FINE)), largest)
     moves = moves_within(graph.moves, kappa, largest)
-    least = least_cap(graph.regions, moves, kappa.clip(max=largest), problem.options.step_budget - 1, problem.budgets)
-    return min(least, largest)
+    return min(least_cap(graph.regions, moves, values, problem.options.step_budget - 1, problem.budgets), largest)
 
 
 def _search(placed: PlacedRoute, best: Optimum, screen: Screen, moves: int, rounds: int) -> Search:

@@ -35,8 +35,8 @@ class Search:
     forbidden_moves : int
         Number of moves that were inadmissible when followed continuously.
     least_kappa_max : float
-        The least largest kappa of regions that any admitted moves from start to goal go through, which stage two aims
-        at; those of a core alone are followed, so that there need not be such a route.
+        The least largest kappa of regions that any admitted moves from start to goal go through, to one per cent, which
+        guides stage two; only moves of a core are followed, so that there need not be such a route.
     """
 
     solver: str

@@ -61,9 +61,10 @@ def route_part(config: Config) -> Part:
 
 def refine_part(config: Config) -> Part:
     """Give the keys that the refined path depends on."""
-    velocities = [limits.velocity_mps for limits in config.machine.limits.of_actuators()]
-    smooth = {"velocity_mps": velocities} if config.refine.smoothness > 0.0 else {}
-    return {**route_part(config), **smooth, "refine": whole_config(config)["refine"]}
+    part, whole = route_part(config), whole_config(config)
+    if config.refine.smoothness > 0.0:
+        part["machine"] = _joined(part["machine"], {"limits": _only("velocity_mps", whole["machine"]["limits"])})
+    return {**part, "refine": whole["refine"]}
 
 
 def certify_part(config: Config) -> Part:
@@ -95,3 +96,20 @@ def _machine_part(config: Config) -> Part:
 
 def _without(section: Part, *keys: str) -> Part:
     return {key: value for key, value in section.items() if key not in keys}
+
+
+def _only(wanted: str, section: Part) -> Part:
+    """Give a key of a section and of the sections in it."""
+    inner = {key: _only(wanted, value) for key, value in section.items() if isinstance(value, dict)}
+    found = {wanted: section[wanted]} if wanted in section else {}
+    return found | {key: value for key, value in inner.items() if value}
+
+
+def _joined(first: Part, second: Part) -> Part:
+    """Join two sections, and the sections in them."""
+    inner = {
+        key: _joined(first[key], value)
+        for key, value in second.items()
+        if isinstance(value, dict) and isinstance(first.get(key), dict)
+    }
+    return {**first, **second, **inner}

@@ -12,6 +12,7 @@ from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.machine import build_machine
 from pipeline.progress import Monitor
 from pipeline.route import build_regions, plan_route
+from pipeline.route.bounds.bottleneck import least_cap
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.cost.kappa_sum import KappaSum
 from pipeline.route.deadline import Deadline
@@ -103,6 +104,14 @@ def test_moves_that_fail_when_followed_are_forbidden_and_counted(twenty, assert_
     rounds = [message for message in seen if message.startswith("route: round")]
     assert len(rounds) == route.search.rounds
     assert rounds[0] == "route: round 1, 0 moves forbidden"
+
+
+def test_the_least_largest_kappa_is_known_to_one_per_cent(ten):
+    """Against bisection over the kappa of all regions; never above that of the route itself."""
+    problem = _problem(ten)
+    (route,) = solve_problem(problem)
+    exact = least_cap(problem.regions, problem.moves, most_moves=problem.options.step_budget - 1)
+    assert exact * (1.0 - 1e-9) <= route.search.least_kappa_max <= min(1.01 * exact, route.kappa_max) * (1.0 + 1e-9)
 
 
 def _failing(times):

@@ -103,9 +103,9 @@ def _limit(points: EvaluationPoints, required: LeastValues, iterate: Iterate, fr
     count = least.shape[1]
 
     def slope(rows: IntArray) -> csr_array:
-        at = free[rows // count]
+        at, own = np.unique(free[rows // count], return_inverse=True)
         every = slopes(limit.values, iterate.samples.take(at), iterate.moves[at])
-        return by_unknowns(points, at, every[np.arange(len(at)), rows % count])
+        return by_unknowns(points, at[own], every[own, rows % count])
 
     value = limit.values(iterate.samples)[free].ravel()
     return Constraint(value, least.ravel(), np.full(len(value), np.inf), limit.slack, slope)
@@ -116,9 +116,9 @@ def _sides(points: EvaluationPoints, corridor: Corridor, iterate: Iterate) -> Co
     side = corridor.sides[point, arm]
 
     def slope(rows: IntArray) -> csr_array:
-        at = point[rows]
+        at, own = np.unique(point[rows], return_inverse=True)
         every = slopes(lambda beside: beside.reach_m, iterate.samples.take(at), iterate.moves[at])
-        return by_unknowns(points, at, side[rows, None] * every[np.arange(len(at)), arm[rows]])
+        return by_unknowns(points, at[own], side[rows, None] * every[own, arm[rows]])
 
     value = side * iterate.samples.reach_m[point, arm]
     low = np.full(len(value), corridor.side_margin_m)

@@ -1,5 +1,7 @@
 """Lowering the largest kappa on the mesh of a solution."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,3 +58,16 @@ def test_running_out_of_steps_is_a_failure_with_the_last_path(
         lower_peak(problem, _initial(problem))
     assert "refine.max_iterations" in caught.value.advice
     assert np.shape(caught.value.diagnosis["coefficients"]) == (16, 5)
+
+
+def test_peaks_are_lowered_as_far_as_regions_show_to_be_possible(
+    light_config: Config, machine: Machine, route: Route
+) -> None:
+    """A tenth above the least largest kappa of regions is the aim, where that is below 0.97 of the coarse path's."""
+    found = []
+    for least in (np.inf, 0.8 * route.kappa_max):
+        problem = _problem(light_config, machine, replace(route, search=replace(route.search, least_kappa_max=least)))
+        found.append(figures_of(problem, lower_peak(problem, _initial(problem))))
+    assert found[0].kappa_max < 0.98 * problem.coarse_kappa_max
+    assert found[1].kappa_max < 0.98 * found[0].kappa_max
+    assert found[1].kappa_integral > found[0].kappa_integral
