@@ -1,8 +1,8 @@
 """The part of the configuration that each stage may read: only a change in it makes the stage run again.
 
 Stages one and two depend on limits and masses only as far as forces have to hold the machine, so that other limits of
-motion only cost a new trajectory; where path and time law are found together, stage two depends on all limits. The files of the last stages quote the configuration with its name and hash, so that
-these depend on all of it.
+motion only cost a new trajectory; where path and time law are found together, stage two depends on all limits. The
+files of the last stages quote the configuration with its name and hash, so that these depend on all of it.
 """
 
 from typing import Any

@@ -19,7 +19,8 @@ def timed(path: Path) -> Path:
     clock = first_clock(path, 30)
     spline = fit_motion(path, clock, 30)
     tau = np.linspace(0.0, 1.0, 121)
-    return Path(path.machine, spline, tau, path.pose(clock.s_at(tau)), least_motion_s(path.machine, spline))
+    motion_s = least_motion_s(path.machine, spline)
+    return Path(path.machine, spline, tau, path.pose(clock.s_at(tau)), motion_s=motion_s)
 
 
 def test_time_runs_evenly_along_the_path(timed: Path) -> None:
