@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from pipeline.certify import certify_path
-from pipeline.config import Config
+from pipeline.config import Config, PoseConfig
+from pipeline.config.task import VisitConfig
 from pipeline.errors import NoSolutionError
 from pipeline.machine import Machine
+from pipeline.machine.pose import CONTROLLED
 from pipeline.refine import Refinement, measure_path, sample_path
 from pipeline.refine.problem import Problem, build_problem
 from pipeline.refine.timed.hull import rate_limits
@@ -82,3 +84,26 @@ def test_a_finer_mesh_has_the_same_motion(problem: Problem, refinement: Refineme
     assert finer.mesh.coefficients == 75
     assert len(finer.mesh.s) == 321
     assert (np.diff(coarse_in_time(problem.coarse, clock).node_s) >= 0.0).all()
+
+
+def test_a_pose_to_visit_is_met_at_a_time_of_its_own(problem: Problem, refinement: Refinement) -> None:
+    """A pose of the refined path, moved by a centimetre, is on the motion, which passes it without a node there."""
+    step = len(problem.route) // 2
+    pose = refinement.path.pose(refinement.coarse.node_s[100 * step])
+    pose[1] += 0.01
+    poses, visits = problem.route.pose.copy(), np.zeros_like(problem.route.visits)
+    poses[step], visits[step] = pose, 1
+    x, y, z, rx, _, rz = pose.tolist()
+    given = PoseConfig(x_m=x, y_m=y, z_m=z, rx_deg=np.rad2deg(rx), rz_deg=np.rad2deg(rz), mode="LLL")
+    task = problem.config.task.model_copy(update={"visit": (VisitConfig(pose=given),)})
+    asked = replace(
+        problem,
+        config=problem.config.model_copy(update={"task": task}),
+        route=replace(problem.route, pose=poses, visits=visits),
+    )
+    path = minimise_time(asked, refinement).path
+    tau = np.linspace(0.0, 1.0, 20_001)
+    far = np.abs(path.pose(tau) - pose)[:, CONTROLLED].max(axis=1)
+    assert far.min() < 1e-3
+    around = np.linspace(tau[far.argmin() - 1], tau[far.argmin() + 1], 20_001)
+    assert np.abs(path.pose(around) - pose)[:, CONTROLLED].max(axis=1).min() < 1e-7
