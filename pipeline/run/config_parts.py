@@ -1,14 +1,15 @@
 """The part of the configuration that each stage may read: only a change in it makes the stage run again.
 
-Regions and route depend on limits and masses only as far as forces have to hold the machine, and the path on velocity
-limits beside them, in whose units it is smooth: other limits of motion only cost a new trajectory. The files of the
-last stages quote the configuration with its name and hash, so that these depend on all of it.
+Regions and route depend on limits and masses only as far as forces have to hold the machine (a route by time on velocity
+limits, too), and the path on velocity limits beside them, in whose units it is smooth: other limits of motion only cost
+a new trajectory. Where path and time law are found together, stage two depends on all limits. The files of the last
+stages quote the configuration with its name and hash, so that these depend on all of it.
 """
 
 from typing import Any
 
 from pipeline.config import Config
-from pipeline.config.choices import Proof
+from pipeline.config.choices import PathObjective, Proof, RouteObjective
 
 _OF_MOTION = ("limits", "dynamics")
 """Parts of the machine of which stages one and two read what holds it, and no more."""
@@ -54,16 +55,20 @@ def grid_part(config: Config) -> Part:
 
 def route_part(config: Config) -> Part:
     """Give the keys that the route depends on."""
-    whole = whole_config(config)
-    refine = _of_refine(config)
-    return {"machine": _machine_part(config), "task": whole["task"], "route": whole["route"], "refine": refine}
+    whole, machine = whole_config(config), _machine_part(config)
+    if config.route.objective == RouteObjective.TIME:
+        machine = _joined(machine, {"limits": _only("velocity_mps", whole["machine"]["limits"])})
+    return {"machine": machine, "task": whole["task"], "route": whole["route"], "refine": _of_refine(config)}
 
 
 def refine_part(config: Config) -> Part:
-    """Give the keys that the refined path depends on."""
+    """Give the keys that the refined path depends on; with its time law it depends on all limits of motion."""
     part, whole = route_part(config), whole_config(config)
-    if config.refine.smoothness > 0.0:
-        part["machine"] = _joined(part["machine"], {"limits": _only("velocity_mps", whole["machine"]["limits"])})
+    limits = whole["machine"]["limits"]
+    if config.refine.objective == PathObjective.TIME:
+        part["machine"] = {**part["machine"], "limits": limits}
+    elif config.refine.smoothness > 0.0:
+        part["machine"] = _joined(part["machine"], {"limits": _only("velocity_mps", limits)})
     return {**part, "refine": whole["refine"]}
 
 
