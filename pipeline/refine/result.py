@@ -1,6 +1,6 @@
 """The result of stage two: a path, a curve of actuator positions over s in [0, 1] with the pose it implies."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
@@ -57,7 +57,7 @@ class Path:
     spline: BSpline
     node_s: FloatArray
     node_pose: FloatArray
-    motion_s: float | None = None
+    motion_s: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         require_path(self)

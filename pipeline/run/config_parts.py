@@ -1,14 +1,14 @@
 """The part of the configuration that each stage may read: only a change in it makes the stage run again.
 
 Stages one and two depend on limits and masses only as far as forces have to hold the machine, so that other limits of
-motion only cost a new trajectory. The files of the last stages quote the configuration with its name and hash, so that
-these depend on all of it.
+motion only cost a new trajectory; where path and time law are found together, stage two depends on all limits. The
+files of the last stages quote the configuration with its name and hash, so that these depend on all of it.
 """
 
 from typing import Any
 
 from pipeline.config import Config
-from pipeline.config.choices import Proof
+from pipeline.config.choices import PathObjective, Proof
 
 _OF_MOTION = ("limits", "dynamics")
 """Parts of the machine of which stages one and two read what holds it, and no more."""
@@ -58,8 +58,10 @@ def route_part(config: Config) -> Part:
 
 
 def refine_part(config: Config) -> Part:
-    """Give the keys that the refined path depends on."""
-    return {**route_part(config), "refine": whole_config(config)["refine"]}
+    """Give the keys that the refined path depends on; with its time law it depends on all limits of motion."""
+    part, whole = route_part(config), whole_config(config)
+    limits = {"limits": whole["machine"]["limits"]} if config.refine.objective == PathObjective.TIME else {}
+    return {**part, "machine": {**part["machine"], **limits}, "refine": whole["refine"]}
 
 
 def certify_part(config: Config) -> Part:

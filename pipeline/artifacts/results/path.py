@@ -133,4 +133,4 @@ def unpack_path(arrays: Arrays, prefix: str, machine: Machine) -> Path:
     motion_s = checked.number(f"{prefix}motion_s") if f"{prefix}motion_s" in checked else None
     if motion_s is not None and not 0.0 < motion_s < np.inf:
         raise ValueError(f"{prefix}motion_s is {motion_s}; expected a duration")
-    return Path(machine, spline, node_s, node_pose, motion_s)
+    return Path(machine, spline, node_s, node_pose, motion_s=motion_s)

@@ -18,7 +18,7 @@ _STATUS = {
 }
 Accuracy = Literal["rough", "timed", "precise"]
 """Good enough to start another solve from, to a millionth, or as good as it gets."""
-_TOLERANCES: dict[Accuracy, dict[str, float]] = {
+_TOLERANCES: dict[Accuracy, dict[str, float | str]] = {
     "rough": {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1},
     "timed": {
         "tol": 1e-6,
@@ -26,6 +26,11 @@ _TOLERANCES: dict[Accuracy, dict[str, float]] = {
         "acceptable_tol": 1e-4,
         "acceptable_constr_viol_tol": 1e-9,
         "acceptable_obj_change_tol": 1e-6,
+        # It starts from a motion that nearly keeps all limits, and must not be driven far away from them.
+        "mu_strategy": "monotone",
+        "mu_init": 1e-3,
+        "bound_push": 1e-4,
+        "bound_frac": 1e-4,
     },
     "precise": {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9},
 }

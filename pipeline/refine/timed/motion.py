@@ -101,4 +101,4 @@ def _path(near: Path, spline: BSpline, known: tuple[FloatArray, FloatArray], mot
     tau, poses = known
     pose, _ = newton(near.machine, spline(tau), poses)
     pose[[0, -1]] = near.node_pose[[0, -1]]
-    return Path(near.machine, spline, tau, pose, motion_s)
+    return Path(near.machine, spline, tau, pose, motion_s=motion_s)

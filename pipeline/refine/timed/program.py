@@ -44,6 +44,8 @@ _SMOOTHING = 1e-3
 """Share of the mean distance between nodes, added in quadrature: near rest nodes hardly differ."""
 _JERK = 1e-4
 """Weight of the mean square of jerk relative to its limit: it settles what the duration leaves open."""
+_STILL_M = 1e-9
+"""Travel of an actuator that counts as none."""
 _LEAST_TIME, _MOST_TIME = 0.2, 5.0
 """Bounds of T relative to its guess."""
 
@@ -185,8 +187,9 @@ def _unknowns(data: TimedData, guess: TimedGuess, x: _Symbols) -> list[Unknowns]
     low, high = (np.tile(bound, (len(c), 1)) for bound in data.actuator_range_m.T)
     given = np.zeros(c.shape, dtype=bool)
     given[:AT_REST] = given[-AT_REST:] = True
-    given |= locked(nodes.machine) & (np.ptp(c, axis=0) == 0.0)
     low[given] = high[given] = c[given]
+    still = locked(nodes.machine) & (np.ptp(c, axis=0) < _STILL_M)
+    low[:, still] = high[:, still] = c[0, still]
     free = np.full_like(nodes.q_m, np.inf)
     return [
         Unknowns(x.pose, nodes.pose, data.corridor.low, data.corridor.high),

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,25 @@ def test_refinement(tmp_path: Path, machine: Machine, make: Make) -> None:
         assert np.array_equal(ours.q(s), theirs.q(s))
         assert np.array_equal(ours.q(s, 1), theirs.q(s, 1))
         assert np.array_equal(ours.pose(s), theirs.pose(s))
+
+
+def test_the_duration_of_a_timed_path_and_waits_of_a_route_come_back(
+    tmp_path: Path, machine: Machine, make: Make
+) -> None:
+    """A path over time keeps its duration; two steps of a coarse path may be at one place."""
+    refinement = make["refinement"](machine)
+    coarse = refinement.coarse
+    again = replace(
+        coarse,
+        node_s=np.sort(np.append(coarse.node_s, 0.0)),
+        node_pose=coarse.node_pose[[0, *range(len(coarse.node_s))]],
+    )
+    refinement = replace(refinement, path=replace(refinement.path, motion_s=4.25), coarse=again)
+    put(tmp_path, path_files(refinement, sample_path(refinement.path, np.linspace(0.0, 1.0, 5))))
+    loaded = load_refinement(SavedRun(tmp_path, machine))
+    assert loaded.path.motion_s == 4.25
+    assert loaded.coarse.motion_s is None
+    np.testing.assert_array_equal(loaded.coarse.node_s, again.node_s)
 
 
 def test_a_path_of_its_own(tmp_path: Path, machine: Machine, make: Make) -> None:
