@@ -1,9 +1,9 @@
 """The part of the configuration that each stage may read: only a change in it makes the stage run again.
 
-Regions and route depend on limits and masses only as far as forces have to hold the machine (a route by time on velocity
-limits, too), and the path on velocity limits beside them, in whose units it is smooth: other limits of motion only cost
-a new trajectory. Where path and time law are found together, stage two depends on all limits. The files of the last
-stages quote the configuration with its name and hash, so that these depend on all of it.
+Regions and route depend on limits and masses only as far as forces have to hold the machine (a route by time on
+velocity limits, too), and the path on velocity limits beside them, in whose units it is smooth: other limits of motion
+only cost a new trajectory. Where path and time law are found together, stage two depends on all limits. The files of
+the last stages quote the configuration with its name and hash, so that these depend on all of it.
 """
 
 from typing import Any

@@ -204,7 +204,7 @@ def _cell(row: dict[str, Any], key: str) -> str:
 def _number(figures: dict[str, Any], key: str) -> str:
     value = figures.get(key)
     if value is None:
-        return str(figures.get("outcome", "-"))
+        return "-" if figures.get("outcome", "path") == "path" else str(figures["outcome"])
     return str(value) if isinstance(value, int) else f"{value:.1f}" if value >= 100.0 else f"{value:.3g}"
 
 
