@@ -42,22 +42,24 @@ def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS, s
 
 
 def read_csv(text: str, separator: str = ",") -> dict[str, Column]:
-    """Read a table back: columns of integers as int64, of other numbers as float64, all others as text.
+    """Read a table back: columns of integers that fit as int64, of other numbers as float64, all others as text.
 
     Raises
     ------
     ValueError
-        When the table has no header, the same column twice, or a row of another length; names the line.
+        When the table has no header, the same column twice, a row of another length or none at all; names the line.
     """
     reader = csv.reader(io.StringIO(text), delimiter=separator)
-    names = next(reader, [])
-    if not names or len(set(names)) < len(names):
-        raise ValueError(f"line 1 must name every column once, not {','.join(names)!r}")
-    rows = []
-    for row in reader:
-        if len(row) != len(names):
-            raise ValueError(f"line {reader.line_num} has {len(row)} values for {len(names)} columns")
-        rows.append(row)
+    try:
+        names, rows = next(reader, []), []
+        if not names or len(set(names)) < len(names):
+            raise ValueError(f"line 1 must name every column once, not {','.join(names)!r}")
+        for row in reader:
+            if len(row) != len(names):
+                raise ValueError(f"line {reader.line_num} has {len(row)} values for {len(names)} columns")
+            rows.append(row)
+    except csv.Error as error:
+        raise ValueError(f"line {reader.line_num} is no row of a table: {error}") from None
     values = zip(*rows, strict=True) if rows else ([] for _ in names)
     return {name: _parse(list(column)) for name, column in zip(names, values, strict=True)}
 
@@ -79,6 +81,6 @@ def _parse(cells: list[str]) -> Column:
     for dtype in (np.int64, np.float64):
         try:
             return np.array(cells, dtype=dtype)
-        except ValueError:
+        except (ValueError, OverflowError):
             continue
     return np.array(cells)

@@ -87,6 +87,7 @@ READ = {
     "route.npz": ("report", "out"),
     "regions.npz": ("report", "out"),
     "path.csv": ("compare", "out", "--no-timing"),
+    "certificate.json": ("certify", "--check", "out"),
 }
 """A command that needs the file."""
 

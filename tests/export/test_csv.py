@@ -100,6 +100,11 @@ def test_nan_stays_nan() -> None:
     assert np.isnan(read_csv(format_csv({"a": [np.nan, 1.0]}))["a"][0])
 
 
+def test_integers_that_do_not_fit_are_read_as_floats() -> None:
+    """Beyond 64 bits there are no integers."""
+    np.testing.assert_array_equal(read_csv("a\n1\n" + "9" * 20 + "\n")["a"], [1.0, 1e20])
+
+
 @pytest.mark.parametrize(
     ("columns", "error", "message"),
     [
@@ -123,6 +128,8 @@ def test_what_is_no_table_is_refused(columns: dict, error: type[Exception], mess
         ("a,a\n1,2\n", "line 1 must name every column once"),
         ("a,b\n1,2\n3\n", "line 3 has 1 values for 2 columns"),
         ("a,b\n1,2,3\n", "line 2 has 3 values for 2 columns"),
+        ("a,b\n1,\r2\n", "line 2 is no row of a table"),
+        ("a" * 200_000, "line 1 is no row of a table"),
     ],
 )
 def test_what_is_no_table_cannot_be_read(text: str, message: str) -> None:
