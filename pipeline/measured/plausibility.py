@@ -12,7 +12,7 @@ _LIKE = 0.1
 _SMALLEST = {"m": 0.1, "rad": 0.02}
 """Commanded values, by unit, below which a ratio means nothing."""
 _CLEARLY = 10.0
-"""How much nearer to the opposite ends a motion has to be to be the way back."""
+"""How much nearer to what is expected in reverse a motion has to be to be the way back."""
 
 
 def require_units(names: tuple[str, ...], measured: FloatArray, expected: FloatArray) -> None:
@@ -44,18 +44,22 @@ def require_units(names: tuple[str, ...], measured: FloatArray, expected: FloatA
 def require_direction(measured: FloatArray, expected: FloatArray) -> None:
     """Require that positions (n, k) do not run from the end of what is expected (n, k) to its start.
 
+    Motions that end where they start are told by their course: that of the way back is the same rows reversed.
+
     Raises
     ------
     RowError
-        When both their ends are ten times nearer to the opposite ends.
+        When both their ends are ten times nearer to the opposite ends, or all rows together to those reversed.
     """
 
-    def distance(row: int, expected_row: int) -> float:
-        return float(np.linalg.norm(measured[row] - expected[expected_row]))
+    def is_nearer_reversed(rows: slice) -> bool:
+        here, there = (np.linalg.norm((measured - wanted)[rows]) for wanted in (expected, expected[::-1]))
+        return bool(_CLEARLY * there < here)
 
-    if _CLEARLY * distance(0, -1) < distance(0, 0) and _CLEARLY * distance(-1, 0) < distance(-1, -1):
+    ends = is_nearer_reversed(slice(1)) and is_nearer_reversed(slice(-1, None))
+    if ends or is_nearer_reversed(slice(None)):
         raise RowError(
-            "the measurement starts where the commanded motion ends, and ends where that starts: it is the other "
+            "the measurement runs from where the commanded motion ends to where that starts: it is the other "
             "way.\n  What to change: give --back for the way back, and leave it out for the way there.",
             0,
         )

@@ -50,3 +50,14 @@ def test_the_other_direction() -> None:
     require_direction(EXPECTED[[0] * 50], EXPECTED[[0] * 50])
     require_direction(EXPECTED[[0] * 50], EXPECTED)
     require_direction(EXPECTED[:1], EXPECTED[:1])
+
+
+def test_the_other_direction_of_a_motion_that_ends_where_it_starts() -> None:
+    """Its course tells, also with noise; the same way out and home has no direction."""
+    loop = np.column_stack([np.cos(2 * np.pi * S), np.sin(2 * np.pi * S), 0.1 * np.sin(4 * np.pi * S)])
+    noise = 0.001 * np.random.default_rng(1).standard_normal(loop.shape)
+    with pytest.raises(RowError, match=r"(?s)the other way.*--back"):
+        require_direction(loop[::-1] + noise, loop)
+    require_direction(loop + noise, loop)
+    there_and_home = np.concatenate([EXPECTED, EXPECTED[::-1]])
+    require_direction(there_and_home[::-1] + 1e-3, there_and_home)
