@@ -20,8 +20,8 @@ def tradeoff_figure(points: tuple[TradeoffPoint, ...]) -> Figure:
     for index, (_, members) in enumerate(groupby(points, key=lambda point: point.route)):
         curve = list(members)
         duration = [point.duration_s for point in curve]
-        label = f"route {curve[0].route}: {' '.join(curve[0].modes)}"
-        look = {"color": _COLOURS[index % len(_COLOURS)], "marker": _MARKERS[index], "label": label}
+        text = f"route {curve[0].route}: {' '.join(curve[0].modes)}"
+        look = {"color": _COLOURS[index % len(_COLOURS)], "marker": _MARKERS[index], "label": text}
         for ax, name in zip(axes, ("kappa_integral", "kappa_max"), strict=True):
             values = [getattr(point, name) for point in curve]
             ax.plot(values, duration, **look)

@@ -122,7 +122,7 @@ def collect(stages: Stages, weights: Sequence[float], routes: int, monitor: Moni
     """Find the points of all routes; a route that does not exist ends the search, a point without proof does not."""
     found: list[TradeoffPoint | MissingPoint] = []
     for rank in range(1, routes + 1):
-        monitor.progress(f"route {rank} of {routes}", (rank - 1) / routes)
+        monitor.progress(f"alternative {rank} of {routes}", (rank - 1) / routes)
         try:
             route = stages.routes(rank)
         except NoSolutionError as error:

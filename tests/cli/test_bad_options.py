@@ -60,7 +60,7 @@ WRONG: tuple[tuple[tuple[Any, ...], str], ...] = (
     (("route", "c.yaml", "--alternatives", "2", "--write-mps", "p.mps"), "--alternatives"),
     (("route", "c.yaml", "--formulation", "short"), "--formulation"),
     (("route", "c.yaml", "--write-mps", "p.mps"), "--formulation"),
-    (("route", "c.yaml", "--write-mps", "p.txt", "--formulation", "paper"), ".mps"),
+    (("route", "c.yaml", "--write-mps", "p.mps", "--formulation", "paper"), "route.objective"),
     (("certify",), "CONFIG"),
     (("certify", "c.yaml", "--check", "out"), "--check"),
     (("certify", "--check", "none"), "none"),

@@ -37,7 +37,7 @@ class TestRealStages:
         assert path["status"] == "converged"
         assert path["det_sign_constant"] is True
         assert path["kappa_max"] <= path["coarse_kappa_max"]
-        assert path["kappa_integral"] < 0.82 * path["coarse_kappa_integral"]
+        assert path["kappa_integral"] < 0.87 * path["coarse_kappa_integral"]
         assert path["closure_residual_m"] < 1e-9
         assert path["max_tilt_deg"] <= 30.0
         assert path["min_link_distance_m"] >= 0.03

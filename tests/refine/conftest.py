@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
+from pipeline.config.choices import RouteObjective
 from pipeline.limits import node_limits
 from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
@@ -57,15 +58,40 @@ def free() -> np.ndarray:
 
 
 @pytest.fixture(scope="session")
-def peak(quick_config: Config, machine: Machine, route: Route, coarse: Path, steps: np.ndarray, free) -> PeakProblem:
-    """Evaluate splines of sixteen coefficients at 61 points along the route, with no margin to any limit."""
+def steep_config(quick_config: Config) -> Config:
+    """Make a configuration whose route zigzags, in a narrow corridor: one that leaves much to lower."""
+    return quick_config.model_copy(
+        update={
+            "route": quick_config.route.model_copy(update={"objective": RouteObjective.SUM}),
+            "refine": quick_config.refine.model_copy(update={"corridor_cells": 1.0}),
+        }
+    )
+
+
+@pytest.fixture(scope="session")
+def steep_route(steep_config: Config, machine: Machine) -> Route:
+    """Plan it."""
+    return plan_route(steep_config, machine, build_regions(steep_config, machine))
+
+
+@pytest.fixture(scope="session")
+def steep(machine: Machine, steep_route: Route, steps: np.ndarray) -> Path:
+    """Join its steps."""
+    return coarse_path(machine, steep_route, steps)
+
+
+@pytest.fixture(scope="session")
+def peak(
+    steep_config: Config, machine: Machine, steep_route: Route, steep: Path, steps: np.ndarray, free
+) -> PeakProblem:
+    """Evaluate splines of sixteen coefficients at 61 points along a route, with no margin to any limit."""
     points = EvaluationPoints.at(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
-    samples = PoseSamples(machine, coarse.pose(points.s), coarse.q(points.s))
+    samples = PoseSamples(machine, steep.pose(points.s), steep.q(points.s))
     limits = [
         LeastValues(limit, np.full(limit.values(samples).shape, limit.least))
-        for limit in node_limits(quick_config, machine)
+        for limit in node_limits(steep_config, machine)
     ]
-    required = PathConstraints(corridor(quick_config, route, coarse, points.s), limits)
+    required = PathConstraints(corridor(steep_config, steep_route, steep, points.s), limits)
     return PeakProblem(points, required, free, machine.actuator_limits_m)
 
 
@@ -76,9 +102,9 @@ def points(peak: PeakProblem) -> EvaluationPoints:
 
 
 @pytest.fixture(scope="session")
-def iterate(points: EvaluationPoints, coarse: Path) -> Iterate:
-    """Fit the splines to the coarse path."""
-    found = iterate_at(points, fit(points.knots, coarse.node_s, coarse.q(coarse.node_s)), coarse.pose(points.s))
+def iterate(points: EvaluationPoints, steep: Path) -> Iterate:
+    """Fit the splines to the path along that route."""
+    found = iterate_at(points, fit(points.knots, steep.node_s, steep.q(steep.node_s)), steep.pose(points.s))
     assert found is not None
     return found
 

@@ -45,7 +45,7 @@ def test_the_weight_is_relative_to_the_coarse_path(coarse: Path) -> None:
     found = Smoothness.of(1e-6, 400.0, coarse)
     speed = np.linalg.norm(coarse.q(np.linspace(0.0, 1.0, 20_001), 1) / found.velocity_mps, axis=1).mean()
     assert found.weight == pytest.approx(1e-6 * 400.0 / speed**2, rel=5e-3)
-    assert Smoothness.of(0.0, 400.0, coarse).form(clamped_knots(10)).nnz == 0
+    assert Smoothness.of(0.0, 400.0, coarse).form(clamped_knots(10)).count_nonzero() == 0
 
 
 def test_smoothness_costs_little_and_brings_much(

@@ -26,7 +26,7 @@ STRAIGHT = {
 @pytest.fixture(scope="module")
 def straight_config(quick_config: Config, vary: Vary) -> Config:
     """Ask for straight ends of a short task, longer than a step of the grid."""
-    return vary(quick_config, STRAIGHT)
+    return vary(quick_config, STRAIGHT | {"route.objective": "integral"})
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ arm is at its gate (38) and leaves it, windows of x within reach of each other (
 links passing through each other. The last two are cheap filters; `check` decides about the moves that a route may use.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -96,7 +96,8 @@ def find_moves(config: Config, machine: Machine, regions: RegionTable, monitor: 
 def rule_moves(config: Config, regions: RegionTable) -> Moves:
     """Find all moves that (14)-(17) and (38) alone would admit, whatever x, det H and the links do."""
     nothing = np.zeros(len(regions), dtype=np.int64)
-    return MoveSearch.of(regions, step_sizes(config.route), nothing, np.inf).collect(silent)
+    search = MoveSearch.of(regions, step_sizes(config.route), nothing, np.inf)
+    return replace(search, needless=True).collect(silent)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +110,8 @@ class MoveSearch:
         Regions that are left, and the working mode one arrives in: their own and, at a gate, the other one as well.
     coordinates : list of (n,)
         Coordinates counted in steps; those that are whole numbers everywhere are left out, their cells say it all.
+    needless : bool
+        Whether moves that no route needs are found, too.
     """
 
     regions: RegionTable
@@ -121,6 +124,7 @@ class MoveSearch:
     low_m: FloatArray
     high_m: FloatArray
     x_step_m: float
+    needless: bool = False
 
     @classmethod
     def of(cls, regions: RegionTable, steps: FloatArray, codes: IntArray, x_step_m: float) -> "MoveSearch":
@@ -176,7 +180,9 @@ class MoveSearch:
         i = np.repeat(origins, number)
         # Opposite signs of det H, or of a passing pair of links, share a bit.
         keep = (self.codes[i] & self.opposite[j]) == 0
-        keep &= (i != j) & (j != self.regions.start) & ~self._needless(i, j)
+        keep &= (i != j) & (j != self.regions.start)
+        if not self.needless:
+            keep &= ~self._needless(i, j)
         i, j = i[keep], j[keep]
         for coordinate in self.coordinates:
             near = np.abs(coordinate[i] - coordinate[j]) <= 1.0 + _ROUNDING
