@@ -72,7 +72,7 @@ class RefineConfig(Section):
     max_iterations: int = Field(
         1_000, ge=1, le=100_000, description="iterations of one solve by IPOPT, and steps of a sequential program"
     )
-    time_limit_s: float = Field(600.0, gt=0.0, description="for one solve by IPOPT")
+    time_limit_s: float = Field(600.0, gt=0.0, le=1e6, description="for one solve by IPOPT")
 
     @model_validator(mode="after")
     def _directions_point_somewhere(self) -> Self:

@@ -80,7 +80,9 @@ class RouteConfig(Section):
         Formulation.CORE,
         description="the program that is solved; compact, paper: over all regions, for small grids",
     )
-    time_limit_s: float = Field(300.0, gt=0.0, description="for the whole search; the best route so far is then kept")
+    time_limit_s: float = Field(
+        300.0, gt=0.0, le=1e6, description="for the whole search; the best route so far is then kept"
+    )
     memory_gb: float = Field(
         4.0,
         gt=0.0,

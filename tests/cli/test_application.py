@@ -124,8 +124,8 @@ class TestProcess:
         for line in process.stderr:
             if line.startswith(f"{stage}: started"):
                 break
-        # Limiting jerk begins about a second after the stage does.
-        time.sleep(2.0 if stage == "retime" else 0.1)
+        # Limiting jerk begins about half a second after the stage does.
+        time.sleep(0.6 if stage == "retime" else 0.1)
         process.send_signal(signal.SIGINT)
         _, error = process.communicate(timeout=60)
         assert process.returncode == 130

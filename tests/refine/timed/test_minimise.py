@@ -98,7 +98,9 @@ def test_a_pose_to_visit_is_met_at_a_time_of_its_own(problem: Problem, refinemen
     task = problem.config.task.model_copy(update={"visit": (VisitConfig(pose=given),)})
     asked = replace(
         problem,
-        config=problem.config.model_copy(update={"task": task}),
+        config=problem.config.model_copy(
+            update={"task": task, "refine": problem.config.refine.model_copy(update={"corridor_cells": 1.0})}
+        ),
         route=replace(problem.route, pose=poses, visits=visits),
     )
     path = minimise_time(asked, refinement).path
