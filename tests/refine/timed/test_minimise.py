@@ -87,10 +87,10 @@ def test_a_finer_mesh_has_the_same_motion(problem: Problem, refinement: Refineme
 
 
 def test_a_pose_to_visit_is_met_at_a_time_of_its_own(problem: Problem, refinement: Refinement) -> None:
-    """A pose of the refined path, moved by a centimetre, is on the motion, which passes it without a node there."""
+    """A pose of the refined path, moved by two millimetres, is on the motion, which passes it without a node there."""
     step = len(problem.route) // 2
     pose = refinement.path.pose(refinement.coarse.node_s[100 * step])
-    pose[1] += 0.01
+    pose[1] += 0.002
     poses, visits = problem.route.pose.copy(), np.zeros_like(problem.route.visits)
     poses[step], visits[step] = pose, 1
     x, y, z, rx, _, rz = pose.tolist()
