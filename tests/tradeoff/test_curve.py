@@ -33,7 +33,7 @@ def test_there_are_no_routes_after_one_that_does_not_exist(stages: Stages) -> No
     found = collect(stages, (3.0,), 10, Monitor(lambda message, fraction=None: messages.append(message)))
     assert len(found.points) == 4
     assert [(one.route, one.weight, one.error.reason) for one in found.missing] == [(3, None, "there are 2 routes")]
-    assert messages == ["route 1 of 10", "route 2 of 10", "route 3 of 10"]
+    assert messages == ["alternative 1 of 10", "alternative 2 of 10", "alternative 3 of 10"]
 
 
 def test_a_route_without_a_path_does_not_end_the_search(stages: Stages) -> None:
