@@ -99,6 +99,9 @@ from .export.formats import (
 )
 from .export import (
     CsvOptions as CsvOptions,
+    ExportOptions as ExportOptions,
+    ExportRequest as ExportRequest,
+    export_files as export_files,
     format_samples as format_samples,
 )
 

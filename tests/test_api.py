@@ -15,14 +15,16 @@ import pipeline
 PROJECT = Path(__file__).parents[1]
 
 NAMES = """
-ArgumentError CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format
+ArgumentError CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ExportOptions ExportRequest
+ForwardKinematicsError Format
 InfeasibleError InverseSolution
 KappaMap KappaProfile MODES Machine MeasuredPath Measurement MeasurementComparison MotionFigures NoSolutionError Path
 PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunData RunOptions RunReport
 RunsRow
 SimulationSetting Stage Trajectory TrajectoryFigures TrajectorySamples UsageError Workspace WorkspaceRow
 WorkspaceSetting all_figures blended build_machine build_regions certify_path clearance_figure compare_measurement
-compare_paths compare_runs condition_number det_sign dump_config error_rows format_samples forward_kinematics
+compare_paths compare_runs condition_number det_sign dump_config error_rows export_files format_samples
+forward_kinematics
 inverse_kinematics kappa_along kappa_figure kappa_map kappa_map_figure kappa_profile link_distances load_config
 load_path loads_figure machine_figure markdown_table measure_motion measure_path measure_trajectory measured_figure
 min_distances open_results parse_config parse_measurement phase_figure plan_route plan_routes pose_derivatives

@@ -208,7 +208,7 @@ CHECKED_OTHERWISE = {
     "build_regions plan_route refine_path certify_path retime_path way_back": "configurations and results of stages",
     "run_pipeline open_results load_path save_path": "files and folders, with errors of their own",
     "kappa_profile measure_trajectory measure_motion compare_paths usable_workspace": "results, checked when made",
-    "format_samples parse_measurement read_measurement": "tests/export and tests/measured",
+    "export_files format_samples parse_measurement read_measurement": "tests/export and tests/measured",
     "markdown_table runs_markdown error_rows workspace_rows": "results",
 }
 """Public functions that take nothing but results and configurations, or are tested elsewhere."""

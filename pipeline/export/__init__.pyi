@@ -1,8 +1,23 @@
-from .beckhoff import (
+from .controllers.beckhoff import (
     format_beckhoff as format_beckhoff,
 )
-from .beckhoff import (
+from .controllers.beckhoff import (
     read_beckhoff as read_beckhoff,
+)
+from .controllers.linuxcnc import (
+    format_halstreamer as format_halstreamer,
+)
+from .controllers.linuxcnc import (
+    read_halstreamer as read_halstreamer,
+)
+from .controllers.ros2 import (
+    format_json as format_json,
+)
+from .controllers.ros2 import (
+    format_yaml as format_yaml,
+)
+from .controllers.ros2 import (
+    read_joint_trajectory as read_joint_trajectory,
 )
 from .csv import (
     format_csv as format_csv,
@@ -10,38 +25,23 @@ from .csv import (
 from .csv import (
     read_csv as read_csv,
 )
-from .linuxcnc import (
-    format_halstreamer as format_halstreamer,
-)
-from .linuxcnc import (
-    read_halstreamer as read_halstreamer,
+from .models.mjcf import (
+    read_mjcf as read_mjcf,
 )
 from .motion import (
     Motion as Motion,
 )
-from .mujoco import (
-    format_keyframes as format_keyframes,
-)
-from .mujoco import (
-    read_keyframes as read_keyframes,
-)
 from .request import (
     CsvOptions as CsvOptions,
+)
+from .request import (
+    ExportOptions as ExportOptions,
 )
 from .request import (
     ExportRequest as ExportRequest,
 )
 from .request import (
     needed_decimals as needed_decimals,
-)
-from .ros2 import (
-    format_json as format_json,
-)
-from .ros2 import (
-    format_yaml as format_yaml,
-)
-from .ros2 import (
-    read_joint_trajectory as read_joint_trajectory,
 )
 from .sidecar import (
     sidecar as sidecar,
@@ -60,6 +60,9 @@ from .trajectory_csv import (
 )
 from .trajectory_csv import (
     read_trajectory_csv as read_trajectory_csv,
+)
+from .writing import (
+    export_files as export_files,
 )
 from .writing import (
     format_samples as format_samples,

@@ -16,7 +16,13 @@ Column = npt.NDArray[Any]
 """Values (n,) of a column: numbers or text."""
 
 
-def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS, separator: str = ",") -> str:
+def format_csv(
+    columns: Mapping[str, npt.ArrayLike],
+    decimals: int = DECIMALS,
+    separator: str = ",",
+    *,
+    decimal_comma: bool = False,
+) -> str:
     """Write equally long columns of numbers or text, floats with a fixed number of decimals.
 
     Zero, and whatever rounds to it, is written without a sign.
@@ -30,7 +36,7 @@ def format_csv(columns: Mapping[str, npt.ArrayLike], decimals: int = DECIMALS, s
     """
     if not columns:
         raise ValueError("a table needs at least one column")
-    cells = [_cells(name, np.asarray(values), decimals) for name, values in columns.items()]
+    cells = [_cells(name, np.asarray(values), decimals, decimal_comma) for name, values in columns.items()]
     if len({len(column) for column in cells}) > 1:
         lengths = ", ".join(f"{name} {len(column)}" for name, column in zip(columns, cells, strict=True))
         raise ValueError(f"all columns must have the same number of rows: {lengths}")
@@ -64,12 +70,13 @@ def read_csv(text: str, separator: str = ",") -> dict[str, Column]:
     return {name: _parse(list(column)) for name, column in zip(names, values, strict=True)}
 
 
-def _cells(name: str, values: Column, decimals: int) -> list[str]:
+def _cells(name: str, values: Column, decimals: int, decimal_comma: bool) -> list[str]:
     if values.ndim != 1:
         raise TypeError(f"column {name} must be one-dimensional, not of shape {values.shape}")
     if values.dtype.kind == "f":
         rounded = np.where(np.abs(values) <= 0.5 * 10.0**-decimals, 0.0, values)
-        return [f"{value:.{decimals}f}" for value in rounded.tolist()]
+        cells = [f"{value:.{decimals}f}" for value in rounded.tolist()]
+        return [cell.replace(".", ",") for cell in cells] if decimal_comma else cells
     if values.dtype.kind in "iuU":
         return [str(value) for value in values.tolist()]
     raise TypeError(f"column {name} must hold numbers or text, not {values.dtype}")

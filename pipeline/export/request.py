@@ -2,27 +2,91 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.export.formats import MOST_DECIMALS, AngleUnit, LengthUnit, Separator
+from pipeline.errors import UsageError
+from pipeline.export.formats import (
+    MOST_DECIMALS,
+    TOLERANCE_M,
+    AngleUnit,
+    DecimalMark,
+    Format,
+    LengthUnit,
+    Separator,
+    Times,
+)
+from pipeline.machine.geometry import Machine
 from pipeline.retime.result import TrajectorySamples
 
 _ROUNDING_SHARE = 1e-4
 """Fraction of an acceleration limit that rounding may contribute when written positions are differenced twice."""
+_OF_OPTIONS = {"lead_in_s": "--lead-in", "tolerance_m": "--tolerance"}
 
 
 @dataclass(frozen=True)
-class CsvOptions:
-    """How a CSV file is written: columns by their names in SI units (None: all), and decimals (None: as needed)."""
+class ExportOptions:
+    """How a file is written; `Format.options` lists which of these a format takes.
+
+    Attributes
+    ----------
+    separator, decimal : Separator, DecimalMark
+        Of tables; commas cannot be both.
+    decimals : int or None
+        Of tables; None: as many as the period needs.
+    columns : tuple of str or None
+        Columns by their names in SI units; None: those of `trajectory.csv`.
+    length, angle : LengthUnit, AngleUnit
+        Units.
+    names : tuple of str or None
+        Other names for the columns, in their order.
+    times : Times
+        Since the start, or since the row before.
+    lead_in_s : float
+        Time that a controller has to reach the first point.
+    tolerance_m : float
+        How far positions may be off where points are left out.
+    """
 
     separator: Separator = Separator.COMMA
     decimals: int | None = None
     columns: tuple[str, ...] | None = None
     length: LengthUnit = LengthUnit.M
     angle: AngleUnit = AngleUnit.RAD
+    decimal: DecimalMark = DecimalMark.POINT
+    names: tuple[str, ...] | None = None
+    times: Times = Times.ABSOLUTE
+    lead_in_s: float = 0.0
+    tolerance_m: float = TOLERANCE_M
+
+    def require_for(self, kind: Format) -> None:
+        """Refuse options that the format does not take, and values that exclude each other.
+
+        Raises
+        ------
+        UsageError
+            Names the option and the formats that take it.
+        """
+        for field in fields(self):
+            if getattr(self, field.name) != field.default and field.name not in kind.options:
+                option = _OF_OPTIONS.get(field.name, f"--{field.name}")
+                takers = ", ".join(one for one in Format if field.name in one.options)
+                raise UsageError(f"{option} goes with --format {takers} only, not with {kind}")
+        if self.decimal is DecimalMark.COMMA and self.separator is Separator.COMMA:
+            raise UsageError(
+                "--decimal comma: commas cannot separate values, too.\n"
+                "  What to change: --separator semicolon, as in German locales, or --separator tab."
+            )
+        if not 0.0 <= self.lead_in_s <= 3_600.0:
+            raise UsageError(f"--lead-in is {self.lead_in_s:g}; allowed are 0 to 3600 seconds")
+        if not 0.0 <= self.tolerance_m < math.inf:
+            raise UsageError(f"--tolerance is {self.tolerance_m:g}; allowed are metres from 0")
+
+
+CsvOptions = ExportOptions
+"""The name of the options while only CSV had any."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,18 +101,37 @@ class ExportRequest:
         Acceleration limits, which decide how many decimals are needed.
     joint_names : sequence of str
         Names of the five actuators, for formats that have them.
-    options : CsvOptions
-        Options of the CSV format.
+    options : ExportOptions
+        Options of the format.
+    machine : Machine or None
+        The machine, for formats that describe it or its passive joints.
+    jerk_mps3 : (n, 5) or None
+        Jerk from each instant on; None where accelerations jump.
     """
 
     samples: TrajectorySamples
     acceleration_mps2: FloatArray
     joint_names: Sequence[str]
-    options: CsvOptions = CsvOptions()  # frozen
+    options: ExportOptions = ExportOptions()  # frozen
+    machine: Machine | None = None
+    jerk_mps3: FloatArray | None = None
 
     def needed_decimals(self, unit_m: float = 1.0) -> int:
         """Count the decimals needed for positions in a unit of length, 0.001 for millimetres."""
         return needed_decimals(self.samples.period_s, self.acceleration_mps2, unit_m)
+
+
+def require_machine(request: ExportRequest) -> Machine:
+    """Return the machine of a request.
+
+    Raises
+    ------
+    UsageError
+        When the request has none.
+    """
+    if request.machine is None:
+        raise UsageError("this format describes the machine: give ExportRequest its `machine`")
+    return request.machine
 
 
 def needed_decimals(period_s: float, acceleration_mps2: FloatArray, unit_m: float = 1.0) -> int:

@@ -83,6 +83,8 @@ POSITIONS, VELOCITIES, ACCELERATIONS = (
     tuple(column.name for column in group) for group in (_POSITIONS, _VELOCITIES, _ACCELERATIONS)
 )
 """Names of the columns of the actuators, in the order of `ACTUATORS`."""
+JERKS = tuple(f"qddd{k + 1}_mps3" for k in range(len(ACTUATORS)))
+"""Names of the columns that exports have on request: jerk from that instant on."""
 POSE = tuple(column.name for column in _POSES)
 """Names of the columns of the pose."""
 

@@ -3,14 +3,11 @@
 import numpy as np
 
 from pipeline.errors import UsageError
-from pipeline.export.csv import DECIMALS, format_csv, read_csv
-from pipeline.export.formats import LengthUnit
+from pipeline.export.csv import DECIMALS, Column, read_csv
 from pipeline.export.motion import Motion
 from pipeline.export.request import ExportRequest
-from pipeline.export.trajectory_columns import ACCELERATIONS, POSITIONS, VELOCITIES, trajectory_columns
-from pipeline.export.units import converted
-
-_MM = 0.001
+from pipeline.export.table import format_table
+from pipeline.export.trajectory_columns import ACCELERATIONS, JERKS, POSITIONS, VELOCITIES, trajectory_columns
 
 
 def format_trajectory_csv(request: ExportRequest) -> str:
@@ -19,18 +16,12 @@ def format_trajectory_csv(request: ExportRequest) -> str:
     Raises
     ------
     UsageError
-        When the options name no columns, unknown ones or one twice, or fewer decimals than the period needs.
+        When the options name no columns, unknown ones or one twice, jerk where accelerations jump, or fewer decimals
+        than the period needs.
     """
-    options, columns = request.options, trajectory_columns(request.samples)
-    wanted = tuple(columns) if options.columns is None else options.columns
-    if not wanted:
-        raise UsageError(f"--columns names no column; choose from {', '.join(columns)}")
-    unknown = [name for name in wanted if name not in columns]
-    if unknown:
-        raise UsageError(f"there is no column {', '.join(unknown)}; choose from {', '.join(columns)}")
-    if len(set(wanted)) < len(wanted):
-        raise UsageError(f"--columns names a column twice: {', '.join(wanted)}")
-    needed = request.needed_decimals(_MM if options.length is LengthUnit.MM else 1.0)
+    options = request.options
+    chosen = _chosen(request)
+    needed = request.needed_decimals(options.length.metres)
     if options.decimals is not None and options.decimals < needed:
         raise UsageError(
             f"{options.decimals} decimals are too few: with a period of {request.samples.period_s:g} s, rounding would "
@@ -38,8 +29,29 @@ def format_trajectory_csv(request: ExportRequest) -> str:
             f"  What to change: at least {needed} decimals."
         )
     decimals = max(DECIMALS, needed) if options.decimals is None else options.decimals
-    chosen = {name: columns[name] for name in wanted}
-    return format_csv(converted(chosen, options.length, options.angle), decimals, options.separator.character)
+    return format_table(chosen, decimals, options)
+
+
+def _chosen(request: ExportRequest) -> dict[str, Column]:
+    """Pick the columns asked for: without a wish those of `trajectory.csv`, which has no jerk."""
+    columns, wanted = trajectory_columns(request.samples), request.options.columns
+    if wanted is None:
+        return columns
+    names = (*columns, *JERKS)
+    if not wanted:
+        raise UsageError(f"--columns names no column; choose from {', '.join(names)}")
+    if unknown := [name for name in wanted if name not in names]:
+        raise UsageError(f"there is no column {', '.join(unknown)}; choose from {', '.join(names)}")
+    if len(set(wanted)) < len(wanted):
+        raise UsageError(f"--columns names a column twice: {', '.join(wanted)}")
+    if request.jerk_mps3 is not None:
+        columns |= dict(zip(JERKS, request.jerk_mps3.T, strict=True))
+    elif jerks := [name for name in wanted if name in JERKS]:
+        raise UsageError(
+            f"there is no {', '.join(jerks)}: accelerations of this motion jump.\n"
+            "  What to change: limit jerk (machine.limits, retime.jerk: on)."
+        )
+    return {name: columns[name] for name in wanted}
 
 
 def read_trajectory_csv(text: str) -> Motion:

@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.export.csv import Column
 from pipeline.export.formats import AngleUnit, LengthUnit
 
-_LENGTHS = re.compile(r"_(m|mps|mps2)$")
+_LENGTHS = re.compile(r"_(m|mps|mps2|mps3)$")
 _ANGLES = re.compile(r"_rad$")
 
 

@@ -8,8 +8,22 @@ from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.export.formats import Format
 from pipeline.export.motion import Motion
-from pipeline.export.request import CsvOptions, ExportRequest
+from pipeline.export.request import ExportOptions, ExportRequest
+from pipeline.machine.geometry import Machine
 from pipeline.retime.result import TrajectorySamples
+
+
+def export_files(kind: Format, request: ExportRequest) -> dict[str, bytes]:
+    """Write a trajectory in a format: the content of its files by suffix, "" for the file itself.
+
+    Raises
+    ------
+    UsageError
+        When the options cannot be met or are another format's, or the format cannot hold the motion or the machine.
+    """
+    request.options.require_for(kind)
+    contents = {suffix: _function(writer)(request) for suffix, writer in {"": kind.writer, **kind.beside}.items()}
+    return {suffix: one.encode() if isinstance(one, str) else bytes(one) for suffix, one in contents.items()}
 
 
 def format_samples(
@@ -17,35 +31,43 @@ def format_samples(
     samples: TrajectorySamples,
     acceleration_mps2: FloatArray,
     joint_names: Sequence[str],
-    options: CsvOptions | None = None,
+    options: ExportOptions | None = None,
+    machine: Machine | None = None,
 ) -> str:
-    """Write samples in a format, with as many decimals as the period and the limits (5,) need, or all digits.
+    """Write samples in a format of text, with as many decimals as the period and the limits (5,) need, or all digits.
+
+    Files that belong beside it are left out: `export_files` has them.
 
     Raises
     ------
     UsageError
-        When the options cannot be met, or are given for another format than CSV.
+        When the options cannot be met, or are given for another format; when the format is not text.
     """
-    options = options or CsvOptions()
-    if kind is not Format.CSV and options != CsvOptions():
-        raise UsageError("--separator, --decimals, --columns, --length and --angle go with --format csv only")
-    text: str = _function(kind.writer)(ExportRequest(samples, acceleration_mps2, joint_names, options))
-    return text
+    request = ExportRequest(samples, acceleration_mps2, joint_names, options or ExportOptions(), machine)
+    request.options.require_for(kind)
+    content = _function(kind.writer)(request)
+    if not isinstance(content, str):
+        raise UsageError(f"{kind} is not text: use export_files")
+    return content
 
 
-def read_motion(kind: Format, text: str) -> Motion:
-    """Read the motion of the actuators back from a text in a format.
+def read_motion(kind: Format, content: str | bytes) -> Motion:
+    """Read the motion of the actuators back from the content of a file in a format.
 
     Raises
     ------
     ValueError
-        When the text is not in that format.
+        When the content is not in that format.
+    UsageError
+        When the format holds no motion.
     """
-    motion: Motion = _function(kind.reader)(text)
+    if not kind.reader:
+        raise UsageError(f"{kind} describes the machine and holds no motion")
+    motion: Motion = _function(kind.reader)(content)
     return motion
 
 
 def _function(reference: str) -> Callable[..., Any]:
-    module, name = reference.split(".")
+    module, name = reference.rsplit(".", 1)
     function: Callable[..., Any] = getattr(import_module(f"pipeline.export.{module}"), name)
     return function

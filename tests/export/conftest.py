@@ -1,10 +1,13 @@
 """A sampled motion to be written in all formats: real samples, with every sign and size of number."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pipeline.export import read_csv
+from pipeline.export.trajectory_columns import ACCELERATIONS, POSE, POSITIONS, VELOCITIES
 from pipeline.retime import TrajectorySamples
 
 SampleMaker = Callable[[float], TrajectorySamples]
@@ -37,3 +40,15 @@ def make_samples() -> SampleMaker:
         )
 
     return make
+
+
+@pytest.fixture(scope="session")
+def reference() -> TrajectorySamples:
+    """Read the motion of the reference machine that is kept in the repository: 707 rows, three mode changes."""
+    table = read_csv((Path(__file__).parents[2] / "results/reference/agder/trajectory.csv").read_text())
+
+    def stacked(names: Iterable[str]) -> np.ndarray:
+        return np.stack([table[name] for name in names], axis=1)
+
+    q, qd, qdd, pose = (stacked(names) for names in (POSITIONS, VELOCITIES, ACCELERATIONS, POSE))
+    return TrajectorySamples(float(table["t_s"][1]), table["t_s"], q, qd, qdd, pose, table["kappa"])

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +14,10 @@ import yaml
 from pipeline.errors import UsageError
 from pipeline.export import (
     CsvOptions,
+    ExportOptions,
     ExportRequest,
-    format_beckhoff,
+    Motion,
+    export_files,
     format_halstreamer,
     format_samples,
     format_yaml,
@@ -23,37 +26,56 @@ from pipeline.export import (
     read_csv,
     read_halstreamer,
     read_joint_trajectory,
-    read_keyframes,
+    read_mjcf,
     read_motion,
     read_trajectory_csv,
 )
-from pipeline.export.formats import AngleUnit, Format, LengthUnit, Separator
+from pipeline.export.controllers.cam import read_cam
+from pipeline.export.controllers.pvt import read_pvt
+from pipeline.export.formats import AngleUnit, DecimalMark, Format, LengthUnit, Separator, Times
+from pipeline.machine import Machine
 from pipeline.machine.geometry import ACTUATORS
+from pipeline.retime import TrajectorySamples
 
 LIMITS = np.array([2.0, 2.0, 2.0, 0.5, 0.5])
 PERIODS = [0.000125, 0.001, 0.004, 0.01, 0.1]
+MOTIONS = [kind for kind in Format if kind.reader]
+
+
+@pytest.fixture
+def written_and_read(make_samples, machine: Machine) -> Callable[..., tuple[TrajectorySamples, Motion]]:
+    """Give a function that writes a format at a period, and reads it back; cams keep every point."""
+
+    def both(kind: Format, period_s: float) -> tuple[TrajectorySamples, Motion]:
+        if kind is Format.MCAP:
+            pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed")
+        options = ExportOptions(tolerance_m=0.0) if kind is Format.CAM else ExportOptions()
+        samples = make_samples(period_s)
+        content = export_files(kind, ExportRequest(samples, LIMITS, ACTUATORS, options, machine))[""]
+        return samples, read_motion(kind, content if kind is Format.MCAP else content.decode())
+
+    return both
 
 
 @pytest.mark.parametrize("period_s", PERIODS)
-@pytest.mark.parametrize("kind", list(Format))
-def test_every_format_reads_back(make_samples, kind: Format, period_s: float) -> None:
+@pytest.mark.parametrize("kind", MOTIONS)
+def test_every_format_reads_back(written_and_read, kind: Format, period_s: float) -> None:
     """Times to a nanosecond, values to half of the last decimal, whatever a format has of them."""
-    samples = make_samples(period_s)
-    motion = read_motion(kind, format_samples(kind, samples, LIMITS, ACTUATORS))
+    samples, motion = written_and_read(kind, period_s)
     assert motion.t_s == pytest.approx(samples.t_s, abs=1e-9)
     assert np.abs(motion.q_m - samples.q_m).max() <= 0.51e-12
-    for found, written in ((motion.qd_mps, samples.qd_mps), (motion.qdd_mps2, samples.qdd_mps2)):
+    derivatives = ((motion.qd_mps, samples.qd_mps), (motion.qdd_mps2, samples.qdd_mps2))
+    for found, written in derivatives if kind is not Format.CAM else ():  # a cam leaves rows out
         assert found is None or np.abs(found - written).max() <= 0.51e-12
     assert (motion.qd_mps is None) == (kind is Format.LINUXCNC)
-    assert (motion.qdd_mps2 is None) == (kind in (Format.LINUXCNC, Format.MUJOCO))
+    assert (motion.qdd_mps2 is None) == (kind in (Format.LINUXCNC, Format.PVT, Format.MJCF))
 
 
 @pytest.mark.parametrize("period_s", PERIODS)
-@pytest.mark.parametrize("kind", list(Format))
-def test_positions_differenced_twice_are_accelerations(make_samples, kind: Format, period_s: float) -> None:
+@pytest.mark.parametrize("kind", MOTIONS)
+def test_positions_differenced_twice_are_accelerations(written_and_read, kind: Format, period_s: float) -> None:
     """Rounding in the file makes no more than a ten thousandth of the smallest limit, at any period."""
-    samples = make_samples(period_s)
-    motion = read_motion(kind, format_samples(kind, samples, LIMITS, ACTUATORS))
+    samples, motion = written_and_read(kind, period_s)
     exact, found = (np.diff(q, 2, axis=0) / period_s**2 for q in (samples.q_m, motion.q_m))
     assert np.abs(found - exact).max(initial=0.0) <= 1.01e-4 * 0.5
 
@@ -62,7 +84,7 @@ def test_names_of_formats_are_known_without_numpy() -> None:
     """The command line reads them whenever it starts."""
     script = "import sys; from pipeline.export.formats import Format; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
-    assert [str(kind) for kind in Format] == ["csv", "ros2", "ros2-json", "linuxcnc", "beckhoff", "mujoco"]
+    assert " ".join(Format) == "csv pvt cam ros2 ros2-json mcap linuxcnc beckhoff mjcf urdf"
     assert Format("ros2-json") is Format.ROS2_JSON
 
 
@@ -113,32 +135,6 @@ def test_halstreamer_lines_are_five_floats(make_samples) -> None:
     assert all(re.fullmatch(r"(-?\d+\.\d{12} ){4}-?\d+\.\d{12}", line) for line in lines)
 
 
-def test_the_beckhoff_dialect_is_as_documented(make_samples) -> None:
-    """Semicolons, decimal points, CRLF, ASCII; units in the column names; zeros without a sign."""
-    text = format_beckhoff(ExportRequest(make_samples(0.001), LIMITS, ("a", "b", "c", "d.x", "e")))
-    assert text.isascii()
-    assert text.count("\r\n") == text.count("\n") == 202
-    assert text.endswith("\r\n")
-    head, first, *_ = text.split("\r\n")
-    assert head.startswith("Time_ms;a.Position_mm;a.Velocity_mm_s;a.Acceleration_mm_s2;b.Position_mm")
-    assert first.startswith("0.000000;300.000000000;0.000000000;")
-    assert "-0.000000000;" not in text
-    assert read_beckhoff(text).joint_names == ("a", "b", "c", "d.x", "e")
-
-
-def test_keyframes_are_read_by_mujoco(make_samples) -> None:
-    """In a model of five sliding joints, MuJoCo finds the same times, positions and velocities."""
-    mujoco = pytest.importorskip("mujoco")
-    samples = make_samples(0.01)
-    keys = format_samples(Format.MUJOCO, samples, LIMITS, ACTUATORS)
-    body = '<body><joint type="slide" axis="1 0 0"/><geom size="0.1"/></body>'
-    xml = keys.replace("<mujoco>", f"<mujoco><worldbody>{body * 5}</worldbody>")
-    model = mujoco.MjModel.from_xml_string(xml)
-    assert model.key_time == pytest.approx(samples.t_s, abs=1e-12)
-    assert model.key_qpos == pytest.approx(samples.q_m, abs=1e-12)
-    assert model.key_qvel == pytest.approx(samples.qd_mps, abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("reader", "text", "message"),
     [
@@ -147,10 +143,13 @@ def test_keyframes_are_read_by_mujoco(make_samples) -> None:
         (read_joint_trajectory, "a: [", "not a joint trajectory"),
         (read_halstreamer, "# period_s: 0.01\n1 2 3\n", "line 2 has 3 values"),
         (read_halstreamer, "1 2 3 4 5\n", "no comment states the period"),
-        (read_beckhoff, "Time_ms;a.Position_mm\r\n0;1\r\n", "not those of this dialect"),
-        (read_beckhoff, "Time_ms;a.Position_mm;a.Velocity_mm_s\n", "not those of this dialect"),
-        (read_keyframes, "<mujoco>", "not an MJCF file"),
-        (read_keyframes, "<mujoco/>", "no keys"),
+        (read_beckhoff, "Time_ms;a.Pos_mm\r\n0;1\r\n", "not those of this dialect"),
+        (read_beckhoff, "Time_ms;a.Pos_mm;a.Vel_mmps\n", "not those of this dialect"),
+        (read_mjcf, "<mujoco>", "not an MJCF file"),
+        (read_mjcf, "<mujoco/>", "no keys"),
+        (read_mjcf, '<mujoco><keyframe><key qpos="1"/></keyframe></mujoco>', "no joint of any drive"),
+        (read_pvt, "t_s,c1_m\n0,1\n", "not a table of times, positions and velocities"),
+        (read_cam, "VAR_GLOBAL", "not a declaration of cams"),
         (read_trajectory_csv, "t_s,q1_m\n0,1\n", "no column q2_m"),
     ],
 )
@@ -202,10 +201,30 @@ def test_csv_options(make_samples) -> None:
         (Format.CSV, CsvOptions(columns=()), "names no column; choose from t_s"),
         (Format.CSV, CsvOptions(decimals=6), "6 decimals are too few.*\n.*at least 11"),
         (Format.CSV, CsvOptions(decimals=7, length=LengthUnit.MM), "at least 8"),
-        (Format.ROS2, CsvOptions(decimals=14), "go with --format csv"),
+        (Format.ROS2, CsvOptions(decimals=14), "--decimals goes with --format csv only, not with ros2"),
+        (Format.PVT, ExportOptions(decimals=14), "--decimals goes with --format csv only"),
+        (Format.CSV, ExportOptions(times=Times.RELATIVE), "--times goes with --format pvt only"),
+        (Format.CSV, ExportOptions(lead_in_s=1.0), "--lead-in goes with --format ros2, ros2-json, mcap only"),
+        (Format.BECKHOFF, ExportOptions(length=LengthUnit.MM), "--length goes with --format csv, pvt, cam, linuxcnc"),
+        (Format.CSV, ExportOptions(decimal=DecimalMark.COMMA), "commas cannot separate values, too"),
+        (Format.CSV, ExportOptions(columns=("qddd1_mps3",)), "no qddd1_mps3: accelerations of this motion jump"),
+        (Format.CSV, ExportOptions(names=("a", "b")), "2 names for 23 columns"),
+        (Format.CSV, ExportOptions(columns=("t_s", "q1_m"), names=("a", "a")), "name every column once"),
+        (Format.ROS2, ExportOptions(lead_in_s=-1.0), "--lead-in is -1; allowed are 0 to 3600"),
+        (Format.CAM, ExportOptions(tolerance_m=-1e-6), "--tolerance is -1e-06"),
+        (Format.MJCF, ExportOptions(), "give ExportRequest its `machine`"),
     ],
 )
 def test_options_that_cannot_be_kept_are_refused(make_samples, kind: Format, options: CsvOptions, message: str) -> None:
     """Fewer decimals than the period needs, unknown columns, options of another format."""
     with pytest.raises(UsageError, match=message):
         format_samples(kind, make_samples(0.001), LIMITS, ACTUATORS, options)
+
+
+def test_what_is_no_text_or_no_motion_is_told(make_samples, machine: Machine) -> None:
+    """A bag is written by `export_files`, and a URDF file holds no motion to read."""
+    pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed")
+    with pytest.raises(UsageError, match="use export_files"):
+        format_samples(Format.MCAP, make_samples(0.01), LIMITS, ACTUATORS, machine=machine)
+    with pytest.raises(UsageError, match="holds no motion"):
+        read_motion(Format.URDF, "<robot/>")

@@ -1,16 +1,31 @@
 """The command that exports the trajectory of a run for other programs."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pipeline.cli.console import messages_console
 from pipeline.cli.options import RunArgument
-from pipeline.cli.output import check_output
-from pipeline.export.formats import MOST_DECIMALS, AngleUnit, Format, LengthUnit, Separator
+from pipeline.cli.output import check_output, refuse_same
+from pipeline.errors import UsageError
+from pipeline.export.formats import (
+    MOST_DECIMALS,
+    TOLERANCE_M,
+    AngleUnit,
+    DecimalMark,
+    Format,
+    LengthUnit,
+    Separator,
+    Times,
+)
 from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from pipeline.arrays import FloatArray
+    from pipeline.retime.result import Trajectory, TrajectorySamples
 
 
 def export(
@@ -27,7 +42,8 @@ def export(
     output: Annotated[
         Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: stdout.")
     ] = None,
-    separator: Annotated[Separator, typer.Option(help="CSV: what separates values.")] = Separator.COMMA,
+    separator: Annotated[Separator, typer.Option(help="CSV, PVT: what separates values.")] = Separator.COMMA,
+    decimal: Annotated[DecimalMark, typer.Option(help="CSV, PVT: decimal point or comma.")] = DecimalMark.POINT,
     decimals: Annotated[
         int | None,
         typer.Option(
@@ -38,11 +54,25 @@ def export(
         str | None,
         typer.Option(
             metavar="NAMES",
-            help="CSV: columns by their names in trajectory.csv (always in SI units), separated by commas.",
+            help="CSV: columns by their names in trajectory.csv (always in SI units), and jerk, qddd1_mps3 to "
+            "qddd5_mps3; separated by commas.",
         ),
     ] = None,
-    length: Annotated[LengthUnit, typer.Option(help="CSV: unit of lengths.")] = LengthUnit.M,
+    names: Annotated[
+        str | None,
+        typer.Option(metavar="NAMES", help="CSV, PVT: other names for the columns, in their order."),
+    ] = None,
+    length: Annotated[LengthUnit, typer.Option(help="CSV, PVT, cam, LinuxCNC: unit of lengths.")] = LengthUnit.M,
     angle: Annotated[AngleUnit, typer.Option(help="CSV: unit of angles.")] = AngleUnit.RAD,
+    times: Annotated[Times, typer.Option(help="PVT: times since the start, or since the row before.")] = Times.ABSOLUTE,
+    lead_in_s: Annotated[
+        float,
+        typer.Option("--lead-in", metavar="S", help="ROS 2, MCAP: seconds in which to reach the first point."),
+    ] = 0.0,
+    tolerance_m: Annotated[
+        float,
+        typer.Option("--tolerance", metavar="M", help="Cam: how far positions may be off between its points."),
+    ] = TOLERANCE_M,
 ) -> None:
     """Write the trajectory of a run again: for another program, at another period, slower, or backwards.
 
@@ -50,26 +80,63 @@ def export(
     is stretched to the next whole number of periods, so that limits still
     hold and the last row is the goal at rest.
     """
-    check_output(output, run)
-    from pipeline.artifacts.output import write_output
-    from pipeline.export import CsvOptions, format_samples
+    beside = {} if output is None else {suffix: output.with_suffix(suffix) for suffix in kind.beside}
+    for path in (output, *beside.values()):
+        check_output(path, run)
+    for suffix, path in beside.items():
+        refuse_same(output, path, f"--output and the {suffix} file beside it")
+    from pipeline.export import ExportOptions, ExportRequest, export_files
     from pipeline.retime import sample_trajectory, slowed, way_back
     from pipeline.run.reading import open_results, with_retime
 
+    wanted, named = _listed(columns), _listed(names)
+    options = ExportOptions(separator, decimals, wanted, length, angle, decimal, named, times, lead_in_s, tolerance_m)
     results = open_results(run, Stage.REFINE, Stage.RETIME)
     config = with_retime(results.config, period_s=period_s, speed=speed)
     trajectory = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
-    samples = sample_trajectory(way_back(config, trajectory) if back else trajectory, config.retime.period_s)
-    names = None if columns is None else tuple(name.strip() for name in columns.split(",") if name.strip())
-    options = CsvOptions(separator, decimals, names, length, angle)
-    text = format_samples(kind, samples, results.machine.acceleration_mps2, config.export.joint_names, options)
-    if output is None:
-        typer.echo(text, nl=False)
-        return
-    write_output(output, text.encode())
-    messages_console().print(
-        f"{output}: {len(samples):,} rows {samples.period_s:g} s apart, {samples.duration_s:g} s", soft_wrap=True
+    trajectory = way_back(config, trajectory) if back else trajectory
+    samples = sample_trajectory(trajectory, config.retime.period_s)
+    machine = results.machine
+    files = export_files(
+        kind,
+        ExportRequest(
+            samples, machine.acceleration_mps2, config.export.joint_names, options, machine, _jerk(trajectory, samples)
+        ),
     )
+    _write(kind, files, output, beside)
+    if output is not None:
+        also = "".join(f", and {path}" for path in beside.values())
+        messages_console().print(
+            f"{output}: {len(samples):,} rows {samples.period_s:g} s apart, {samples.duration_s:g} s{also}",
+            soft_wrap=True,
+        )
+
+
+def _listed(names: str | None) -> tuple[str, ...] | None:
+    return None if names is None else tuple(name.strip() for name in names.split(",") if name.strip())
+
+
+def _jerk(trajectory: "Trajectory", samples: "TrajectorySamples") -> "FloatArray | None":
+    """Evaluate jerk (n, 5) at the times of the samples; None where accelerations jump."""
+    from pipeline.retime.sampling import whole_periods
+
+    if trajectory.jerk_jumps:
+        return None
+    return whole_periods(trajectory, samples.period_s).q(samples.t_s, 3)
+
+
+def _write(kind: Format, files: dict[str, bytes], output: Path | None, beside: dict[str, Path]) -> None:
+    from pipeline.artifacts.output import is_written_through, write_output
+
+    if output is None:
+        if kind is Format.MCAP and sys.stdout.isatty():
+            raise UsageError("a bag is not text: give --output FILE, or a pipe")
+        typer.echo(files[""], nl=False)
+        return
+    if not is_written_through(output):
+        for suffix, path in beside.items():
+            write_output(path, files[suffix])
+    write_output(output, files[""])
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
@@ -78,8 +145,9 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau export results/agder --period 0.004 --output agder_4ms.csv",
             "gantry-tau export results/agder --format csv --period 0.001 | head",
-            "gantry-tau export results/agder --format ros2 --speed 0.3 --output slow.yaml",
-            "gantry-tau export results/agder --separator semicolon --length mm --columns t_s,q1_m,q2_m",
+            "gantry-tau export results/agder --format ros2 --speed 0.3 --lead-in 2 --output slow.yaml",
+            "gantry-tau export results/agder --separator semicolon --decimal comma --columns t_s,q1_m,q2_m",
+            "gantry-tau export results/agder --format mjcf --output agder.xml",
         ),
     ),
 )

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.export.formats import Format
 from tests.cli.calls import Call
 from tests.run.fake_stages import FakeStages
 
@@ -34,9 +35,11 @@ class TestExport:
             assert fine[name][-1] == pytest.approx(coarse[name][-1], abs=1e-9)
         assert all(fine[f"qd{k}_mps"][-1] == 0.0 for k in range(1, 6))
 
-    @pytest.mark.parametrize("kind", ["ros2", "ros2-json", "linuxcnc", "beckhoff", "mujoco"])
+    @pytest.mark.parametrize("kind", [*Format])
     def test_export_in_every_format(self, call: Call, kind: str) -> None:
         """Each format is written, to a file or to stdout alike."""
+        if kind == "mcap":
+            pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed")
         shown = call("export", "out", "--format", kind, "--period", "0.05")
         assert shown.exit_code == 0
         assert call("export", "out", "--format", kind, "--period", "0.05", "--output", "x").exit_code == 0
@@ -67,6 +70,33 @@ class TestExport:
         slow = call("export", "out", "--speed", "0.000001")
         assert slow.exit_code == 2
         assert "retime.speed (--speed)" in slow.stderr
+
+    def test_files_beside_the_export(self, call: Call) -> None:
+        """LinuxCNC's HAL file and the loops of the URDF get the export's name; neither replaces the export itself."""
+        assert "x/m.txt: " in call("export", "out", "--format", "linuxcnc", "--output", "x/m.txt").stderr
+        assert "loadrt streamer" in Path("x/m.hal").read_text()
+        assert ", and m.yaml" in call("export", "out", "--format", "urdf", "--output", "m.urdf").stderr
+        assert "closed_loop" in Path("m.yaml").read_text()
+        same = call("export", "out", "--format", "linuxcnc", "--output", "only.hal")
+        assert same.exit_code == 2
+        assert "only.hal: give two" in same.stderr
+        assert not Path("only.hal").exists()
+        assert call("export", "out", "--format", "urdf", "--output", "/dev/null").exit_code == 0
+        assert call("export", "out", "--format", "urdf", "--output", "out/config.urdf").exit_code == 2
+
+    def test_export_for_a_german_spreadsheet(self, call: Call) -> None:
+        """Decimal commas, names of one's own, and columns that trajectory.csv does not have."""
+        options = ["--separator", "semicolon", "--decimal", "comma", "--columns", "t_s,q1_m", "--names", "Zeit,X"]
+        head, first, *_ = call("export", "out", *options).stdout.splitlines()
+        assert head == "Zeit;X"
+        assert first.startswith("0,000000000000;")
+        assert call("export", "out", "--decimal", "comma").exit_code == 2
+
+    def test_export_of_jerk(self, call: Call) -> None:
+        """Where the motion has a jerk it is a column like others; where accelerations jump there is none."""
+        result = call("export", "out", "--columns", "t_s,qddd1_mps3")
+        assert result.exit_code == 2
+        assert "accelerations of this motion jump" in result.stderr
 
     def test_export_spares_the_run(self, call: Call) -> None:
         """Files of the run are not written over."""

@@ -1,15 +1,18 @@
 """A trajectory_msgs/JointTrajectory message, as YAML or JSON, and back.
 
 Fields are those of the message's definition: joint_names, and points with positions, velocities, accelerations and a
-strictly increasing time_from_start in whole seconds and nanoseconds.
+strictly increasing time_from_start in whole seconds and nanoseconds. With a lead-in all points are later by it, and
+the controller has that time to reach the first one; without, it commands the first point wherever the machine is.
 """
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import yaml
 
+from pipeline.arrays import IntArray
 from pipeline.export.motion import Motion
 from pipeline.export.request import ExportRequest
 
@@ -25,7 +28,7 @@ def joint_trajectory(request: ExportRequest) -> dict[str, Any]:
         When times do not increase by at least a nanosecond, or the motion does not end at rest.
     """
     samples = request.samples
-    nanoseconds = np.rint(samples.t_s * _NANO).astype(np.int64)
+    nanoseconds = nanoseconds_of(request)
     if not (np.diff(nanoseconds) > 0).all():
         raise ValueError("time_from_start has to increase strictly")
     if samples.qd_mps[-1].any():
@@ -35,7 +38,7 @@ def joint_trajectory(request: ExportRequest) -> dict[str, Any]:
             "positions": q,
             "velocities": qd,
             "accelerations": qdd,
-            "time_from_start": {"sec": t // _NANO, "nanosec": t % _NANO},
+            "time_from_start": stamp(t),
         }
         for t, q, qd, qdd in zip(
             nanoseconds.tolist(),
@@ -45,8 +48,18 @@ def joint_trajectory(request: ExportRequest) -> dict[str, Any]:
             strict=True,
         )
     ]
-    header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
+    header = {"stamp": stamp(0), "frame_id": ""}
     return {"header": header, "joint_names": list(request.joint_names), "points": points}
+
+
+def stamp(nanoseconds: int) -> dict[str, int]:
+    """Split a time into whole seconds and nanoseconds."""
+    return {"sec": nanoseconds // _NANO, "nanosec": nanoseconds % _NANO}
+
+
+def nanoseconds_of(request: ExportRequest) -> IntArray:
+    """Compute the times of the points (n,), lead-in included, in nanoseconds."""
+    return np.rint((request.samples.t_s + request.options.lead_in_s) * _NANO).astype(np.int64)
 
 
 def format_json(request: ExportRequest) -> str:
@@ -74,15 +87,17 @@ def read_joint_trajectory(text: str) -> Motion:
     try:
         message = json.loads(text) if text.lstrip().startswith("{") else yaml.load(text, Loader=_LOADER)
         points = message["points"]
-        stamps = [point["time_from_start"] for point in points]
-        t = np.array([stamp["sec"] + stamp["nanosec"] / _NANO for stamp in stamps])
-        q, qd, qdd = (
-            np.array([point[name] for point in points], dtype=float)
-            for name in ("positions", "velocities", "accelerations")
-        )
-        return Motion(t, q, qd, qdd, tuple(message["joint_names"]))
+        stamps = [(point["time_from_start"]["sec"], point["time_from_start"]["nanosec"]) for point in points]
+        rows = [tuple(point[name] for name in ("positions", "velocities", "accelerations")) for point in points]
+        return motion_of(stamps, rows, message["joint_names"])
     except (KeyError, TypeError, yaml.YAMLError, json.JSONDecodeError) as error:
         raise ValueError(f"not a joint trajectory: {error}") from None
+
+
+def motion_of(stamps: Sequence[tuple[int, int]], rows: Sequence[tuple[Any, ...]], names: Sequence[str]) -> Motion:
+    """Build the motion from times in seconds and nanoseconds, and rows of positions, velocities, accelerations."""
+    q, qd, qdd = np.array(rows, dtype=float).swapaxes(0, 1)
+    return Motion(np.array([sec + nanosec / _NANO for sec, nanosec in stamps]), q, qd, qdd, tuple(names))
 
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

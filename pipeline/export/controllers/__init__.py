@@ -1,0 +1,1 @@
+"""Formats of motion controllers: PLCs, LinuxCNC, ROS 2."""

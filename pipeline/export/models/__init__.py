@@ -1,0 +1,1 @@
+"""The machine as a file for simulators: bodies, joints, loops and drives."""
