@@ -57,6 +57,11 @@ bench-retime: $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
 	$(BIN)/python -m tests.benchmarks.retiming $(ARGS)
 
+# Programs that read what is exported, for the tests of exports; LinuxCNC comes with apt-get install linuxcnc-uspace.
+.PHONY: consumers
+consumers: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[consumers]"
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"

@@ -1,6 +1,7 @@
 """Cams over time: as CODESYS writes them, with as few points as the tolerance allows."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -69,20 +70,17 @@ def test_the_declaration_is_as_codesys_generates_it(make_samples) -> None:
     assert "dX := 0.000000000000, dY := 300.000000000000, dV := 0.000000000000, dA := 0.000000000000" in text
 
 
-def test_what_codesys_does_not_take_is_refused(make_samples) -> None:
-    """Two joints with one identifier, and more points than an INT counts."""
+def test_names_that_are_no_different_identifiers_are_refused(make_samples) -> None:
+    """IEC 61131 knows no punctuation in names, and no case."""
     with pytest.raises(UsageError, match=r"two joints are called the same.*\n.*export.joint_names"):
-        format_cam(ExportRequest(make_samples(0.01), LIMITS, ("a/b", "a.b", "c", "d", "e")))
+        format_cam(ExportRequest(make_samples(0.01), LIMITS, ("a/b", "A.b", "c", "d", "e")))
+
+
+@pytest.mark.slow
+def test_more_points_than_codesys_counts_are_refused(make_samples) -> None:
+    """`nElements` is an INT; only a motion that no polynomial meets takes as many."""
     samples = make_samples(0.2 / 32_800)
-    noisy = samples.qdd_mps2.copy()
-    noisy[:] = np.random.default_rng(1).normal(size=noisy.shape)
-    request = ExportRequest(
-        TrajectorySamples(
-            samples.period_s, samples.t_s, samples.q_m, samples.qd_mps, noisy, samples.pose, samples.kappa
-        ),
-        LIMITS,
-        ACTUATORS,
-        ExportOptions(tolerance_m=0.0),
-    )
+    noise = np.random.default_rng(1).normal(size=samples.qdd_mps2.shape)
+    request = ExportRequest(replace(samples, qdd_mps2=noise), LIMITS, ACTUATORS, ExportOptions(tolerance_m=0.0))
     with pytest.raises(UsageError, match=r"c1 takes 32,801 points; MC_CAM_REF has at most 32,767.*\n.*--tolerance"):
         format_cam(request)

@@ -1,5 +1,6 @@
 """Joint trajectories by the rules of joint_trajectory_controller, which were read from its source (master, 2026)."""
 
+import json
 import re
 from collections.abc import Callable
 from itertools import pairwise
@@ -7,9 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 
-from pipeline.export import ExportOptions, ExportRequest, format_yaml, read_joint_trajectory
+from pipeline.export import ExportOptions, ExportRequest, format_json, format_yaml, read_joint_trajectory
 from pipeline.export.controllers.cam import hermite
 from pipeline.export.controllers.ros2 import joint_trajectory
 from pipeline.machine.geometry import ACTUATORS
@@ -44,7 +44,7 @@ def rejection(message: dict[str, Any], joints: tuple[str, ...]) -> str | None:
 def test_the_controller_accepts_it(reference: TrajectorySamples, lead_in_s: float) -> None:
     """None of its rules rejects the reference motion."""
     request = ExportRequest(reference, LIMITS, ACTUATORS, ExportOptions(lead_in_s=lead_in_s))
-    assert rejection(yaml.safe_load(format_yaml(request)), ACTUATORS) is None
+    assert rejection(json.loads(format_json(request)), ACTUATORS) is None
 
 
 @pytest.mark.parametrize(
