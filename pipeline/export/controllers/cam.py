@@ -6,6 +6,7 @@ time in seconds. Rows that these polynomials give to the tolerance anyway are le
 """
 
 import re
+from typing import Any
 
 import numpy as np
 
@@ -99,9 +100,28 @@ def thinned(t_s: FloatArray, axis: FloatArray, tolerance: float) -> IntArray:
 
 
 def _fits(t_s: FloatArray, axis: FloatArray, first: int, last: int, tolerance: float) -> bool:
-    ends, between = [first, last], slice(first + 1, last)
-    found = hermite(t_s[ends], axis[ends], t_s[between])
-    return bool((np.abs(found[:, 0] - axis[between, 0]) <= tolerance).all())
+    h, between = float(t_s[last] - t_s[first]), slice(first + 1, last)
+    c0, c1, c2, c3, c4, c5 = _coefficients(h, axis[first].tolist(), axis[last].tolist())
+    u = (t_s[between] - t_s[first]) / h
+    found = c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
+    return bool((np.abs(found - axis[between, 0]) <= tolerance).all())
+
+
+def _coefficients(h: Any, start: Any, end: Any) -> tuple[Any, ...]:
+    """Compute the six coefficients in u = t / h between position, velocity and acceleration at 0 and h.
+
+    For numbers, or for arrays of one shape.
+    """
+    (p0, v0, a0), (p1, v1, a1) = start, end
+    rise, v0, v1, a0, a1 = p1 - p0, v0 * h, v1 * h, a0 * h**2, a1 * h**2
+    return (
+        p0,
+        v0,
+        a0 / 2.0,
+        10.0 * rise - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1,
+        -15.0 * rise + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1,
+        6.0 * rise - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1,
+    )
 
 
 def hermite(t_s: FloatArray, points: FloatArray, at_s: FloatArray) -> FloatArray:
@@ -112,17 +132,12 @@ def hermite(t_s: FloatArray, points: FloatArray, at_s: FloatArray) -> FloatArray
     k = np.clip(np.searchsorted(t_s, at_s, side="right") - 1, 0, len(t_s) - 2)
     h = t_s[k + 1] - t_s[k]
     u = (at_s - t_s[k]) / h
-    (p0, v0, a0), (p1, v1, a1) = points[k].T, points[k + 1].T
-    v0, v1, a0, a1 = v0 * h, v1 * h, a0 * h**2, a1 * h**2
-    rise = p1 - p0
-    c3 = 10.0 * rise - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
-    c4 = -15.0 * rise + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
-    c5 = 6.0 * rise - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1
+    c0, c1, c2, c3, c4, c5 = _coefficients(h, points[k].T, points[k + 1].T)
     return np.stack(
         [
-            p0 + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5)))),
-            (v0 + u * (a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
-            (a0 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / h**2,
+            c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+            (c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
+            (2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / h**2,
             (6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)) / h**3,
         ],
         axis=1,

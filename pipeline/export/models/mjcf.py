@@ -22,7 +22,7 @@ from pipeline.machine.masses import RigidBody
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 
 _MOST_KEYS = 10_000
-"""Rows of a motion that are written as keys: about 8 MB."""
+"""Rows of a motion that are written as keys: about 11 MB."""
 _LONGEST_STEP_S = 0.001
 _STIFFNESS_NPM, _DAMPING_NSPM = 1e7, 1e4
 """Gains of the position actuators: they follow a command about a millisecond late."""
@@ -58,9 +58,9 @@ def format_mjcf(request: ExportRequest) -> str:
         iterations="100",
         tolerance=1e-12,
     )
-    geom = add(add(root, "default"), "geom", contype="0", conaffinity="0", rgba="0.6 0.65 0.7 1", group="1")
-    geom.tail = None
+    add(add(root, "default"), "geom", contype="0", conaffinity="0", rgba="0.6 0.65 0.7 1", group="1")
     world = add(root, "worldbody")
+    add(world, "light", directional="true", pos="0 0 4", dir="0.2 0.5 -1", diffuse="0.8 0.8 0.8")
     for arm in range(3):
         _add_arm(world, request, arm)
     _add_platform(world, request)

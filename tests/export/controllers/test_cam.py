@@ -76,7 +76,6 @@ def test_names_that_are_no_different_identifiers_are_refused(make_samples) -> No
         format_cam(ExportRequest(make_samples(0.01), LIMITS, ("a/b", "A.b", "c", "d", "e")))
 
 
-@pytest.mark.slow
 def test_more_points_than_codesys_counts_are_refused(make_samples) -> None:
     """`nElements` is an INT; only a motion that no polynomial meets takes as many."""
     samples = make_samples(0.2 / 32_800)

@@ -17,7 +17,7 @@ from pipeline.export.models.joints import platform_angles, universal_angles
 from pipeline.machine import Machine
 from pipeline.machine.dynamics import inverse_dynamics
 from pipeline.machine.geometry import LINKS, rotation
-from pipeline.machine.kinematics import pose_jacobian
+from pipeline.machine.kinematics import inverse_kinematics, pose_jacobian
 from pipeline.retime import TrajectorySamples
 from tests.export.models.engines import Answer, ask_mujoco, ask_pinocchio
 
@@ -218,19 +218,20 @@ def test_a_tree_has_every_joint_once(urdf: dict[str, str], joints: dict[str, np.
 @pytest.mark.parametrize("kind", ["on axis", "general"])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_machines_of_any_geometry_close(
-    draw_machine: Callable[[int, str], Machine], draw_poses, machine: Machine, kind: str, seed: int
+    draw_machine: Callable[[int, str], Machine], draw_controlled, machine: Machine, kind: str, seed: int
 ) -> None:
     """Random machines, at random poses in all working modes: MuJoCo finds every loop closed."""
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     drawn = replace(draw_machine(seed, kind), masses=machine.masses)
-    sample = draw_poses(drawn, seed, 60)
-    n = len(sample.q_m)
-    zero = np.zeros((n, 5))
-    samples = TrajectorySamples(0.01, 0.01 * np.arange(n), sample.q_m, zero, zero, sample.pose, sample.kappa)
+    solution = inverse_kinematics(drawn, *draw_controlled(seed, 100))
+    q, pose = solution.q_m[solution.reachable], solution.pose[solution.reachable]
+    assert len(q) > 10
+    zero = np.zeros_like(q)
+    samples = TrajectorySamples(0.01, 0.01 * np.arange(len(q)), q, zero, zero, pose, zero[:, 0])
     request = ExportRequest(samples, drawn.acceleration_mps2, NAMES, machine=drawn)
     answer = ask_mujoco(export_files(Format.MJCF, request)[""].decode(), zero)
     assert answer.gap_m < 1e-9
-    assert answer.tcp_m == pytest.approx(sample.pose[:, :3], abs=1e-9)
+    assert answer.tcp_m == pytest.approx(pose[:, :3], abs=1e-9)
 
 
 def test_what_cannot_be_a_model_is_refused(request_: ExportRequest, make_samples, machine: Machine) -> None:
