@@ -1,4 +1,4 @@
-"""Joint trajectories by the rules of joint_trajectory_controller, which were read from its source (master, 2026)."""
+"""Joint trajectories by the rules by which joint_trajectory_controller accepts one, written down here once more."""
 
 import json
 import re
