@@ -112,7 +112,7 @@ def _bound_texts(key: CertificateKey, proven: list[float], allowed: tuple[float,
     if key.side is Side.SIGN:
         return f"{proven[0]:+.0f} everywhere".replace("-", "−"), "never changes"
     unit = f" {key.unit}" if key.unit.isalpha() else key.unit
-    form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}", Side.LEAST: "at least {0}"}[key.side]
+    form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}"}.get(key.side, "at least {0}")
     texts = ([format(value, spec) for value in pair] for pair, spec in ((proven, f".{key.decimals}f"), (allowed, "g")))
     one, other = (form.format(*pair) + unit for pair in texts)
     return one, "not limited" if np.isinf(allowed).all() else other

@@ -3,16 +3,18 @@
 They are regular wherever det H is not zero; at a singular pose, whatever H is solved for is NaN.
 """
 
-from pipeline.machine.actuator_space.gravity import gravity_forces, gravity_stiffness
+from pipeline.machine.actuator_space.gravity import gravity_forces, gravity_stiffness, least_stiffness
 from pipeline.machine.actuator_space.inertia import mass_matrix, velocity_damping, velocity_forces
-from pipeline.machine.actuator_space.rates import ActuatorRates, actuator_rates
+from pipeline.machine.actuator_space.rates import ActuatorRates, actuator_rates, mode_words
 
 __all__ = [
     "ActuatorRates",
     "actuator_rates",
     "gravity_forces",
     "gravity_stiffness",
+    "least_stiffness",
     "mass_matrix",
+    "mode_words",
     "velocity_damping",
     "velocity_forces",
 ]

@@ -57,6 +57,17 @@ def gravity_stiffness(machine: Machine, rates: ActuatorRates) -> FloatArray:
     return np.asarray((K + np.swapaxes(K, -1, -2)) / 2.0)
 
 
+def least_stiffness(K: FloatArray) -> FloatArray:
+    """Compute the least eigenvalue of stiffness matrices (n, 5, 5), in N/m, shape (n,); -inf where they hold NaN.
+
+    It is not positive: all carts moved alike carry the machine along, and no force changes.
+    """
+    least = np.full(len(K), -np.inf)
+    known = np.isfinite(K).all(axis=(1, 2))
+    least[known] = np.linalg.eigvalsh(K[known])[:, 0]
+    return least
+
+
 def _weight(machine: Machine, rates: ActuatorRates) -> tuple[FloatArray, FloatArray]:
     """F0 = -m g and the centre of mass from the TCP, both (n, 3)."""
     if machine.masses is None:

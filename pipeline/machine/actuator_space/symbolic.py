@@ -11,7 +11,7 @@ import casadi as ca
 from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import Machine
 from pipeline.machine.masses import lumped_platform
-from pipeline.machine.symbolic import closure_terms_function, rotation_matrix
+from pipeline.machine.symbolic import closure_function, closure_terms_function, rotation_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,32 @@ def equations_function(machine: Machine) -> ca.Function:
         ["pose", "q", "qd"],
         ["mass", "velocity", "gravity", "pose_by_q"],
     )
+
+
+def stiffness_function(machine: Machine) -> ca.Function:
+    """Build (pose, q) -> K (5, 5), the stiffness by gravity in N/m: `gravity_stiffness`.
+
+    With the closures r(z) = 0 of z = (pose, q), their slope Z = dz/dq and multipliers f that balance the weight,
+    dV/dpose + f' dr/dpose = 0, K is Z' (V + f' r)_zz Z.
+
+    Raises
+    ------
+    ValueError
+        For a machine without masses.
+    """
+    if machine.masses is None:
+        raise ValueError("without masses there are no forces")
+    body = lumped_platform(machine.masses, machine.platform_points_m)
+    z, f = ca.SX.sym("z", 11), ca.SX.sym("f", 6)
+    centre = z[:3] + rotation_matrix(z[3], z[4], z[5]) @ ca.DM(body.centre_m)
+    potential = -body.mass_kg * ca.dot(ca.DM(machine.masses.gravity_mps2), centre)
+    closure = closure_function(machine)(z[:6], z[6:])
+    F_z = ca.densify(ca.jacobian(closure, z))
+    curvature, _ = ca.hessian(potential + ca.dot(f, closure), z)
+    balance = ca.solve(F_z[:, :6].T, -ca.densify(ca.gradient(potential, z))[:6])
+    Z = ca.vertcat(ca.solve(F_z[:, :6], -F_z[:, 6:]), ca.SX.eye(5))
+    K = Z.T @ ca.substitute(curvature, f, balance) @ Z
+    return ca.Function("stiffness", [z[:6], z[6:]], [K], ["pose", "q"], ["K"])
 
 
 def linearised_function(machine: Machine) -> ca.Function:

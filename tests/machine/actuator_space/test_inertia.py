@@ -54,7 +54,7 @@ def test_the_mass_matrix_is_symmetric_and_positive_definite(draw_moving: Callabl
 @given(seed=seeds, kind=kinds)
 @settings(max_examples=8)
 def test_kinetic_energy_is_that_of_all_bodies(draw_moving: Callable, seed: int, kind: str):
-    """As qd' M qd / 2 it is the sum over carts, half links and platform, each by its own velocity along the closures."""
+    """As qd' M qd / 2 it sums up over carts, half links and platform, each with its own velocity along the closures."""
     moving, h = draw_moving(seed, kind), 1e-5
     machine, masses = moving.machine, moving.machine.masses
     M = mass_matrix(machine, moving.rates)

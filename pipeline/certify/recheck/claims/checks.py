@@ -6,7 +6,14 @@ from typing import Protocol
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.claims import actuators, axis_distances, holding_force, kappa, tilt
+from pipeline.certify.recheck.claims import (
+    actuators,
+    axis_distances,
+    gravity_stiffness,
+    holding_force,
+    kappa,
+    tilt,
+)
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, combined
 from pipeline.config import Config
@@ -28,7 +35,7 @@ class BoundCheck(Protocol):
         """Verify what is stated against the bounds over all boxes, and against the limits of the configuration."""
 
 
-CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, holding_force, actuators, tilt)
+CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, holding_force, gravity_stiffness, actuators, tilt)
 """All checks, in the order in which their claims are shown."""
 
 
