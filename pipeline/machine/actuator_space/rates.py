@@ -86,17 +86,6 @@ def actuator_rates(
     return ActuatorRates(R, H, vectors / lengths[..., None], arms, lengths, twist, tips)
 
 
-def mode_words(direction: FloatArray) -> str:
-    """Name a direction (5,) in actuator space by its larger parts: "0.53 l2b + 0.83 l3b"."""
-    largest = float(np.abs(direction).max())
-    sign = np.sign(direction[np.abs(direction).argmax()])
-    parts = [(sign * part, name) for part, name in zip(direction.tolist(), ACTUATORS, strict=True)]
-    words = [
-        f"{'-' if part < 0.0 else '+'} {abs(part):.2f} {name}" for part, name in parts if abs(part) > 0.25 * largest
-    ]
-    return " ".join(words).removeprefix("+ ")
-
-
 def solve_regular(matrices: FloatArray, right: FloatArray) -> FloatArray:
     """Solve matrices (n, m, m) for right sides (n, m, k); NaN where a matrix is singular."""
     try:
