@@ -142,7 +142,7 @@ class GravityStiffness:
 
     def program_part(self, nodes: "Nodes") -> "ProgramPart":
         """Write that K less the limit is positive definite, at inner nodes that come near it."""
-        from pipeline.limits.gravity_stiffness_rows import stiffness_part
+        from pipeline.limits.program_rows.gravity_stiffness import stiffness_part
 
         return stiffness_part(self, _NODE_MARGIN, nodes)
 

@@ -118,8 +118,7 @@ class LimitsConfig(Section):
         None,
         lt=0.0,
         ge=-1e9,
-        description="least stiffness that gravity may give the drives, negative: the least eigenvalue of dF/dq of "
-        "holding forces; null: not limited",
+        description="least stiffness that gravity may give the drives, in any direction; null: not limited",
     )
     tcp: TcpLimitsConfig = Field(default_factory=lambda: TcpLimitsConfig())
 
