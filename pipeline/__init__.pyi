@@ -154,6 +154,7 @@ from .figures import (
     RunData as RunData,
     all_figures as all_figures,
     clearance_figure as clearance_figure,
+    drives_figure as drives_figure,
     kappa_figure as kappa_figure,
     kappa_map_figure as kappa_map_figure,
     loads_figure as loads_figure,

@@ -13,6 +13,7 @@ from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.holding_force import holding_limit
+from pipeline.machine.actuator_space import actuator_rates, amplification, drive_figures, mode_words
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
@@ -30,6 +31,7 @@ def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpo
         _reach(config, machine),
         _grid(config, machine),
         _ends(config, machine, ends),
+        _drives(machine, ends),
         *machine_notes(config, machine, ends[0]),
     ]
 
@@ -173,6 +175,24 @@ def _limited(
                 values = [measure.reduce(end.samples) for end in ends]
                 if np.isfinite(values).all():
                     yield measure.name, measure.unit, values, "not checked"
+
+
+def _drives(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> RenderableType:
+    """Say what the drives feel at start and goal, at rest; without masses, how far the TCP moves with them."""
+    rates = [actuator_rates(machine, end.pose[None], end.q_m[None, :3]) for end in ends]
+    known = machine.masses is not None
+    table = _table(f"Drives{'' if known else '; no masses are given'}", "quantity", "unit", "start", "goal", text=2)
+    if known:
+        felt = [drive_figures(machine, rate, np.zeros((1, len(ACTUATORS)))) for rate in rates]
+        for k, name in enumerate(ACTUATORS):
+            table.add_row(f"reflected mass of {name}", "kg", *(f"{one.reflected_mass_kg[0, k]:.1f}" for one in felt))
+        table.add_row("in the worst direction", "kg", *(f"{one.worst_mass_kg.value[0]:.1f}" for one in felt))
+        table.add_row("gravity stiffness", "N/m", *(f"{one.stiffness_npm.value[0]:.0f}" for one in felt))
+        table.add_row("", "along", *(mode_words(one.stiffness_npm.along[0]) for one in felt))
+    gains = [amplification(rate) for rate in rates]
+    table.add_row("TCP per actuators", "mm/mm", *(f"{one.position.value[0]:.2f}" for one in gains))
+    table.add_row("", "mrad/mm", *(f"{one.angle.value[0]:.2f}" for one in gains))
+    return table
 
 
 def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tuple[str, list[float], str]]:

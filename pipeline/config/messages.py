@@ -151,6 +151,8 @@ def _range(schema: _Schema) -> str:
     above = f" above {schema['exclusiveMinimum']:g}" if "exclusiveMinimum" in schema else ""
     most = ", at most" if above else " to"
     high = f"{most} {schema['maximum']:g}" if "maximum" in schema else ""
+    if "exclusiveMaximum" in schema:
+        high = f"{' to' if low else ''} less than {schema['exclusiveMaximum']:g}"
     return low + above + high
 
 

@@ -13,6 +13,7 @@ from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.maps.workspace import workspace_figure
 from pipeline.figures.proof import proof_figure
 from pipeline.figures.run_figures import FIGURES, RunData, RunFigure, all_figures
+from pipeline.figures.time.drives import drives_figure, has_masses
 from pipeline.figures.time.loads import has_loads, loads_figure, usage_figure
 from pipeline.figures.time.measured import measured_figure
 from pipeline.figures.time.phase import phase_figure
@@ -25,7 +26,9 @@ __all__ = [
     "RunFigure",
     "all_figures",
     "clearance_figure",
+    "drives_figure",
     "has_loads",
+    "has_masses",
     "kappa_figure",
     "kappa_map_figure",
     "loads_figure",

@@ -41,7 +41,7 @@ def _draw_limits(axes: Axes, curve: Curve) -> None:
     for limit in (curve.least, curve.largest):
         if np.isfinite(limit):
             axes.axhline(limit, **style.LIMIT_LINE, label="limit")
-    if np.isinf(curve.largest):
+    if np.isinf(curve.largest) and curve.least >= 0.0:
         axes.set_ylim(bottom=0.0)
     if curve.unit == "deg":
         axes.yaxis.set_major_locator(style.angle_locator())

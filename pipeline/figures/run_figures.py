@@ -14,6 +14,7 @@ from pipeline.figures.machine import machine_figure
 from pipeline.figures.maps.regions import regions_figure
 from pipeline.figures.maps.route import route_figure
 from pipeline.figures.proof import proof_figure
+from pipeline.figures.time.drives import drives_figure, has_masses
 from pipeline.figures.time.loads import has_loads, loads_figure, usage_figure
 from pipeline.figures.time.phase import phase_figure
 from pipeline.figures.time.pose import pose_figure
@@ -90,6 +91,7 @@ FIGURES = (
     RunFigure("pose", pose_figure, ("config", "machine", "route", "coarse", "trajectory_samples")),
     RunFigure("trajectory", trajectory_figure, ("machine", "trajectory_samples")),
     RunFigure("loads", loads_figure, ("trajectory",), applies=has_loads),
+    RunFigure("drives", drives_figure, ("trajectory",), applies=has_masses),
     RunFigure("usage", usage_figure, ("trajectory",)),
     RunFigure("phase", phase_figure, ("trajectory",)),
 )

@@ -91,7 +91,7 @@ class AxisDistance:
 
     def program_part(self, nodes: "Nodes") -> "ProgramPart":
         """Write the separating rows of all pairs that come near."""
-        from pipeline.limits.axis_distance_rows import separation_part
+        from pipeline.limits.program_rows.axis_distance import separation_part
 
         distances = self.values(nodes.guess)
         return separation_part(self.wording.name, self.pairs, self.from_rail, distances, self.least, nodes)

@@ -215,7 +215,7 @@ class HoldingForce:
 
     def program_part(self, nodes: "Nodes") -> "ProgramPart":
         """Write H f = w with the links' forces f as unknowns, at inner nodes near a limit, and bound all forces."""
-        from pipeline.limits.holding_force_rows import holding_part
+        from pipeline.limits.program_rows.holding_force import holding_part
 
         return holding_part(self, _NODE_MARGIN, nodes)
 

@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from pipeline.config import Config
-from pipeline.limits import actuators, avoid, holding_force, kappa, link_link, link_rail, tilt
+from pipeline.limits import actuators, avoid, gravity_stiffness, holding_force, kappa, link_link, link_rail, tilt
 from pipeline.limits.interface.limit import Limit, NodeLimit, ProvenLimit
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey
@@ -30,7 +30,16 @@ class LimitKind(Protocol):
         """Return milder values of the limit, for finding out what prevents a route."""
 
 
-KINDS: tuple[LimitKind, ...] = (kappa, link_link, link_rail, holding_force, tilt, avoid, actuators)
+KINDS: tuple[LimitKind, ...] = (
+    kappa,
+    link_link,
+    link_rail,
+    holding_force,
+    gravity_stiffness,
+    tilt,
+    avoid,
+    actuators,
+)
 """All kinds, in the order in which messages name them."""
 
 

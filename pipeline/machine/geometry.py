@@ -61,6 +61,8 @@ class Machine:
         Limits of the tool centre point; infinite where there is none.
     holding_fraction : float
         Part of the force limits that holding the machine against gravity may take.
+    gravity_stiffness_npm : float
+        Least stiffness by gravity that the drives have to deal with, -inf where it is not limited.
     masses : Masses or None
         What forces follow from; None where the configuration gives no masses.
     """
@@ -83,6 +85,7 @@ class Machine:
     tcp_speed_mps: float = np.inf
     tcp_acceleration_mps2: float = np.inf
     holding_fraction: float = 1.0
+    gravity_stiffness_npm: float = -np.inf
     masses: Masses | None = None
 
     @property
@@ -131,12 +134,13 @@ def build_machine(config: MachineConfig) -> Machine:
         tcp_speed_mps=_or_infinite(config.limits.tcp.speed_mps),
         tcp_acceleration_mps2=_or_infinite(config.limits.tcp.acceleration_mps2),
         holding_fraction=config.limits.holding_fraction,
+        gravity_stiffness_npm=_or_infinite(config.limits.gravity_stiffness_npm, -np.inf),
         masses=None if config.dynamics is None else build_masses(config.dynamics),
     )
 
 
-def _or_infinite(limit: float | None) -> float:
-    return np.inf if limit is None else limit
+def _or_infinite(limit: float | None, without: float = np.inf) -> float:
+    return without if limit is None else limit
 
 
 def _length(link: FixedLinkConfig | TelescopeConfig | TriangleLinkConfig, config: MachineConfig) -> float:

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.machine.actuator_space import actuator_rates, gravity_stiffness, least_stiffness
 from pipeline.machine.clearance import link_distances
 from pipeline.machine.dynamics import holding_forces
 from pipeline.machine.geometry import Machine
@@ -99,6 +100,18 @@ class PoseSamples:
             raise ValueError("without masses there are no forces")
         forces = holding_forces(self.machine, masses, self.pose, self.H)
         return np.concatenate([forces.drive_n, forces.link_n], axis=1)
+
+    @cached_property
+    def gravity_stiffness_npm(self) -> FloatArray:
+        """Least eigenvalue of the derivative of holding forces by actuators, -inf at a singular pose. Shape (n,).
+
+        Raises
+        ------
+        ValueError
+            For a machine without masses.
+        """
+        rates = actuator_rates(self.machine, self.pose, self.carts_m, self.H)
+        return least_stiffness(gravity_stiffness(self.machine, rates))
 
     def with_known(self, **values: FloatArray) -> Self:
         """Return the samples with known quantities, by their names here, so that they are not recomputed."""

@@ -22,14 +22,15 @@ from pipeline.report.tables import (
     build_proof,
     comparison_table,
     distances_table,
+    drives_table,
     quality_table,
     workspace_part,
 )
-from pipeline.report.verdicts import Facts, headline, stage_rows, used_limits, verdicts
+from pipeline.report.verdicts import Facts, StageFacts, headline, stage_rows, used_limits, verdicts
 from pipeline.retime.result import Trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
-from pipeline.summary.section import QUALITY
+from pipeline.summary.section import DRIVES, QUALITY
 
 Retime = Callable[[Config, RetimeConfig, Path], Trajectory]
 
@@ -91,6 +92,7 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         provenance=_provenance(run),
         scene=build_scene(machine),
         quality=_quality(run.facts),
+        drives=_drives(timing),
         comparison=_comparison(run, coarse, retime),
         workspace=workspace,
         workspace_picture=picture,
@@ -163,6 +165,12 @@ def _quality(facts: Facts) -> Table | None:
     parts = [facts[stage].section.get(QUALITY) for stage in (Stage.REFINE, Stage.RETIME) if stage in facts]
     known = [part for part in parts if part is not None]
     return quality_table(*known) if len(known) == 2 else None
+
+
+def _drives(timing: StageFacts | None) -> Table | None:
+    """Tabulate what the drives feel, once the motion is timed."""
+    section = None if timing is None else timing.section.get(DRIVES)
+    return None if section is None else drives_table(section)
 
 
 def _at_full_speed(config: Config, trajectory: Trajectory, retime: Retime) -> Trajectory:

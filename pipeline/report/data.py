@@ -172,9 +172,9 @@ class Report:
         The outcome, in one line.
     verdicts, stages, usage
         The summary.
-    quality, comparison, workspace, bounds, distances : Table or None
-        Reversals and least times of the actuators; coarse against refined; usable workspace; what the certificate
-        proves, also for each pair of axes.
+    quality, drives, comparison, workspace, bounds, distances : Table or None
+        Reversals and least times of the actuators; what the drives feel; coarse against refined; usable workspace;
+        what the certificate proves, also for each pair of axes.
     workspace_picture : str
         The workspace in 3-D, a PNG in base64.
     scene, motions
@@ -197,6 +197,7 @@ class Report:
     scene: Scene
     usage: tuple[UsedLimit, ...] = ()
     quality: Table | None = None
+    drives: Table | None = None
     comparison: Table | None = None
     workspace: Table | None = None
     workspace_picture: str = ""

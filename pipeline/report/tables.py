@@ -13,11 +13,12 @@ from pipeline.config import Config
 from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.proof import boxes_of
 from pipeline.limits import CertificateKey, Side, certificate_keys, proven_limits
+from pipeline.machine.actuator_space import mode_words
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.report.data import Proof, Table
 from pipeline.route.metric import arc_length, step_sizes
-from pipeline.summary.section import Section
+from pipeline.summary.section import SKIPPED, Section
 from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
 from pipeline.workspace.table import at_two_steps, setting_text, workspace_rows
 from pipeline.workspace.table import table_cells as workspace_cells
@@ -51,6 +52,34 @@ def quality_table(path: Section, motion: Section) -> Table:
         note += f", {path['length_ratio']:.2f} times the straight line"
     header = ("actuator", "sign changes of velocity", "of acceleration", "least time, s")
     return Table(header, tuple(rows), words=(0,), note=f"{note}. Values below 5 % of a limit have no sign.")
+
+
+def drives_table(section: Section) -> Table:
+    """Tabulate what each drive feels from the drives' part of the summary; without masses, amplification alone."""
+    masses, gains = section["reflected_mass_kg"], section["amplification_max"]
+    rows = []
+    for k, name in enumerate(ACTUATORS):
+        felt = ("−", "−") if masses == SKIPPED else (f"{masses[name][side]:.1f}" for side in ("least", "largest"))
+        rows.append((name, *felt, *(f"{gains[unit]['by_drive'][k]:.2f}" for unit in ("mm_per_mm", "mrad_per_mm"))))
+    header = ("drive", "reflected mass, least, kg", "largest, kg", "TCP, mm per mm", "mrad per mm")
+    return Table(header, tuple(rows), words=(0,), note=_drives_note(section))
+
+
+def _drives_note(section: Section) -> str:
+    if section["reflected_mass_kg"] == SKIPPED:
+        return "No masses are given, so that masses, stiffness and damping are not known."
+
+    def at(key: str, unit: str, words: str) -> str:
+        found = section[key]
+        value = f"{found['value']:.0f}".replace("-", "−")
+        return f"{words} {value} {unit} at {found['t_s']:.2f} s along {mode_words(np.array(found['along']))}"
+
+    return (
+        f"{at('reflected_mass_worst_kg', 'kg', 'In the worst direction drives move')}; "
+        f"{at('stiffness_least_npm', 'N/m', 'gravity gives them a stiffness of at least')}, "
+        f"{at('damping_least_nspm', 'Ns/m', 'motion a damping of at least')}. "
+        "Negative ones the drives have to exceed for the machine to be stable."
+    )
 
 
 def _unit(text: str) -> str:
@@ -112,7 +141,7 @@ def _bound_texts(key: CertificateKey, proven: list[float], allowed: tuple[float,
     if key.side is Side.SIGN:
         return f"{proven[0]:+.0f} everywhere".replace("-", "−"), "never changes"
     unit = f" {key.unit}" if key.unit.isalpha() else key.unit
-    form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}", Side.LEAST: "at least {0}"}[key.side]
+    form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}"}.get(key.side, "at least {0}")
     texts = ([format(value, spec) for value in pair] for pair, spec in ((proven, f".{key.decimals}f"), (allowed, "g")))
     one, other = (form.format(*pair) + unit for pair in texts)
     return one, "not limited" if np.isinf(allowed).all() else other

@@ -1,5 +1,6 @@
 """Stage three: a path becomes a trajectory, as fast as the limits of actuators, links and TCP allow."""
 
+from pipeline.retime.quality.drives import MotionDrives, measure_drives
 from pipeline.retime.quality.motion_quality import MotionQuality, measure_quality
 from pipeline.retime.quantities import QUANTITIES, Quantity
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples, slowed, stretched
@@ -10,6 +11,7 @@ from pipeline.retime.way_back import time_reversed, way_back
 
 __all__ = [
     "QUANTITIES",
+    "MotionDrives",
     "MotionQuality",
     "Quantity",
     "TimingOptions",
@@ -18,6 +20,7 @@ __all__ = [
     "TrajectoryFigures",
     "TrajectorySamples",
     "Usage",
+    "measure_drives",
     "measure_quality",
     "measure_trajectory",
     "measure_usage",

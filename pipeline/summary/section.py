@@ -6,6 +6,8 @@ from typing import Any
 SKIPPED = "skipped"
 QUALITY = "quality"
 """The key of the motion's quality, which refining and timing know in part each."""
+DRIVES = "drives"
+"""The key of what the drives feel, which timing finds and which is a part of its own."""
 
 Section = dict[str, Any]
 

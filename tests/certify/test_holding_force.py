@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from pipeline.certify import Certificate, Ranges
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
 from pipeline.certify.recheck.claims.evidence import Evidence
-from pipeline.certify.recheck.claims.holding_force import check, holding_force_bounds, measure
+from pipeline.certify.recheck.claims.gravity.holding_force import check, holding_force_bounds, measure
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.refine import Path

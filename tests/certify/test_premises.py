@@ -41,6 +41,7 @@ READ: tuple[tuple[str, Any], ...] = (
     ("machine.dynamics.load_kg", 1.0),
     ("machine.limits.telescopes.force_n", 900.0),
     ("machine.limits.holding_fraction", 0.9),
+    ("machine.limits.gravity_stiffness_npm", -9_000.0),
     ("machine.limits.link_force_n", {"push": 2000.0, "pull": 1900.0}),
     ("machine.characteristic_length_m", 0.9),
     ("refine.travel_margin_m", 0.004),

@@ -8,7 +8,7 @@ import pytest
 from flint import arb
 
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, build_boxes
-from pipeline.certify.recheck.claims.holding_force import holding_force_bounds
+from pipeline.certify.recheck.claims.gravity.holding_force import holding_force_bounds
 from pipeline.inclusion.closure import geometry, working_precision
 from pipeline.inclusion.forces import holding_force_ranges
 from pipeline.inclusion.krawczyk import Box, along, include

@@ -13,6 +13,7 @@ from pipeline.limits import KINDS, Limit, admits, admitted, applying, move_limit
 from pipeline.limits.actuators import ActuatorRange
 from pipeline.limits.avoid import AvoidedBox, Box
 from pipeline.limits.axis_distance import AxisDistance
+from pipeline.limits.gravity_stiffness import GravityStiffness
 from pipeline.limits.holding_force import HoldingForce
 from pipeline.limits.kappa import KappaCap
 from pipeline.limits.link_link import for_poses as link_link_limits
@@ -34,6 +35,7 @@ def strict_config(agder_config: Config, vary) -> Config:
             "machine.clearance.link_rail_m": 0.15,
             "machine.dynamics.friction": {"carts_n": 60.0, "telescopes_n": 40.0},
             "machine.limits.holding_fraction": 0.3,
+            "machine.limits.gravity_stiffness_npm": -800.0,
             "task.tilt_max_deg": 15,
             "task.avoid": [BOX],
             "route.kappa_max": 50,
@@ -157,5 +159,5 @@ def test_limits_that_are_not_asked_for_are_none(agder_config: Config, vary):
     config = vary(agder_config, changes)
     machine = build_machine(config.machine)
     kinds = {type(limit) for limit in every_limit(config, machine)}
-    assert not kinds & {HoldingForce, AvoidedBox}
+    assert not kinds & {HoldingForce, GravityStiffness, AvoidedBox}
     assert sum(isinstance(limit, AxisDistance) for limit in path_limits(config, machine)) == 1

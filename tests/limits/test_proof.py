@@ -26,6 +26,7 @@ def test_keys_are_those_of_the_format() -> None:
         "actuators_m",
         "tilt_deg",
         "holding_force_n",
+        "gravity_stiffness_npm",
     }
     assert len({key.name for key in keys}) == len(keys)
 

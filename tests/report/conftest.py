@@ -11,12 +11,14 @@ from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.machine import Machine
+from pipeline.machine.geometry import ACTUATORS
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
-from pipeline.retime import measure_quality, measure_trajectory, sample_trajectory
+from pipeline.retime import measure_drives, measure_quality, measure_trajectory, sample_trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
 from pipeline.summary.certificate import certificate_section
+from pipeline.summary.drives import drives_part
 from pipeline.summary.path import path_section
 from pipeline.summary.regions import regions_section
 from pipeline.summary.route import route_section
@@ -59,7 +61,9 @@ def complete(config: Config, machine: Machine) -> RunResults:
         Stage.ROUTE: route_section(make_route(machine)),
         Stage.REFINE: path_section(refinement, measure_path(refined, steps), measure_path(coarse, steps)),
         Stage.CERTIFY: certificate_section(certificate),
-        Stage.RETIME: trajectory_section(figures) | quality_part(measure_quality(trajectory)),
+        Stage.RETIME: trajectory_section(figures)
+        | quality_part(measure_quality(trajectory))
+        | drives_part(measure_drives(trajectory), ACTUATORS),
     }
     return RunResults(
         config=config,

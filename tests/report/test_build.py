@@ -16,7 +16,7 @@ from pipeline.machine.geometry import ACTUATORS, MODES
 from pipeline.report import Report, RunResults, build_report
 from pipeline.report.motion import build_scene, singular_loops
 from pipeline.report.payload import OUT_OF_REACH, levels, packed, payload
-from pipeline.report.tables import build_proof
+from pipeline.report.tables import build_proof, drives_table
 from pipeline.report.verdicts import headline, used_limits, verdicts
 from pipeline.retime import Trajectory
 from pipeline.stage import Stage
@@ -199,6 +199,17 @@ class TestTables:
         assert [row[0] for row in report.quality.rows] == [*ACTUATORS, "all"]
         assert report.quality.rows[-1][2] == str(sum(int(row[2]) for row in report.quality.rows[:-1]))
         assert "times the least time of the slowest actuator alone" in report.quality.note
+
+    def test_every_drive_has_its_masses_and_amplification(self, report: Report, complete: RunResults) -> None:
+        """A row per drive, and the extremes of all with place and direction; without masses these are left out."""
+        assert report.drives is not None
+        assert [row[0] for row in report.drives.rows] == list(ACTUATORS)
+        assert all(float(row[1]) <= float(row[2]) for row in report.drives.rows)
+        assert "gravity gives them a stiffness of at least −" in report.drives.note
+        section = complete.facts[Stage.RETIME].section["drives"]
+        bare = drives_table({**section, "reflected_mass_kg": "skipped"})
+        assert [row[1:3] for row in bare.rows] == [("−", "−")] * 5
+        assert bare.note.startswith("No masses are given")
 
     def test_hashes_are_listed(self, report: Report) -> None:
         """The provenance has versions, the configuration's hash, and that of every file of a stage."""

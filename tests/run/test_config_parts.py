@@ -86,6 +86,7 @@ def test_config_parts_grow(fast_config: Config) -> None:
         ("machine__limits__telescopes__force_n", 900.0, True),
         ("machine__limits__link_force_n", 900.0, True),
         ("machine__limits__holding_fraction", 0.5, True),
+        ("machine__limits__gravity_stiffness_npm", -9_000.0, True),
         ("machine__dynamics__load_kg", 5.0, True),
         ("machine__dynamics__friction__carts_n", 5.0, True),
         ("machine__dynamics__platform__inertia_kgm2", (0.2, 0.2, 0.2), False),

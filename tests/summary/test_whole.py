@@ -19,6 +19,17 @@ def test_the_quality_of_a_timed_motion_is_the_path_s(quick_config: Config) -> No
     assert list(summary)[-2:] == ["path", "trajectory"]
 
 
+def test_what_the_drives_feel_is_a_part_of_its_own(quick_config: Config) -> None:
+    """Timing finds it; it follows the trajectory, and sections given stay as they are."""
+    sections = {"trajectory": {"duration_s": 6.5, "drives": {"status": "done"}}, "figures": {"count": 3}}
+    summary = summarise(quick_config, sections)
+    assert list(summary)[-3:] == ["trajectory", "drives", "figures"]
+    assert summary["drives"] == {"status": "done"}
+    assert summary["trajectory"] == {"duration_s": 6.5}
+    assert "drives" in sections["trajectory"]
+    assert "drives" not in summarise(quick_config, {"trajectory": {"status": "failed"}})
+
+
 def test_a_run_without_time_has_the_rest(quick_config: Config) -> None:
     """Without a trajectory, or with one of an earlier version, the path has what it knows itself."""
     path = {"kappa_max": 30.0, "quality": LENGTHS}

@@ -40,7 +40,7 @@ def _side_of(side: Side, least: float, largest: float) -> float | int | list[flo
             return [least, largest]
         case Side.LARGEST:
             return largest
-        case Side.LEAST:
+        case Side.LEAST | Side.FLOOR:
             return least
 
 
@@ -52,5 +52,5 @@ def _both_sides(side: Side, stated: Any) -> tuple[float, float]:
             return stated[0], stated[1]
         case Side.LARGEST:
             return -np.inf, stated
-        case Side.LEAST:
+        case Side.LEAST | Side.FLOOR:
             return stated, np.inf

@@ -171,6 +171,7 @@ _VALUES: dict[Side, Any] = {
     Side.BOTH: _Range,
     Side.LARGEST: _Number,
     Side.LEAST: _Number,
+    Side.FLOOR: float,
     Side.SIGN: Annotated[Literal[-1, 1], BeforeValidator(_whole)],
 }
 _WITHOUT_VALUE = {"missing": "is missing", "extra_forbidden": "is not a key of this format"}

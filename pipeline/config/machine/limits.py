@@ -114,6 +114,12 @@ class LimitsConfig(Section):
     holding_fraction: float = Field(
         1.0, gt=0.0, le=1.0, description="part of the force limits that holding the machine may take"
     )
+    gravity_stiffness_npm: float | None = Field(
+        None,
+        lt=0.0,
+        ge=-1e9,
+        description="least stiffness that gravity may give the drives, in any direction; null: not limited",
+    )
     tcp: TcpLimitsConfig = Field(default_factory=lambda: TcpLimitsConfig())
 
     def of_actuators(self) -> tuple[ActuatorLimitsConfig, ...]:
@@ -125,9 +131,10 @@ class LimitsConfig(Section):
         )
 
     def of_forces(self) -> list[str]:
-        """Keys, within this section, of the force limits that are given."""
+        """Keys, within this section, of the limits of forces and of their derivatives that are given."""
         given = {f"{key}.force_n": limits.force_n for key, limits in self._sections().items()}
-        return [key for key, limit in (given | {"link_force_n": self.link_force_n}).items() if limit is not None]
+        given |= {key: getattr(self, key) for key in ("link_force_n", "gravity_stiffness_npm")}
+        return [key for key, limit in given.items() if limit is not None]
 
     def holding(self) -> dict[str, Any]:
         """Give the keys that say what holding the machine may take."""
@@ -137,7 +144,10 @@ class LimitsConfig(Section):
             return {"force_n"} if single else {name: {"force_n"} for name in type(given).model_fields}
 
         drives = {"carts": forces(self.carts), "telescopes": forces(self.telescopes)}
-        return self.model_dump(mode="json", include={**drives, "link_force_n": True, "holding_fraction": True})
+        include = {**drives, "link_force_n": True, "holding_fraction": True}
+        if self.gravity_stiffness_npm is not None:
+            include["gravity_stiffness_npm"] = True
+        return self.model_dump(mode="json", include=include)
 
     def _sections(self) -> dict[str, ActuatorLimitsConfig]:
         """Limits of actuators, by the keys within this section under which they are given."""

@@ -12,12 +12,13 @@ class Side(Enum):
     """Which bounds of a quantity are stated, in the order in which tables show them.
 
     `SIGN` is the sign that a quantity has everywhere, -1 or 1. `LARGEST` and `LEAST` are bounds of magnitudes, which
-    are not negative.
+    are not negative; `FLOOR` is the least value of what has either sign.
     """
 
     BOTH = auto()
     LARGEST = auto()
     LEAST = auto()
+    FLOOR = auto()
     SIGN = auto()
 
 

@@ -5,11 +5,21 @@ from typing import TYPE_CHECKING
 from pipeline.artifacts.results.trajectory import back_files, trajectory_files
 from pipeline.errors import NoSolutionError
 from pipeline.export import sidecar
+from pipeline.machine.geometry import ACTUATORS
 from pipeline.progress import Monitor
-from pipeline.retime import measure_quality, measure_trajectory, retime_path, sample_trajectory, way_back
+from pipeline.retime import (
+    measure_drives,
+    measure_quality,
+    measure_trajectory,
+    retime_path,
+    sample_trajectory,
+    way_back,
+    whole_periods,
+)
 from pipeline.retime.result import Trajectory
 from pipeline.run.product import Product
 from pipeline.stage import Stage
+from pipeline.summary.drives import drives_part
 from pipeline.summary.section import failure_section, without_part
 from pipeline.summary.trajectory import back_section, quality_part, trajectory_section
 
@@ -41,6 +51,7 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     figures = measure_trajectory(trajectory, samples)
     files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
     section = trajectory_section(figures) | quality_part(measure_quality(trajectory, config.retime.speed))
+    section |= drives_part(measure_drives(whole_periods(trajectory, config.retime.period_s)), ACTUATORS)
     if isinstance(back, NoSolutionError):
         return Product(files, {**section, **without_part("back", failure_section(back.reason, back.advice))})
     samples = sample_trajectory(back, config.retime.period_s)

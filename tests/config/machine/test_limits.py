@@ -130,6 +130,20 @@ def test_what_holding_depends_on(agder_config: Config) -> None:
     assert config.machine.limits.holding()["carts"] == {**forces, "c3": {"force_n": {"push": 300.0, "pull": 500.0}}}
 
 
+def test_a_limit_of_stiffness_is_part_of_what_holding_depends_on() -> None:
+    """Where it is given; it is negative, as the least stiffness by gravity is everywhere, and needs masses."""
+    limits = parse_config(with_limits(gravity_stiffness_npm=-6e3)).machine.limits
+    assert limits.holding()["gravity_stiffness_npm"] == -6e3
+    assert "gravity_stiffness_npm" in limits.of_forces()
+    for value in (0.0, 10.0):
+        (message,) = messages(gravity_stiffness_npm=value)
+        assert message.endswith("allowed is a number from -1e+09 to less than 0 or null")
+    data = with_limits(carts=TELESCOPE, telescopes=TELESCOPE, link_force_n=None, gravity_stiffness_npm=-6e3)
+    data["machine"]["dynamics"] = None
+    with pytest.raises(ConfigError, match=r"leave out machine\.limits\.gravity_stiffness_npm"):
+        parse_config(data)
+
+
 def test_force_limits_of_single_drives_need_masses_too() -> None:
     """The key of the drive is named."""
     data = with_limits(carts=EACH_CART)

@@ -8,8 +8,13 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from pipeline.arrays import FloatArray
-from pipeline.limits.axis_distance_rows import Separations, find_separations, separation_part, shortest_connection
 from pipeline.limits.interface.rows import Nodes
+from pipeline.limits.program_rows.axis_distance import (
+    Separations,
+    find_separations,
+    separation_part,
+    shortest_connection,
+)
 from pipeline.machine import Machine, link_rail_distances
 from pipeline.machine.clearance import link_pairs, rail_pairs, segment_distance
 from pipeline.machine.geometry import cart_joints, link_vectors

@@ -1,0 +1,114 @@
+"""Enclosures of the stiffness by gravity, in both arithmetics."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from flint import arb
+
+from pipeline.certify.recheck.arithmetic.inclusion import build_boxes
+from pipeline.certify.recheck.claims.gravity.stiffness import stiffness_bounds
+from pipeline.inclusion.closure import geometry, working_precision
+from pipeline.inclusion.krawczyk import Box, along, include
+from pipeline.inclusion.pieces import pieces
+from pipeline.inclusion.proven_box import ProvenBox
+from pipeline.inclusion.stiffness import least_stiffness_bound
+from pipeline.machine import Machine
+from pipeline.machine.samples import PoseSamples
+from pipeline.refine import Path
+from tests.certify.paths import line_path
+
+FIRST = 0.3
+
+
+@pytest.fixture(scope="module", params=[1.0, 0.3], ids=["moments in m", "moments per 0.3 m"])
+def path(machine: Machine, request: pytest.FixtureRequest) -> Path:
+    """Take the short regular path, of a platform whose centre of mass is far from the tool centre point."""
+    assert machine.masses is not None
+    masses = replace(machine.masses, platform_kg=200.0, platform_centre_m=np.array([0.6, 0.5, -0.4]))
+    return line_path(replace(machine, masses=masses, characteristic_length_m=request.param))
+
+
+def _box(path: Path, width: float) -> Box:
+    """Follow the path by a cubic over an interval that begins at a knot."""
+    first = next(part.first for part in pieces(path.spline) if part.first >= FIRST)
+    s = first + width * np.linspace(0.0, 1.0, 9)
+    cubic = np.polynomial.polynomial.polyfit(s - (first + width / 2.0), path.pose(s), 3)
+    return Box(first, first + width, cubic, np.full(6, 1e-4))
+
+
+Bound = Callable[[Path, Box, np.ndarray], float]
+
+
+def in_balls(path: Path, box: Box, deviation: np.ndarray) -> float:
+    """Bound the stiffness in ball arithmetic."""
+    machine = path.machine
+    assert machine.masses is not None
+    with working_precision(64):
+        balls = geometry(machine)
+        piece = next(part for part in pieces(path.spline) if part.first <= box.first and box.last <= part.last)
+        series = along(balls, piece, box)
+        inclusion = include(balls, series, box)
+        assert inclusion is not None
+        image = [arb(value) for value in deviation.tolist()]
+        return least_stiffness_bound(
+            ProvenBox(machine, balls, piece, series, replace(inclusion, image=image)), machine.masses
+        )[0]
+
+
+def in_floats(path: Path, box: Box, deviation: np.ndarray) -> float:
+    """Bound the stiffness by the arithmetic of the independent check."""
+    assert path.machine.masses is not None
+    boxes = build_boxes(path.machine, path, (box,))
+    return float(stiffness_bounds(path.machine, path.machine.masses, boxes, deviation[:, None])[0])
+
+
+def _sampled(path: Path, box: Box) -> float:
+    """Take the least stiffness along a box."""
+    s = np.linspace(box.first, box.last, 41)
+    return float(PoseSamples(path.machine, path.pose(s), path.q(s)).gravity_stiffness_npm.min())
+
+
+@pytest.mark.parametrize("bound", [in_balls, in_floats])
+def test_bounds_are_below_all_samples_and_become_sharp(path: Path, bound: Bound) -> None:
+    """With the width of the box what is given away falls with its square, down to nothing."""
+    given_away = []
+    for width in (0.02, 0.01, 0.005, 1e-4):
+        box = _box(path, width)
+        least = _sampled(path, box)
+        given_away.append(least - bound(path, box, np.zeros(6)))
+    assert min(given_away) >= 0.0
+    assert given_away[-1] < 1e-3 * abs(least)
+    assert given_away[1] < 0.3 * given_away[0]
+    assert given_away[2] < 0.3 * given_away[1]
+
+
+@pytest.mark.parametrize("bound", [in_balls, in_floats])
+@pytest.mark.parametrize("axis", range(6))
+def test_poses_off_the_cubic_count(path: Path, bound: Bound, axis: int) -> None:
+    """A deviation in any coordinate widens the bound, by no less than the slope of the stiffness."""
+    box, h = _box(path, 1e-4), 1e-5
+    s = np.array([(box.first + box.last) / 2.0])
+    off = h * np.eye(6)[axis]
+    ends = [
+        PoseSamples(path.machine, path.pose(s) + sign * off, path.q(s)).gravity_stiffness_npm[0] for sign in (-1, 1)
+    ]
+    exact = bound(path, box, np.zeros(6))
+    widened = bound(path, box, off)
+    assert exact - widened >= 0.49 * abs(ends[1] - ends[0])
+    assert widened <= min(ends) + 1e-6 * abs(exact)
+
+
+def test_both_arithmetics_agree(path: Path) -> None:
+    """The statement is the same; only how it is computed differs."""
+    for width, deviation in ((1e-3, np.zeros(6)), (5e-3, np.full(6, 1e-7))):
+        box = _box(path, width)
+        floats, balls = in_floats(path, box, deviation), in_balls(path, box, deviation)
+        assert floats == pytest.approx(balls, rel=1e-3)
+
+
+@pytest.mark.parametrize("bound", [in_balls, in_floats])
+def test_nothing_is_known_where_the_machine_may_be_singular(path: Path, bound: Bound) -> None:
+    """A box of a metre and a radian holds singular poses."""
+    assert bound(path, _box(path, 1e-3), np.ones(6)) == -np.inf
