@@ -82,7 +82,7 @@ def holding_function(machine: Machine) -> ca.Function:
     pose, q = _variables()
     f = ca.SX.sym("f", 6)
     F = ca.DM(-body.mass_kg * machine.masses.gravity_mps2)
-    r = _rotation(pose[3], pose[4], pose[5]) @ ca.DM(body.centre_m)
+    r = rotation_matrix(pose[3], pose[4], pose[5]) @ ca.DM(body.centre_m)
     H = _statics(machine, pose, q)
     along_x = f * H[0, :].T
     carts = [ca.sum1(along_x[np.flatnonzero(arm == ARM_OF_LINK).tolist()]) for arm in range(3)]
@@ -95,8 +95,8 @@ def _variables() -> tuple[ca.SX, ca.SX]:
     return ca.SX.sym("pose", 6), ca.SX.sym("q", 5)
 
 
-def _rotation(rx: ca.SX, ry: ca.SX, rz: ca.SX) -> ca.SX:
-    """R = Rx(rx) Rz(rz) Ry(ry)."""
+def rotation_matrix(rx: ca.SX, ry: ca.SX, rz: ca.SX) -> ca.SX:
+    """Build R = Rx(rx) Rz(rz) Ry(ry), (3, 3)."""
     cx, sx, cy, sy, cz, sz = ca.cos(rx), ca.sin(rx), ca.cos(ry), ca.sin(ry), ca.cos(rz), ca.sin(rz)
     return ca.vertcat(
         ca.horzcat(cz * cy, -sz, cz * sy),
@@ -109,7 +109,7 @@ def _platform_joints(machine: Machine, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Joints A_l and arms A'_l = R a_l, both (3, 6)."""
     # Sparse, so that the zeros of the geometry leave no trace in the expression.
     points = ca.sparsify(ca.DM(machine.platform_points_m.T))
-    arms = ca.densify(_rotation(pose[3], pose[4], pose[5]) @ points)
+    arms = ca.densify(rotation_matrix(pose[3], pose[4], pose[5]) @ points)
     return ca.repmat(pose[:3], 1, 6) + arms, arms
 
 
