@@ -2,7 +2,7 @@
 
 from pipeline.simulate.drives import Drives, build_drives, ideal_drives
 from pipeline.simulate.motion import Motion, controller_period, plan_motion
-from pipeline.simulate.plant import Deviations, Plant, build_plant
+from pipeline.simulate.plant import Deviations, Plant, build_plant, require_masses
 from pipeline.simulate.result import Ending, Simulation, Verdict
 from pipeline.simulate.simulate import simulate_motion
 
@@ -19,5 +19,6 @@ __all__ = [
     "controller_period",
     "ideal_drives",
     "plan_motion",
+    "require_masses",
     "simulate_motion",
 ]

@@ -66,15 +66,12 @@ def build_plant(machine: Machine, deviations: Deviations) -> Plant:
     UsageError
         For a machine without masses: nothing moves it.
     """
-    if machine.masses is None:
-        raise UsageError(
-            "the machine has no masses, so that no forces move it.\n"
-            "  What to change: give machine.dynamics in the configuration, and run the pipeline again."
-        )
+    masses = require_masses(machine).masses
+    assert masses is not None
     # The draw is the one of a simulated measurement with the same seed.
     geometry, _ = (np.random.default_rng(seed) for seed in np.random.SeedSequence(deviations.seed).spawn(2))
     real, zeros_m = perturbed(machine, deviations.geometry_std_m, geometry)
-    return Plant(replace(real, masses=_heavier(machine.masses, deviations)), zeros_m)
+    return Plant(replace(real, masses=_heavier(masses, deviations)), zeros_m)
 
 
 def _heavier(masses: Masses, deviations: Deviations) -> Masses:
@@ -87,3 +84,19 @@ def _heavier(masses: Masses, deviations: Deviations) -> Masses:
         platform_inertia_kgm2=factor * masses.platform_inertia_kgm2,
         load_kg=masses.load_kg + deviations.load_kg,
     )
+
+
+def require_masses(machine: Machine) -> Machine:
+    """Require a machine with masses.
+
+    Raises
+    ------
+    UsageError
+        When it has none: nothing moves it.
+    """
+    if machine.masses is None:
+        raise UsageError(
+            "the machine has no masses, so that no forces move it.\n"
+            "  What to change: give machine.dynamics in the configuration, and run the pipeline again."
+        )
+    return machine

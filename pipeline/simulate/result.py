@@ -4,7 +4,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from pipeline.arrays import FloatArray
+from pipeline.machine.geometry import Machine
+from pipeline.simulate.drives import Drives
 from pipeline.simulate.motion import Motion
+from pipeline.simulate.plant import Plant
 
 
 class Ending(StrEnum):
@@ -36,6 +39,8 @@ class Simulation:
 
     Attributes
     ----------
+    machine, plant, drives : Machine, Plant, Drives
+        The model, the real machine, and its drives.
     motion : Motion
         What was commanded.
     q_m, qd_mps, qdd_mps2 : (n, 5)
@@ -56,6 +61,9 @@ class Simulation:
         Time that was simulated, standing before and after included, and time that took, compilation not included.
     """
 
+    machine: Machine
+    plant: Plant
+    drives: Drives
     motion: Motion
     q_m: FloatArray
     qd_mps: FloatArray

@@ -65,6 +65,9 @@ def simulate_motion(
     kept = Records(*(values[min(standing, done - 1) : standing + len(motion)] for values in records))
     push, pull = drives.saturation_n
     return Simulation(
+        machine=machine,
+        plant=plant,
+        drives=drives,
         motion=motion,
         q_m=kept.q - plant.offsets_m,
         qd_mps=kept.qd,
