@@ -49,9 +49,7 @@ class CartDriveConfig(Section):
         None, description="largest force, or {push: ..., pull: ...}; null: the limit in machine.limits"
     )
     encoder_step_m: float = Field(1e-6, ge=0.0, le=0.01, description="0: position and velocity are exact; assumed")
-    force_lag_s: float = Field(
-        0.0, ge=0.0, le=1.0, description="time constant from commanded to real force; assumed"
-    )
+    force_lag_s: float = Field(0.0, ge=0.0, le=1.0, description="time constant from commanded to real force; assumed")
     delay_s: float = Field(
         0.0, ge=0.0, le=1.0, description="from measuring to force, to the nearest whole period; assumed"
     )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.arrays import BoolArray, FloatArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.errors import ForwardKinematicsError
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.machine.kinematics import closure_residual, forward_kinematics
@@ -33,7 +33,7 @@ class Watch:
     motion: Motion
     planned_det_h: FloatArray
 
-    def check(self, records: Records, references: FloatArray, rows: FloatArray) -> tuple[Verdict | None, int]:
+    def check(self, records: Records, references: FloatArray, rows: IntArray) -> tuple[Verdict | None, int]:
         """Find the first of the periods that ends the motion.
 
         Parameters
@@ -86,7 +86,7 @@ class Watch:
             for row, k in _first((q < least - _STOPS_M) | (q > most + _STOPS_M))
         ]
 
-    def _singular(self, records: Records, rows: FloatArray) -> list[tuple[int, Ending, str]]:
+    def _singular(self, records: Records, rows: IntArray) -> list[tuple[int, Ending, str]]:
         planned = self.planned_det_h[rows.clip(0, len(self.motion) - 1)]
         real = determinants(self.plant.machine, records.pose, records.q)
         return [

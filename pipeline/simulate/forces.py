@@ -10,9 +10,7 @@ from pipeline.machine.kinematics import pose_jacobian
 from pipeline.machine.symbolic import closure_terms_function
 
 
-def forces_of(
-    machine: Machine, pose: FloatArray, q_m: FloatArray, qd_mps: FloatArray, qdd_mps2: FloatArray
-) -> Forces:
+def forces_of(machine: Machine, pose: FloatArray, q_m: FloatArray, qd_mps: FloatArray, qdd_mps2: FloatArray) -> Forces:
     """Compute the forces that a motion in actuator space takes, without friction and the drives' own mass.
 
     With z = (pose, q), v = z' and the closures F(z) = 0, the pose's second derivative solves F_pose pose'' =

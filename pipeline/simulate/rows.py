@@ -1,6 +1,7 @@
 """A simulated motion summed up: errors, drives, links, working modes and the determinant of H."""
 
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
@@ -130,14 +131,11 @@ def mode_rows(simulation: Simulation) -> list[ModeRow]:
     motion = simulation.motion
     real = mode_times(simulation.plant.machine, simulation.pose, simulation.q_m, simulation.t_s)
     planned = mode_times(simulation.machine, motion.pose, motion.q_m, motion.t_s)
-    rows = max(len(real), len(planned))
-    real_padded, planned_padded = ([*some, *[(None, None)] * (rows - len(some))] for some in (real, planned))
-    return [ModeRow(*one, *other) for one, other in zip(real_padded, planned_padded, strict=True)]
+    rest = (None, None)
+    return [ModeRow(*one, *other) for one, other in zip_longest(real, planned, fillvalue=rest)]
 
 
-def mode_times(
-    machine: Machine, pose: FloatArray, q_m: FloatArray, t_s: FloatArray
-) -> list[tuple[str | None, float | None]]:
+def mode_times(machine: Machine, pose: FloatArray, q_m: FloatArray, t_s: FloatArray) -> list[tuple[str, float]]:
     """List the working modes of a motion, poses (n, 6), actuators (n, 5), with the times (n,) when they are entered."""
     modes = working_modes(reach_along_rails(machine, pose, q_m[:, :3]))
     entered = np.concatenate([[0], 1 + np.flatnonzero((np.diff(modes, axis=0) != 0.0).any(axis=1))])

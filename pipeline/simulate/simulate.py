@@ -1,11 +1,11 @@
-"""Simulate a commanded motion of the real machine with its drives, from standing at the start to standing at the goal."""
+"""Simulate the real machine and its drives while a motion is commanded, from standing to standing."""
 
 from time import perf_counter
 
 import casadi as ca
 import numpy as np
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.errors import ForwardKinematicsError, NoSolutionError
 from pipeline.machine.dynamics import holding_forces
 from pipeline.machine.geometry import Machine
@@ -85,11 +85,11 @@ def simulate_motion(
     )
 
 
-def _references(machine: Machine, drives: Drives, motion: Motion, rows: FloatArray) -> FloatArray:
+def _references(machine: Machine, drives: Drives, motion: Motion, rows: IntArray) -> FloatArray:
     """Positions, velocities and forces that are commanded, from standing to standing. Shape (n, 15)."""
     feed = feed_forward(drives, motion.middle_n, motion.middle_mps, motion.middle_mps2)
     at = rows.clip(0, len(motion) - 1)
-    commanded = np.hstack([motion.q_m, motion.qd_mps, feed])[at]
+    commanded: FloatArray = np.hstack([motion.q_m, motion.qd_mps, feed])[at]
     for row, which in ((0, rows < 0), (-1, rows >= len(motion) - 1)):
         held = drives.force_forward * _holding(machine, motion.pose[row], motion.q_m[row])
         commanded[which, 5:] = np.concatenate([np.zeros(5), held])
@@ -100,7 +100,8 @@ def _holding(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
     """Forces of the drives (5,) that hold a machine in a pose (6,)."""
     assert machine.masses is not None
     H = statics_matrix(machine, pose[None], q_m[None, :3])
-    return holding_forces(machine, machine.masses, pose[None], H).drive_n[0]
+    held: FloatArray = holding_forces(machine, machine.masses, pose[None], H).drive_n[0]
+    return held
 
 
 def _at_start(block: ca.Function, plant: Plant, drives: Drives, motion: Motion, reference: FloatArray) -> Looped:
@@ -120,7 +121,7 @@ def _at_start(block: ca.Function, plant: Plant, drives: Drives, motion: Motion, 
 
 
 def _run(
-    loop: Looped, references: FloatArray, rows: FloatArray, watch: Watch, monitor: Monitor
+    loop: Looped, references: FloatArray, rows: IntArray, watch: Watch, monitor: Monitor
 ) -> tuple[Records, Verdict | None]:
     """Run block by block, until something is wrong or the motion is over."""
     blocks: list[Records] = []

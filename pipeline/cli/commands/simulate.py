@@ -23,7 +23,9 @@ _FIGURES = ("", "_following", "_forces")
 
 DrivesOption = Annotated[
     Path | None,
-    typer.Option("--drives", metavar="FILE", help="A YAML file whose section drives is used. Default: that of the run."),
+    typer.Option(
+        "--drives", metavar="FILE", help="A YAML file whose section drives is used. Default: that of the run."
+    ),
 ]
 
 
@@ -39,10 +41,14 @@ def simulate(
             "--geometry", metavar="M", min=0.0, max=0.01, help="Standard deviation of joints, rails, lengths in metres."
         ),
     ] = 0.0,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the deviations of the geometry.")] = 0,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the deviations of the geometry.")
+    ] = 0,
     mass_error: Annotated[
         float,
-        typer.Option("--mass-error", metavar="PERCENT", min=-90.0, max=900.0, help="By how much all masses are larger."),
+        typer.Option(
+            "--mass-error", metavar="PERCENT", min=-90.0, max=900.0, help="By how much all masses are larger."
+        ),
     ] = 0.0,
     load_kg: Annotated[
         float, typer.Option("--load", metavar="KG", min=0.0, max=10_000.0, help="A load at the TCP besides the plan's.")

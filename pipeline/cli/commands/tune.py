@@ -13,7 +13,6 @@ from pipeline.cli.output import text_table
 from pipeline.errors import NoSolutionError
 
 if TYPE_CHECKING:
-    from pipeline.config import Config
     from pipeline.simulate.tuning import Poles, Tuning
 
 

@@ -51,6 +51,8 @@ def with_drives(config: "Config", file: Path) -> "Config":
 
     given = read_yaml(file)
     if not isinstance(given, dict) or "drives" not in given:
-        raise ConfigError([ConfigIssue("drives", "is missing; expected a section with carts and telescopes")], str(file))
+        raise ConfigError(
+            [ConfigIssue("drives", "is missing; expected a section with carts and telescopes")], str(file)
+        )
     data = {**config.model_dump(mode="json"), "drives": given["drives"]}
     return config.model_copy(update={"drives": parse_config(data, source=str(file)).drives})

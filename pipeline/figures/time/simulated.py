@@ -1,6 +1,7 @@
 """A simulated motion over time: errors as in Fig. 8 of the paper, following errors, and forces against the plan's."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -39,7 +40,9 @@ def following_figure(simulation: Simulation) -> Figure:
         axes.set_ylabel(f"{name} (mm)")
         axes.set_title(f"drives trip at {', '.join(f'{trip:g}' for trip in trips)} mm", loc="right")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, handlelength=1.0, borderaxespad=0.0)
-    _finish(figure, panels, simulation, [])
+    _finish(panels, simulation)
+    figure.align_ylabels(panels)
+    figure.legend(handles=[style.change_handle()], loc="outside lower center")
     return figure
 
 
@@ -50,31 +53,34 @@ def forces_figure(simulation: Simulation) -> Figure:
     Limits are drawn where they are in sight.
     """
     figure = style.new_figure(5.6)
-    panels = figure.subplots(6, 2, sharex=True)
-    rows = len(simulation)
     sides = (
-        (ACTUATORS, simulation.motion.drive_n, simulation.drive_n, simulation.drives.saturation_n),
-        (LINKS, simulation.motion.link_n, simulation.link_n, simulation.machine.force_limits_n[:, 5:]),
+        ("drives", ACTUATORS, simulation.motion.drive_n, simulation.drive_n, simulation.drives.saturation_n),
+        (
+            "along links",
+            LINKS,
+            simulation.motion.link_n,
+            simulation.link_n,
+            simulation.machine.force_limits_n[:, 5:],
+        ),
     )
-    for column, (names, planned, real, limits) in zip(panels.T, sides, strict=True):
-        for k, (axes, name) in enumerate(zip(column, names, strict=False)):
+    halves: Any = figure.subfigures(1, 2)
+    for half, (title, names, planned, real, limits) in zip(halves, sides, strict=True):
+        column = half.subplots(len(names), 1, sharex=True)
+        for k, (axes, name) in enumerate(zip(column, names, strict=True)):
             axes.plot(simulation.t_s, real[:, k], color=style.REFINED, linewidth=0.6)
-            axes.plot(simulation.t_s, planned[:rows, k], color=style.COARSE, linewidth=0.6)
+            axes.plot(simulation.t_s, planned[: len(simulation), k], color=style.COARSE, linewidth=0.6)
             _draw_limits(axes, limits[:, k], float(np.abs(real[:, k]).max()))
             axes.set_ylabel(f"{name} (N)")
-        figure.align_ylabels(column)
-    panels[0, 0].set_title("drives")
-    panels[0, 1].set_title("along links")
-    panels[-1, 0].set_visible(False)
+        column[0].set_title(title)
+        half.align_ylabels(column)
+        _finish(column, simulation)
     handles = [
         Line2D([], [], color=style.COARSE, label="planned"),
         Line2D([], [], color=style.REFINED, label="simulated"),
         Line2D([], [], label="limit, where it is in sight", **style.LIMIT_LINE),
+        style.change_handle(),
     ]
-    used = [*panels[:5, 0], *panels[:, 1]]
-    panels[4, 0].tick_params(labelbottom=True)
-    panels[4, 0].set_xlabel("time (s)")
-    _finish(figure, used, simulation, handles)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 
@@ -90,12 +96,11 @@ def _changes(simulation: Simulation) -> list[float]:
     return [t for _, t in times[1:]]
 
 
-def _finish(figure: Figure, panels: Iterable[Axes], simulation: Simulation, handles: list[Line2D]) -> None:
-    panels = list(panels)
+def _finish(panels: Sequence[Axes], simulation: Simulation) -> None:
+    """Mark mode changes and label a column of panels."""
     for axes in panels:
         style.mark_changes(axes, _changes(simulation))
         axes.yaxis.set_major_locator(MaxNLocator(4))
         axes.set_xlim(0.0, float(simulation.motion.t_s[-1]))
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     panels[-1].set_xlabel("time (s)")
-    figure.legend(handles=[*handles, style.change_handle()], loc="outside lower center", ncols=2)

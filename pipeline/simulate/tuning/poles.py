@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.actuator_space.symbolic import equations_function, linearised_function
 from pipeline.machine.geometry import Machine
 from pipeline.simulate.controller import delayed_periods
@@ -70,7 +70,7 @@ class Poles:
     rightmost_per_s: FloatArray
 
 
-def linearised(machine: Machine, motion: Motion, rows: FloatArray) -> Linearised:
+def linearised(machine: Machine, motion: Motion, rows: IntArray) -> Linearised:
     """Linearise the forces of a motion at some of its rows, with velocities and accelerations there.
 
     Raises
@@ -140,6 +140,8 @@ def _loop(sampled: SampledMachine, drives: Drives) -> FloatArray:
     loop[:, :m, :m] = sampled.A
     loop[:, :m] += sampled.B @ acting
     loop[:, last : last + 5, :5] = np.eye(5)
-    loop[:, integral:queue] = np.eye(size)[integral:queue] + T * (drives.integral_gain_npm[:, None] * error)[integrating]
+    loop[:, integral:queue] = (
+        np.eye(size)[integral:queue] + T * (drives.integral_gain_npm[:, None] * error)[integrating]
+    )
     loop[:, queue:] = waiting[5:]
     return loop

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import IntArray
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.simulate.drives import Drives
@@ -75,8 +75,9 @@ def tune_drives(machine: Machine, drives: Drives, motion: Motion, damping: float
     """Search gains for which all frozen-time poles have a damping ratio, at all instants of a motion, there and back.
 
     Of these the largest position gain, and then the stiffest; the same for all drives, with one velocity gain for carts
-    and one for telescopes. Velocity gains are searched from 3/s times the largest mass that a drive moves to twice the least mass
-    per period, where sampling makes a single drive unstable; one group of gains at a time, until nothing gets better.
+    and one for telescopes. Velocity gains are searched from 3/s times the largest mass that a drive moves to twice the
+    least mass per period, where sampling makes a single drive unstable; one group of gains at a time, until nothing
+    gets better.
     Poles of frozen instants do not prove the stability of the motion: simulate it.
 
     Raises
@@ -87,7 +88,9 @@ def tune_drives(machine: Machine, drives: Drives, motion: Motion, damping: float
     checked = linearised(machine, motion, _instants(motion, _CHECKED)).both_ways()
     searched = linearised(machine, motion, _instants(motion, _SEARCHED)).both_ways()
     fine = sampled_machine(checked, drives, motion.period_s)
-    search = _Search(sampled_machine(searched, drives, motion.period_s), drives, _velocity_gains(checked, drives, motion))
+    search = _Search(
+        sampled_machine(searched, drives, motion.period_s), drives, _velocity_gains(checked, drives, motion)
+    )
     best = search.start()
     for margin in _MARGINS:
         monitor.progress(f"tuning: damping {damping + margin:g}")
@@ -102,12 +105,10 @@ def with_gains(drives: Drives, gains: Gains) -> Drives:
     """Give drives with other gains."""
     kv = np.array([gains.carts_nspm] * 3 + [gains.telescopes_nspm] * 2)
     kp = np.full(5, gains.position_gain_per_s)
-    return replace(
-        drives, position_gain_per_s=kp, velocity_gain_nspm=kv, integral_gain_npm=kv / gains.integral_time_s
-    )
+    return replace(drives, position_gain_per_s=kp, velocity_gain_nspm=kv, integral_gain_npm=kv / gains.integral_time_s)
 
 
-def _instants(motion: Motion, count: int) -> FloatArray:
+def _instants(motion: Motion, count: int) -> IntArray:
     """Rows of a motion, evenly spaced."""
     return np.unique(np.linspace(0, len(motion) - 1, count).round().astype(int))
 
@@ -142,7 +143,7 @@ class _Search:
         """Give gains in the middle of what is tried."""
         carts, telescopes = (gains[len(gains) // 2] for gains in self.velocity_gains)
         kp = _POSITION_GAINS_PER_S[len(_POSITION_GAINS_PER_S) // 2]
-        return Gains(kp, carts, telescopes, _INTEGRAL_RATIOS[2] / kp)
+        return Gains(kp, carts, telescopes, _two_digits(_INTEGRAL_RATIOS[2] / kp))
 
     def best(self, best: Gains, damping: float) -> Gains:
         """Improve gains, a group of them at a time."""
@@ -157,7 +158,7 @@ class _Search:
                 return best
 
     def _score(self, gains: Gains, damping: float) -> tuple[float, float]:
-        """Order gains: those with the damping by their position gain, then by stiffness, all others by their damping."""
+        """Order gains: those with the damping by position gain, then by stiffness; all others by their damping."""
         least = float(loop_poles(self.sampled, with_gains(self.drives, gains)).damping.min())
         if least < damping:
             return 0.0, least
@@ -167,7 +168,9 @@ class _Search:
         ratio = gains.position_gain_per_s * gains.integral_time_s
         for kp in _POSITION_GAINS_PER_S:
             for velocity in self.velocity_gains[1]:
-                yield gains._replace(position_gain_per_s=kp, telescopes_nspm=velocity, integral_time_s=ratio / kp)
+                yield gains._replace(
+                    position_gain_per_s=kp, telescopes_nspm=velocity, integral_time_s=_two_digits(ratio / kp)
+                )
 
     def _of_carts(self, gains: Gains) -> Iterator[Gains]:
         for velocity in self.velocity_gains[0]:
@@ -175,4 +178,4 @@ class _Search:
 
     def _of_integrals(self, gains: Gains) -> Iterator[Gains]:
         for ratio in _INTEGRAL_RATIOS:
-            yield gains._replace(integral_time_s=ratio / gains.position_gain_per_s)
+            yield gains._replace(integral_time_s=_two_digits(ratio / gains.position_gain_per_s))
