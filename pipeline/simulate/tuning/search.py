@@ -23,6 +23,7 @@ _SLOWEST_PER_S = 3.0
 """Least velocity gain, in units of the largest mass that a drive moves: slower, gravity wins."""
 _MARGINS = (0.0, 0.01, 0.03, 0.06)
 """What is asked for beyond the damping at the instants searched, as long as it is missed at those checked."""
+_ROUNDS = 6
 _CARTS, _TELESCOPES = [0, 1, 2], [3, 4]
 
 
@@ -96,7 +97,7 @@ def tune_drives(machine: Machine, drives: Drives, motion: Motion, damping: float
         monitor.progress(f"tuning: damping {damping + margin:g}")
         best = search.best(best, damping + margin)
         after = loop_poles(fine, with_gains(drives, best))
-        if after.damping.min() >= damping:
+        if after.damping.min() >= damping or not search.has(best, damping + margin):
             break
     return Tuning(best, with_gains(drives, best), loop_poles(fine, drives), after, damping)
 
@@ -148,14 +149,19 @@ class _Search:
     def best(self, best: Gains, damping: float) -> Gains:
         """Improve gains, a group of them at a time."""
         score = self._score(best, damping)
-        while True:
+        for _ in range(_ROUNDS):
             before = score
             for candidates in (self._of_telescopes, self._of_carts, self._of_integrals):
                 for gains in candidates(best):
                     if (found := self._score(gains, damping)) > score:
                         best, score = gains, found
             if score <= before:
-                return best
+                break
+        return best
+
+    def has(self, gains: Gains, damping: float) -> bool:
+        """Check whether gains have the damping at the instants searched."""
+        return self._score(gains, damping)[0] > 0.0
 
     def _score(self, gains: Gains, damping: float) -> tuple[float, float]:
         """Order gains: those with the damping by position gain, then by stiffness; all others by their damping."""
