@@ -34,15 +34,17 @@ def make_motion(machine: Machine, curve: Any, poses: Callable[..., np.ndarray], 
     )
 
 
-def part(motion: Motion, first: int, last: int) -> Motion:
+def part(motion: Motion, first: int, last: int, every: int = 1) -> Motion:
     """Take rows of a motion, with their times."""
-    rows = {one.name: getattr(motion, one.name)[first:last] for one in fields(motion) if one.name != "period_s"}
-    return replace(motion, **rows | {"t_s": motion.t_s[first:last] - motion.t_s[first]})
+    rows = {one.name: getattr(motion, one.name)[first:last:every] for one in fields(motion) if one.name != "period_s"}
+    return replace(motion, **rows | {"t_s": motion.t_s[first:last:every] - motion.t_s[first]})
 
 
 def backwards(motion: Motion) -> Motion:
     """Drive a motion back: the same forces without friction, and velocities of the other sign."""
-    turned = {one.name: getattr(motion, one.name)[::-1] for one in fields(motion) if one.name not in ("period_s", "t_s")}
+    turned = {
+        one.name: getattr(motion, one.name)[::-1] for one in fields(motion) if one.name not in ("period_s", "t_s")
+    }
     turned["qd_mps"], turned["middle_mps"] = -turned["qd_mps"], -turned["middle_mps"]
     # The middles of periods lie before their rows now.
     for name in ("middle_n", "middle_mps", "middle_mps2"):

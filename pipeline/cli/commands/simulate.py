@@ -96,7 +96,7 @@ def simulate(
         "period_s": simulation.motion.period_s,
         "back": back,
         "setting": deviations,
-        "drives": config.drives.model_dump(mode="json"),
+        "configured": config.drives.model_dump(mode="json"),
     }
     _show(simulation, facts, as_json, f"{'the way back of ' if back else ''}{run}")
     if output is not None:

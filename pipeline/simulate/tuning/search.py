@@ -13,8 +13,8 @@ from pipeline.simulate.drives import Drives
 from pipeline.simulate.motion import Motion
 from pipeline.simulate.tuning.poles import Linearised, Poles, SampledMachine, linearised, loop_poles, sampled_machine
 
-_SEARCHED, _CHECKED = 60, 400
-"""Instants of the motion at which gains are searched, and at which the found ones are checked."""
+_TRIED, _SEARCHED, _CHECKED = 8, 60, 400
+"""Instants of the motion at which gains are tried first, at which they are searched, and checked when found."""
 _POSITION_GAINS_PER_S = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 80.0)
 _INTEGRAL_RATIOS = (2.0, 3.0, 4.0, 6.0, 10.0)
 """Integral times in units of 1 / kp."""
@@ -89,8 +89,12 @@ def tune_drives(machine: Machine, drives: Drives, motion: Motion, damping: float
     checked = linearised(machine, motion, _instants(motion, _CHECKED)).both_ways()
     searched = linearised(machine, motion, _instants(motion, _SEARCHED)).both_ways()
     fine = sampled_machine(checked, drives, motion.period_s)
+    coarse = linearised(machine, motion, _instants(motion, _TRIED)).both_ways()
     search = _Search(
-        sampled_machine(searched, drives, motion.period_s), drives, _velocity_gains(checked, drives, motion)
+        sampled_machine(coarse, drives, motion.period_s),
+        sampled_machine(searched, drives, motion.period_s),
+        drives,
+        _velocity_gains(checked, drives, motion),
     )
     best = search.start()
     for margin in _MARGINS:
@@ -136,6 +140,9 @@ def _two_digits(value: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
+    """Gains are judged at the instants of `coarse` first: most fail there, and cost little."""
+
+    coarse: SampledMachine
     sampled: SampledMachine
     drives: Drives
     velocity_gains: tuple[tuple[float, ...], ...]
@@ -153,7 +160,7 @@ class _Search:
             before = score
             for candidates in (self._of_telescopes, self._of_carts, self._of_integrals):
                 for gains in candidates(best):
-                    if (found := self._score(gains, damping)) > score:
+                    if self._may_beat(score, gains, damping) and (found := self._score(gains, damping)) > score:
                         best, score = gains, found
             if score <= before:
                 break
@@ -165,18 +172,25 @@ class _Search:
 
     def _score(self, gains: Gains, damping: float) -> tuple[float, float]:
         """Order gains: those with the damping by position gain, then by stiffness; all others by their damping."""
-        least = float(loop_poles(self.sampled, with_gains(self.drives, gains)).damping.min())
-        if least < damping:
-            return 0.0, least
-        return gains.position_gain_per_s, gains.carts_nspm * gains.telescopes_nspm / gains.integral_time_s
+        least = self._least(self.sampled, gains)
+        return _worth(gains) if least >= damping else (0.0, least)
+
+    def _may_beat(self, score: tuple[float, float], gains: Gains, damping: float) -> bool:
+        """Exclude gains that cannot be better, whatever their damping is, or by their damping at few instants."""
+        if _worth(gains) <= score:
+            return False
+        least = self._least(self.coarse, gains)
+        return least >= damping or (0.0, least) > score
+
+    def _least(self, sampled: SampledMachine, gains: Gains) -> float:
+        return float(loop_poles(sampled, with_gains(self.drives, gains)).damping.min())
 
     def _of_telescopes(self, gains: Gains) -> Iterator[Gains]:
         ratio = gains.position_gain_per_s * gains.integral_time_s
-        for kp in _POSITION_GAINS_PER_S:
+        for kp in reversed(_POSITION_GAINS_PER_S):
             for velocity in self.velocity_gains[1]:
-                yield gains._replace(
-                    position_gain_per_s=kp, telescopes_nspm=velocity, integral_time_s=_two_digits(ratio / kp)
-                )
+                time_s = _two_digits(ratio / kp)
+                yield gains._replace(position_gain_per_s=kp, telescopes_nspm=velocity, integral_time_s=time_s)
 
     def _of_carts(self, gains: Gains) -> Iterator[Gains]:
         for velocity in self.velocity_gains[0]:
@@ -185,3 +199,7 @@ class _Search:
     def _of_integrals(self, gains: Gains) -> Iterator[Gains]:
         for ratio in _INTEGRAL_RATIOS:
             yield gains._replace(integral_time_s=_two_digits(ratio / gains.position_gain_per_s))
+
+
+def _worth(gains: Gains) -> tuple[float, float]:
+    return gains.position_gain_per_s, gains.carts_nspm * gains.telescopes_nspm / gains.integral_time_s
