@@ -57,6 +57,11 @@ bench-retime: $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
 	$(BIN)/python -m tests.benchmarks.retiming $(ARGS)
 
+# The twin: its speed, MuJoCo beside it, stiffness against gravity, and 25 random machines and tasks: twenty minutes.
+.PHONY: bench-simulate
+bench-simulate: $(READY)
+	$(BIN)/python -m tests.benchmarks.simulating $(ARGS)
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"

@@ -62,8 +62,8 @@ def _xml(machine: Machine, drives: Drives, step_s: float) -> str:
     )
     motors = "".join(f'<motor joint="{name}"/>' for name in SLIDERS)
     return (
-        f'<mujoco><option timestep="{step_s!r}" integrator="RK4" gravity="{_row(masses.gravity_mps2)}" jacobian="dense" '
-        'tolerance="1e-12"/><compiler angle="radian" boundmass="0"/>'
+        f'<mujoco><option timestep="{step_s!r}" integrator="RK4" gravity="{_row(masses.gravity_mps2)}" '
+        'jacobian="dense" tolerance="1e-12"/><compiler angle="radian" boundmass="0"/>'
         f"<worldbody>{''.join(bodies)}</worldbody><equality>{loops}</equality><actuator>{motors}</actuator></mujoco>"
     )
 

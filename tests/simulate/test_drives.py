@@ -27,7 +27,7 @@ def test_saturation_is_the_limit_of_force_unless_it_is_given(agder: Machine) -> 
 
 
 def test_integrals_follow_from_their_times(drives: Drives, agder: Machine) -> None:
-    """kv / Tn, and none where there is no time."""
+    """They are kv / Tn, and none where there is no time."""
     assert np.allclose(drives.integral_gain_npm, drives.velocity_gain_nspm / 0.3)
     config = parse_config(with_value("drives.carts.integral_time_s", None)).drives
     assert build_drives(config, agder).integral_gain_npm[:3].tolist() == [0.0] * 3

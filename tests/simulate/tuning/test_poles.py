@@ -20,7 +20,7 @@ def single_mass(mass_kg: float) -> Linearised:
 
 
 def test_a_mass_under_p_over_v(ideal: Drives) -> None:
-    """m s^2 + kv s + kv kp = 0: damping sqrt(kv / (m kp)) / 2, up to the short period."""
+    """With m s^2 + kv s + kv kp = 0: damping sqrt(kv / (m kp)) / 2, up to the short period."""
     kv, kp, mass = 2_000.0, 20.0, 250.0
     plain = replace(
         ideal,
