@@ -15,7 +15,8 @@ import pipeline
 PROJECT = Path(__file__).parents[1]
 
 NAMES = """
-ArgumentError CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format
+ArgumentError Deviations Drives Motion Plant Simulation Tuning build_drives build_plant plan_motion simulate_motion
+tune_drives CsvOptions Certificate ComparisonRow Config ConfigError ErrorRow ForwardKinematicsError Format
 InfeasibleError InverseSolution
 KappaMap KappaProfile MODES Machine MeasuredPath Measurement MeasurementComparison MotionFigures NoSolutionError Path
 PathFigures PathSamples PipelineError Refinement Reflectors RegionTable Results Route RunData RunOptions RunReport
