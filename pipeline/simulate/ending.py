@@ -129,7 +129,7 @@ def arrival(plant: Plant, motion: Motion, q_m: FloatArray, pose: FloatArray, sta
         return Verdict(Ending.ARRIVED, t, "the machine stands at the goal")
     slip = float(np.abs(q_m - motion.q_m[-1] - plant.offsets_m).max())
     reason = (
-        f"the machine ends elsewhere: {1e3 * distance:.1f} mm and {np.rad2deg(angle):.2f} degrees off, "
+        f"the machine ends {1e3 * distance:.1f} mm and {np.rad2deg(angle):.2f} degrees off the goal, "
         f"with actuators within {1e3 * slip:.2f} mm of what is commanded"
     )
     return Verdict(Ending.ELSEWHERE, t, reason)

@@ -28,6 +28,11 @@ class Verdict:
     reason: str
 
     @property
+    def when(self) -> str:
+        """Say when that was."""
+        return f"after {self.t_s:.3f} s" if self.t_s >= 0.0 else "while standing at the start"
+
+    @property
     def arrived(self) -> bool:
         """True when the machine stands at the goal."""
         return self.ending == Ending.ARRIVED

@@ -139,7 +139,7 @@ def _show(simulation: "Simulation", facts: dict[str, Any], as_json: bool, title:
         )
     results_console().print(determinant_text(simulation), soft_wrap=True)
     verdict = simulation.verdict
-    results_console().print(f"{verdict.ending}: {verdict.reason} ({verdict.t_s:.3f} s)", soft_wrap=True)
+    results_console().print(f"{verdict.ending} {verdict.when}: {verdict.reason}", soft_wrap=True)
 
 
 def _write(simulation: "Simulation", output: Path, beside: Path | None, facts: dict[str, Any]) -> None:
@@ -167,14 +167,22 @@ def _require_arrival(simulation: "Simulation") -> None:
     NoSolutionError
         With the reason, and what to change.
     """
+    from pipeline.simulate.rows import drive_rows
+
     verdict = simulation.verdict
-    if not verdict.arrived:
+    if verdict.arrived:
+        return
+    advice = (
+        "Take gains that are stable for this machine and path (`gantry-tau tune RUN` prints them, --drives tries "
+        "them), or drive slower (--speed)."
+    )
+    if saturated := [row.drive for row in drive_rows(simulation) if row.saturated_s > 0.0]:
         advice = (
-            "Take gains that are stable for this machine and path (`gantry-tau tune RUN` prints them, --drives tries "
-            "them), or drive slower (--speed)."
+            f"{', '.join(saturated)} gave all the force they have: carry less (--load), allow more (saturation_n in "
+            f"drives, or the limits of force in machine.limits), or drive slower (--speed)."
         )
-        reason = f"after {verdict.t_s:.3f} s {verdict.reason}"
-        raise NoSolutionError("simulate", reason, advice, {"ending": str(verdict.ending), "t_s": verdict.t_s})
+    reason = f"{verdict.when} {verdict.reason}"
+    raise NoSolutionError("simulate", reason, advice, {"ending": str(verdict.ending), "t_s": verdict.t_s})
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

@@ -54,7 +54,7 @@ def test_it_shows_tables_and_pictures() -> None:
     """Errors, drives, links, modes and the verdict; three pictures."""
     result = call("simulate", "out", "--geometry", 0.0002, "--seed", 2, "--picture", "twin.png")
     assert result.exit_code == 0
-    for shown in ("TCP", "following", "saturated", "links", "planned", "det H keeps its sign", "arrived:"):
+    for shown in ("TCP", "following", "saturated", "links", "planned", "det H keeps its sign", "arrived after"):
         assert shown in result.stdout + result.stderr
     assert [Path(name).read_bytes()[:4] for name in ("twin.png", "twin_following.png", "twin_forces.png")] == [
         b"\x89PNG"
@@ -69,6 +69,10 @@ def test_drives_of_another_file_are_used() -> None:
     assert "trips: its following error is" in result.stderr
     assert "What to change: Take gains that are stable" in result.stderr
     assert Path("twin.csv").exists()
+    heavy = call("simulate", "out", "--load", 400)
+    assert heavy.exit_code == 1
+    assert "gave all the force they have: carry less (--load)" in heavy.stderr
+    assert "while standing at the start" in heavy.stderr
     result = call("simulate", "out", "--drives", drives_file("wrong.yaml", kp=1))
     assert result.exit_code == 2
     assert "wrong.yaml" in result.stderr
