@@ -62,6 +62,11 @@ bench-retime: $(READY)
 consumers: $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[consumers]"
 
+# The twin: its speed, MuJoCo beside it, stiffness against gravity, and 25 random machines and tasks: twenty minutes.
+.PHONY: bench-simulate
+bench-simulate: $(READY)
+	$(BIN)/python -m tests.benchmarks.simulating $(ARGS)
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"

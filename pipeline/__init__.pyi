@@ -145,6 +145,23 @@ from .measured import (
     simulate_measurement as simulate_measurement,
 )
 
+# The machine with its drives, simulated
+from .simulate import (
+    Drives as Drives,
+    build_drives as build_drives,
+    Deviations as Deviations,
+    Plant as Plant,
+    build_plant as build_plant,
+    Motion as Motion,
+    plan_motion as plan_motion,
+    Simulation as Simulation,
+    simulate_motion as simulate_motion,
+)
+from .simulate.tuning import (
+    Tuning as Tuning,
+    tune_drives as tune_drives,
+)
+
 # Pictures, as matplotlib figures
 from .figures.maps.kappa_map import (
     KappaMap as KappaMap,

@@ -11,7 +11,19 @@ import typer
 from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
-from pipeline.cli.commands import certify, check, compare, export, measured, report, run, tradeoff, workspace
+from pipeline.cli.commands import (
+    certify,
+    check,
+    compare,
+    export,
+    measured,
+    report,
+    run,
+    simulate,
+    tradeoff,
+    tune,
+    workspace,
+)
 from pipeline.cli.console import discard_output, print_error, print_message
 from pipeline.cli.interrupts import ignore_interrupts
 from pipeline.errors import PipelineError, UsageError
@@ -169,6 +181,6 @@ def _root(
     pass
 
 
-for _group in (run, certify, check, compare, report, export, workspace, tradeoff, measured):
+for _group in (run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune):
     for _command, _examples in _group.COMMANDS:
         app.command(cls=_Command, epilog=_epilog(_examples))(_command)

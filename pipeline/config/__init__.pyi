@@ -4,6 +4,9 @@ from .certify import (
 from .config import (
     Config as Config,
 )
+from .drives import (
+    DrivesConfig as DrivesConfig,
+)
 from .export import (
     ExportConfig as ExportConfig,
 )

@@ -6,6 +6,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from pipeline.config.certify import CertifyConfig
+from pipeline.config.drives import DrivesConfig
 from pipeline.config.export import ExportConfig
 from pipeline.config.machine.machine import MachineConfig
 from pipeline.config.refine import RefineConfig
@@ -28,6 +29,7 @@ class Config(Section):
     certify: CertifyConfig = Field(default_factory=lambda: CertifyConfig())
     retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
     export: ExportConfig = Field(default_factory=lambda: ExportConfig())
+    drives: DrivesConfig = Field(default_factory=lambda: DrivesConfig())
 
     @model_validator(mode="after")
     def _margins_leave_room(self) -> Self:

@@ -4,7 +4,7 @@ Figures are laid out at the width at which they are read, half an A4 page, with 
 apply while a figure is built (`styled`); matplotlib's own stay as they are.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Any, ParamSpec
 
@@ -12,6 +12,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 P = ParamSpec("P")
@@ -35,6 +36,7 @@ LIGHT_GREY = "#DDDDDD"
 COARSE = BLACK
 REFINED = VERMILLION
 LIMIT_LINE: dict[str, Any] = {"color": GREY, "linestyle": (0, (4, 2)), "linewidth": 0.8}
+CHANGE_LINE: dict[str, Any] = {"color": GREY, "linestyle": (0, (1, 1.5)), "linewidth": 0.7}
 
 LENGTH_LABEL = "length along the path (steps)"
 
@@ -115,3 +117,14 @@ def name_lines(axes: Axes, count: int) -> None:
 def angle_locator() -> MaxNLocator:
     """Place ticks at multiples of 15 or 30 degrees rather than 20 or 25."""
     return MaxNLocator(5, steps=[1, 1.5, 3, 5, 10])
+
+
+def mark_changes(axes: Axes, t_s: Iterable[float]) -> None:
+    """Draw a vertical line at every change of the working mode."""
+    for t in t_s:
+        axes.axvline(t, **CHANGE_LINE)
+
+
+def change_handle() -> Line2D:
+    """Make the entry of mode changes for a legend."""
+    return Line2D([], [], label="mode change", **CHANGE_LINE)

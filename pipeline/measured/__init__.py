@@ -4,8 +4,8 @@ from pipeline.measured.comparison import ErrorRow, MeasurementComparison, compar
 from pipeline.measured.estimate import Estimate, estimate_poses
 from pipeline.measured.reading import Account, Skipped
 from pipeline.measured.reflectors import Reflectors, reflector_positions
-from pipeline.measured.simulate import SimulationSetting, simulate_measurement
 from pipeline.measured.table import Measurement, measurement_columns, parse_measurement, read_measurement
+from pipeline.measured.tracker import SimulationSetting, simulate_measurement
 
 __all__ = [
     "Account",

@@ -1,7 +1,5 @@
-"""Commands for measurements: compare a measured motion with the commanded one, and simulate a measurement."""
+"""Commands for measurements: compare a measured motion with the commanded one, and simulate a measurement of it."""
 
-import json
-import os
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -10,15 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pipeline.cli.console import messages_console, results_console
+from pipeline.cli.motions.driven import DrivenBack, DrivenPeriod, DrivenSpeed, driven
+from pipeline.cli.motions.simulated_file import check_simulated, write_simulated, written_beside
 from pipeline.cli.options import RunArgument
-from pipeline.cli.output import check_output, check_picture, save_picture, text_table
-from pipeline.errors import UsageError
-from pipeline.regular_file import read_regular_file
-from pipeline.stage import Stage
+from pipeline.cli.output import check_picture, save_picture, text_table
 
 if TYPE_CHECKING:
     from pipeline.measured import MeasurementComparison, Reflectors
-    from pipeline.retime import Trajectory
 
 _Point = tuple[float, float, float]
 _First = Annotated[
@@ -29,24 +25,9 @@ _Noise = Annotated[
     float,
     typer.Option("--noise", metavar="M", min=0.0, max=0.1, help="Standard deviation of each coordinate in metres."),
 ]
-_Speed = Annotated[
-    float | None,
-    typer.Option(
-        "--speed",
-        metavar="PART",
-        help="Part of the full speed at which it was driven, as exported. Default: full speed.",
-    ),
-]
-_Period = Annotated[
-    float | None,
-    typer.Option("--period", metavar="S", help="Period at which it was driven, as exported. Default: that of the run."),
-]
-_Back = Annotated[bool, typer.Option("--back", help="The way back, as exported with --back.")]
 _FIRST: _Point = (0.0, 0.10, 0.05)
 _SECOND: _Point = (0.0, 0.40, 0.05)
 _NOISE_M = 5e-5
-_FACTS = ".json"
-_MOST_FACTS_BYTES = 2**20
 
 
 def measured(
@@ -55,9 +36,9 @@ def measured(
     first: _First = _FIRST,
     second: _Second = _SECOND,
     noise_m: _Noise = _NOISE_M,
-    speed: _Speed = None,
-    period_s: _Period = None,
-    back: _Back = False,
+    speed: DrivenSpeed = None,
+    period_s: DrivenPeriod = None,
+    back: DrivenBack = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded, in metres and radians.")] = False,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Draw the motion over time: .png, .pdf or .svg.")
@@ -81,7 +62,7 @@ def measured(
     from pipeline.measured import compare_measurement, read_measurement
 
     reflectors = _reflectors(first, second, noise_m)
-    trajectory, _ = _driven(run, speed, period_s, back)
+    trajectory, _ = driven(run, speed, period_s, back)
     given = read_measurement(measurement, trajectory.duration_s)
     assert given.account is not None
     messages_console().print(given.account.message(), soft_wrap=True)
@@ -94,18 +75,6 @@ def measured(
 
         save_picture(measured_figure(comparison), picture)
         messages_console().print(f"{picture}: commanded and measured over time, with errors", soft_wrap=True)
-
-
-def _driven(run: Path, speed: float | None, period_s: float | None, back: bool) -> "tuple[Trajectory, float]":
-    """Give the motion of a run as it is exported at a part of the speed, another period, or back, and its period."""
-    from pipeline.retime import slowed, way_back, whole_periods
-    from pipeline.run.reading import open_results, with_retime
-
-    results = open_results(run, Stage.REFINE, Stage.RETIME)
-    config = with_retime(results.config, period_s=period_s, speed=speed)
-    there = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
-    trajectory = way_back(config, there) if back else whole_periods(there, config.retime.period_s)
-    return trajectory, config.retime.period_s
 
 
 def _show(comparison: "MeasurementComparison", as_json: bool, title: str) -> None:
@@ -138,76 +107,42 @@ def simulate_measurement(
         ),
     ] = 2e-4,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the random numbers.")] = 0,
-    speed: _Speed = None,
-    period_s: _Period = None,
-    back: _Back = False,
+    speed: DrivenSpeed = None,
+    period_s: DrivenPeriod = None,
+    back: DrivenBack = False,
 ) -> None:
     """Simulate what a tracker measures of two reflectors while a slightly inaccurate machine drives the trajectory.
 
     Joints, rails, lengths and zeros of telescopes have random errors, drawn
     once; every coordinate of every reflector has noise. The same seed gives
-    the same file, with one row per period.
+    the same file, with one row per period. Its actuators are exactly where
+    they are commanded: what drives and controllers add is `simulate`.
     """
-    from pipeline.artifacts import json_bytes, write_whole
-    from pipeline.artifacts.output import write_output
     from pipeline.export.csv import format_csv
     from pipeline.measured import SimulationSetting, measurement_columns
     from pipeline.measured import simulate_measurement as simulate
     from pipeline.retime import sample_trajectory
 
-    beside = None if output is None else _check_output(output, run)
+    beside = None if output is None else check_simulated(output, run)
     reflectors, setting = _reflectors(first, second, noise_m), SimulationSetting(geometry_m, seed)
-    trajectory, period_s = _driven(run, speed, period_s, back)
-    samples = sample_trajectory(trajectory, period_s)
+    trajectory, config = driven(run, speed, period_s, back)
+    samples = sample_trajectory(trajectory, config.retime.period_s)
     positions = simulate(trajectory.path.machine, samples.q_m, samples.pose, reflectors, setting)
     text = format_csv(measurement_columns(samples.t_s, positions))
     if output is None:
         typer.echo(text, nl=False)
         return
-    write_output(output, text.encode())
-    made = f"{output}: {len(samples):,} rows of a simulated measurement"
-    if beside is not None:
-        facts: dict[str, Any] = {
-            "simulated": True,
-            "run": str(run),
-            "speed": 1.0 if speed is None else speed,
-            "period_s": period_s,
-            "back": back,
-            "reflectors": reflectors,
-            "setting": setting,
-        }
-        write_whole(beside, json_bytes(facts))
-        made += f"; {beside}: how it was made"
-    messages_console().print(made, soft_wrap=True)
-
-
-def _check_output(output: Path, run: Path) -> Path | None:
-    """Check where the table goes; give the name of the file beside it that says how it was made, if there is one."""
-    from pipeline.artifacts.output import is_written_through
-
-    check_output(output, run)
-    if is_written_through(output):
-        return None
-    if output.suffix == _FACTS:
-        raise UsageError(
-            f"--output {output}: a {_FACTS} file beside the table says how it was made: give another ending"
-        )
-    facts = output.with_suffix(_FACTS)
-    if os.path.lexists(facts) and not _is_simulated(facts):
-        raise UsageError(
-            f"--output {output}: {facts} would say how the table was made, but is there already, and says something "
-            "else: give another name"
-        )
-    return facts
-
-
-def _is_simulated(facts: Path) -> bool:
-    """Check whether a file says of a table that it is simulated."""
-    try:
-        value = {} if facts.is_symlink() else json.loads(read_regular_file(facts, _MOST_FACTS_BYTES))
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(value, dict) and value.get("simulated") is True and "setting" in value
+    facts: dict[str, Any] = {
+        "run": str(run),
+        "speed": 1.0 if speed is None else speed,
+        "period_s": config.retime.period_s,
+        "back": back,
+        "reflectors": reflectors,
+        "setting": setting,
+    }
+    write_simulated(output, beside, text, facts)
+    what = f"{output}: {len(samples):,} rows of a simulated measurement"
+    messages_console().print(what + written_beside(beside), soft_wrap=True)
 
 
 def _reflectors(first: _Point, second: _Point, noise_m: float) -> "Reflectors":

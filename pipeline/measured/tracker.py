@@ -1,6 +1,6 @@
 """Simulated measurements: a machine that differs a little from its model drives, and a noisy tracker measures it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from pipeline.arguments import require_array, require_number, require_one_length
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
+from pipeline.measured.perturbed import perturbed
 from pipeline.measured.reflectors import Reflectors, reflector_positions
 
 
@@ -59,19 +60,3 @@ def simulate_measurement(
     q[:, 3:] += zeros_m
     positions = reflector_positions(reflectors.points_m, forward_kinematics(real, q, commanded))
     return positions + noise.normal(0.0, reflectors.noise_m, positions.shape)
-
-
-def perturbed(machine: Machine, std_m: float, random: np.random.Generator) -> tuple[Machine, FloatArray]:
-    """Draw a machine with a perturbed geometry, and zeros (2,) of its telescopes, with standard deviation `std_m`."""
-
-    def off(values: FloatArray) -> FloatArray:
-        return values + random.normal(0.0, std_m, values.shape)
-
-    real = replace(
-        machine,
-        rails_m=off(machine.rails_m),
-        platform_points_m=off(machine.platform_points_m),
-        cart_offsets_m=off(machine.cart_offsets_m),
-        lengths_m=off(machine.lengths_m),
-    )
-    return real, off(np.zeros(2))

@@ -7,7 +7,7 @@ from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.machine import Machine, inverse_kinematics
 from pipeline.measured import Reflectors, SimulationSetting, reflector_positions, simulate_measurement
-from pipeline.measured.simulate import perturbed
+from pipeline.measured.perturbed import perturbed
 
 POINTS = np.array([[0.0, 0.10, 0.05], [0.0, 0.40, 0.05]])
 QUIET = Reflectors(POINTS, 0.0)

@@ -1,0 +1,1 @@
+"""What commands share that speak of the motion of a run as a machine drives it."""

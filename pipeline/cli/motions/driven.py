@@ -1,0 +1,58 @@
+"""The motion of a run as it was exported and driven: at a part of the speed, another period, or back."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from pipeline.config import Config
+    from pipeline.retime import Trajectory
+
+DrivenSpeed = Annotated[
+    float | None,
+    typer.Option(
+        "--speed",
+        metavar="PART",
+        help="Part of the full speed at which it was driven, as exported. Default: full speed.",
+    ),
+]
+DrivenPeriod = Annotated[
+    float | None,
+    typer.Option("--period", metavar="S", help="Period at which it was driven, as exported. Default: that of the run."),
+]
+DrivenBack = Annotated[bool, typer.Option("--back", help="The way back, as exported with --back.")]
+
+
+def driven(run: Path, speed: float | None, period_s: float | None, back: bool) -> "tuple[Trajectory, Config]":
+    """Give the motion of a run as exported at a part of the speed, another period, or back, and its configuration."""
+    from pipeline.retime import slowed, way_back, whole_periods
+    from pipeline.run.reading import open_results, with_retime
+
+    results = open_results(run, Stage.REFINE, Stage.RETIME)
+    config = with_retime(results.config, period_s=period_s, speed=speed)
+    there = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
+    trajectory = way_back(config, there) if back else whole_periods(there, config.retime.period_s)
+    return trajectory, config
+
+
+def with_drives(config: "Config", file: Path) -> "Config":
+    """Give a configuration with the section `drives` of another file.
+
+    Raises
+    ------
+    ConfigError
+        When there is no such section, or it is not valid.
+    """
+    from pipeline.config.file import parse_config, read_yaml
+    from pipeline.errors import ConfigError, ConfigIssue
+
+    given = read_yaml(file)
+    if not isinstance(given, dict) or "drives" not in given:
+        raise ConfigError(
+            [ConfigIssue("drives", "is missing; expected a section with carts and telescopes")], str(file)
+        )
+    data = {**config.model_dump(mode="json"), "drives": given["drives"]}
+    return config.model_copy(update={"drives": parse_config(data, source=str(file)).drives})

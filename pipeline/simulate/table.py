@@ -1,0 +1,142 @@
+"""A simulated motion as text, JSON and columns."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.arrays import FloatArray
+from pipeline.export.trajectory_columns import POSE
+from pipeline.machine.geometry import ACTUATORS, LINKS
+from pipeline.measured.comparison import COORDINATES
+from pipeline.measured.table import TIME
+from pipeline.simulate.result import Simulation
+from pipeline.simulate.rows import determinant, drive_rows, link_rows, mode_rows, pose_rows, tcp_error
+
+
+class TextTable(NamedTuple):
+    """A table of text: its title, headings and rows; the first `words` columns are words, all others numbers."""
+
+    title: str
+    header: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+    words: int
+
+
+def simulation_columns(simulation: Simulation) -> dict[str, FloatArray]:
+    """Name the columns of a simulated motion: time and pose as `measured` reads them, and what the machine did.
+
+    `e` are following errors (commanded - real), `f` forces of the drives, `link` forces along the links.
+    """
+    numbers = range(1, len(ACTUATORS) + 1)
+    groups = (
+        (POSE, simulation.pose),
+        ([f"q{k}_m" for k in numbers], simulation.q_m),
+        ([f"qd{k}_mps" for k in numbers], simulation.qd_mps),
+        ([f"qdd{k}_mps2" for k in numbers], simulation.qdd_mps2),
+        ([f"e{k}_m" for k in numbers], simulation.following_error_m),
+        ([f"f{k}_n" for k in numbers], simulation.drive_n),
+        ([f"link_{link}_n" for link in LINKS], simulation.link_n),
+    )
+    named = {name: values[:, k] for names, values in groups for k, name in enumerate(names)}
+    return {TIME: simulation.t_s, **named}
+
+
+def simulation_data(simulation: Simulation) -> dict[str, Any]:
+    """Sum up a simulated motion as plain data, in metres, radians, newtons and seconds."""
+    units = {"rx": "rad", "rz": "rad"}
+    errors = [{**asdict(row), "unit": units.get(row.quantity, "m")} for row in pose_rows(simulation)]
+    return {
+        "verdict": asdict(simulation.verdict),
+        "period_s": simulation.motion.period_s,
+        "duration_s": float(simulation.motion.t_s[-1]),
+        "errors": [{key: value for key, value in row.items() if value is not None} for row in errors],
+        "tcp_error": asdict(tcp_error(simulation)),
+        "drives": [asdict(row) for row in drive_rows(simulation)],
+        "links": [asdict(row) for row in link_rows(simulation)],
+        "modes": [asdict(row) for row in mode_rows(simulation)],
+        "det_h": asdict(determinant(simulation)),
+        "simulated_s": simulation.simulated_s,
+        "seconds": simulation.seconds,
+    }
+
+
+def simulation_tables(simulation: Simulation) -> list[TextTable]:
+    """Make tables of errors, drives, links and working modes, in millimetres and degrees."""
+    return [_errors(simulation), _drives(simulation), _links(simulation), _modes(simulation)]
+
+
+def determinant_text(simulation: Simulation) -> str:
+    """Say in a sentence how det H compares with the plan."""
+    found = determinant(simulation)
+    sign = "keeps its sign" if found.sign_kept else "changes its sign"
+    return f"det H {sign}; at least {found.least_ratio:.4f} of the planned one, at {found.least_ratio_at_s:.3f} s"
+
+
+def _errors(simulation: Simulation) -> TextTable:
+    tcp = tcp_error(simulation)
+    rows = [
+        (
+            row.quantity,
+            shown.unit,
+            f"{shown.scale * row.mean:+.4f}",
+            f"{shown.scale * row.rms:.4f}",
+            f"{shown.scale * row.largest:+.4f}",
+            f"{row.largest_at_s:.3f}",
+        )
+        for row, shown in zip(pose_rows(simulation), COORDINATES, strict=True)
+    ]
+    whole = ("TCP", "mm", "", f"{1e3 * tcp.rms_m:.4f}", f"{1e3 * tcp.largest_m:.4f}", f"{tcp.largest_at_s:.3f}")
+    header = ("quantity", "unit", "mean error", "rms error", "largest error", "at s")
+    return TextTable("errors, simulated - commanded", header, [*rows, whole], 2)
+
+
+def _drives(simulation: Simulation) -> TextTable:
+    rows = [
+        (
+            row.drive,
+            f"{1e3 * row.following_error_m:+.3f}",
+            f"{row.following_error_at_s:.3f}",
+            f"{row.trip_share:.1%}",
+            f"{row.planned_peak_n:.1f}",
+            f"{row.peak_n:.1f}",
+            _share(row.force_share),
+            f"{row.saturated_s:.3f}",
+        )
+        for row in drive_rows(simulation)
+    ]
+    header = ("drive", "following mm", "at s", "of trip", "planned N", "simulated N", "of limit", "saturated s")
+    return TextTable("drives: largest following errors and forces", header, rows, 1)
+
+
+def _links(simulation: Simulation) -> TextTable:
+    rows = [
+        (
+            row.link,
+            f"{row.planned_peak_n:.1f}",
+            f"{row.peak_n:.1f}",
+            f"{row.largest_difference_n:.1f}",
+            _share(row.force_share),
+        )
+        for row in link_rows(simulation)
+    ]
+    header = ("link", "planned N", "simulated N", "difference N", "of limit")
+    return TextTable("links: largest forces", header, rows, 1)
+
+
+def _modes(simulation: Simulation) -> TextTable:
+    rows = []
+    for row in mode_rows(simulation):
+        late = "-" if row.t_s is None or row.planned_t_s is None else f"{1e3 * (row.t_s - row.planned_t_s):+.0f}"
+        rows.append((row.mode or "-", row.planned_mode or "-", _time(row.t_s), _time(row.planned_t_s), late))
+    header = ("mode", "planned", "from s", "planned s", "later by ms")
+    return TextTable("working modes", header, rows, 2)
+
+
+def _share(share: float) -> str:
+    return f"{share:.1%}" if np.isfinite(share) and share > 0.0 else "-"
+
+
+def _time(t_s: float | None) -> str:
+    return "-" if t_s is None else f"{t_s:.3f}"

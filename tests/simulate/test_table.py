@@ -1,0 +1,76 @@
+"""A simulated motion as rows, tables, data and columns."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.export.csv import format_csv, read_csv
+from pipeline.machine import Machine
+from pipeline.measured import parse_measurement
+from pipeline.simulate import Deviations, Drives, Motion, Simulation, build_plant, simulate_motion
+from pipeline.simulate.rows import determinant, drive_rows, link_rows, mode_rows, tcp_error
+from pipeline.simulate.table import determinant_text, simulation_columns, simulation_data, simulation_tables
+
+
+@pytest.fixture(scope="module")
+def simulation(agder: Machine, drives: Drives, reference: Motion) -> Simulation:
+    """Simulate the reference motion with the drives that are assumed."""
+    return simulate_motion(agder, build_plant(agder, Deviations()), drives, reference, standing_s=0.1)
+
+
+def test_rows_sum_up_what_happened(simulation: Simulation) -> None:
+    """Largest errors with their times, peaks, and shares of what is allowed."""
+    for k, row in enumerate(drive_rows(simulation)):
+        error = simulation.following_error_m[:, k]
+        assert abs(row.following_error_m) == np.abs(error).max()
+        assert error[round(row.following_error_at_s / 1e-3)] == row.following_error_m
+        assert row.trip_share == pytest.approx(abs(row.following_error_m) / 0.02)
+        assert row.force_share == pytest.approx(row.peak_n / simulation.drives.saturation_n[0, k])
+        assert row.saturated_s == 0.0
+    assert [row.link for row in link_rows(simulation)] == ["1", "2a", "2b", "3a", "3b", "3c"]
+    assert all(row.largest_difference_n < 60.0 for row in link_rows(simulation))
+    error = tcp_error(simulation)
+    assert 0.0 < error.rms_m < error.largest_m < 0.01
+    found = determinant(simulation)
+    assert found.sign_kept
+    assert 0.9 < found.least_ratio <= 1.0
+
+
+def test_modes_are_those_of_the_plan(simulation: Simulation) -> None:
+    """In their order, within 20 ms."""
+    rows = mode_rows(simulation)
+    assert [row.mode for row in rows] == [row.planned_mode for row in rows]
+    assert rows[0].mode == "LLL"
+    assert rows[-1].mode == "RRR"
+    for row in rows:
+        assert row.t_s == pytest.approx(row.planned_t_s, abs=0.02)
+
+
+def test_modes_that_were_not_reached_are_blank(simulation: Simulation) -> None:
+    """Of a motion that ends early."""
+    cut = {
+        name: getattr(simulation, name)[:1_000]
+        for name in ("q_m", "qd_mps", "qdd_mps2", "pose", "drive_n", "friction_n", "link_n", "det_h", "planned_det_h")
+    }
+    short = replace(simulation, **cut, saturated=simulation.saturated[:1_000])
+    assert [row.mode for row in mode_rows(short)] == ["LLL", None, None, None]
+    assert simulation_tables(short)[-1].rows[-1][0] == "-"
+    assert "det H keeps its sign" in determinant_text(short)
+
+
+def test_tables_and_data_agree(simulation: Simulation) -> None:
+    """Every table has cells for its headings; the data have what the tables show, unrounded."""
+    tables, data = simulation_tables(simulation), simulation_data(simulation)
+    assert all(len(row) == len(table.header) for table in tables for row in table.rows)
+    assert [row["drive"] for row in data["drives"]] == [row[0] for row in tables[1].rows]
+    assert float(tables[0].rows[-1][4]) == pytest.approx(1e3 * data["tcp_error"]["largest_m"], abs=1e-4)
+    assert data["verdict"]["ending"] == "arrived"
+
+
+def test_columns_are_a_measurement(simulation: Simulation) -> None:
+    """As they are written they are read as a measurement of the motion, with the same errors."""
+    columns = read_csv(format_csv(simulation_columns(simulation)))
+    measurement = parse_measurement(columns, float(simulation.motion.t_s[-1]))
+    assert measurement.controlled == pytest.approx(simulation.pose[:, [0, 1, 2, 3, 5]], abs=1e-11)
+    assert columns["e4_m"] == pytest.approx(simulation.following_error_m[:, 3], abs=1e-11)
