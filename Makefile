@@ -16,6 +16,12 @@ test: lint
 quick-test: $(READY)
 	$(BIN)/pytest -n 2 -m "not slow"
 
+# Random input for everything that reads a file, a hundred times what `make test` tries; shows how many cases.
+FUZZ ?= 100
+.PHONY: fuzz
+fuzz: $(READY)
+	FUZZ=$(FUZZ) $(BIN)/pytest -m fuzz -n 2 --hypothesis-show-statistics
+
 lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.yaml_text import MOST_LEVELS, MOST_VALUES, YamlError, parse_yaml
+from tests.fuzzing import fuzz
 
 _PLAIN = st.one_of(st.integers(), st.booleans(), st.none(), st.floats(allow_nan=False), st.text(max_size=5))
 _DATA = st.recursive(
@@ -41,6 +42,7 @@ def test_what_is_within_bounds_is_read_as_pyyaml_reads_it(data: object) -> None:
     assert parse_yaml(yaml.safe_dump(data)) == data
 
 
+@fuzz(100)
 @given(text=st.lists(st.sampled_from(_TOKENS), max_size=20).map("".join))
 def test_whatever_looks_like_yaml_is_read_or_refused(text: str) -> None:
     """No other error comes out, whatever tags, aliases and brackets are put together."""

@@ -17,8 +17,7 @@ def main() -> None:
     if interruptible:
         raise_interrupts()
     if isinstance(sys.stdout, io.TextIOWrapper):
-        # A locale without umlauts must not end the program after its work is done.
-        sys.stdout.reconfigure(errors="backslashreplace")
+        sys.stdout = _complete(sys.stdout)
     app()
 
 
@@ -33,3 +32,17 @@ def _open_standard_streams() -> None:
         sys.stdout = os.fdopen(1, "w", closefd=False)
     if sys.stderr is None:
         sys.stderr = os.fdopen(2, "w", closefd=False)
+
+
+def _complete(stream: io.TextIOWrapper) -> io.TextIOWrapper:
+    """Make a stream write everything or fail.
+
+    A locale without umlauts must not end the program after its work is done. Without a buffer (PYTHONUNBUFFERED),
+    Python drops what a full disk or an interrupted write has not taken.
+    """
+    if isinstance(stream.buffer, io.RawIOBase):
+        raw, encoding = stream.buffer, stream.encoding
+        stream.detach()
+        stream = io.TextIOWrapper(io.BufferedWriter(raw), encoding=encoding, line_buffering=True)
+    stream.reconfigure(errors="backslashreplace")
+    return stream

@@ -84,7 +84,7 @@ class HoldingForce:
             broken_path="force to hold or move the machine too large, newtons",
             path_advice="Raise refine.nodes, machine.limits or holding_fraction, or lighten machine.dynamics.",
             proof_advice="Raise machine.limits or holding_fraction, or lighten machine.dynamics.",
-            raise_key=_KEY if self.fraction < 1.0 else "the force limits of machine.limits",
+            raise_key=_KEY if self.fraction < 1.0 else FORCES_KEY,
         )
 
     @property

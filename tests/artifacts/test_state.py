@@ -22,6 +22,7 @@ from pipeline.errors import UsageError
 from pipeline.stage import Stage
 from tests.artifacts.saved import put
 from tests.artifacts.test_files import json_values
+from tests.fuzzing import fuzz
 
 Make = dict[str, Callable[..., Any]]
 
@@ -110,6 +111,7 @@ def test_states_of_earlier_versions_are_read_but_not_taken_up(tmp_path: Path) ->
     assert state.stages[Stage.ROUTE] == record(files={"route.npz": "h"}, fingerprint="")
 
 
+@fuzz(100)
 @given(json_values)
 def test_whatever_json_it_holds_is_read_or_refused(value: Any) -> None:
     """No JSON makes reading fail in any other way."""

@@ -70,6 +70,10 @@ DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
         "chains[0].pose[0][0][0]: is true; expected a number",
     ),
     "far too many chains": (lambda data: data.update(chains=data["chains"] * 3), "chains: is a list of 9 entries"),
+    "far too many boxes": (
+        lambda data: data["chains"][0].update(radius=[0] * 150_001),
+        "boxes; at most 150,000 are verified",
+    ),
     "far too many keys": (
         lambda data: data["bounds"].update(distance_m={f"links {k}": 1.0 for k in range(2_000)}),
         "has a section of 2,000 keys; at most 1,000 are read",
@@ -118,3 +122,17 @@ def test_a_file_that_is_something_else_is_reported(run: pathlib.Path, content: b
     result = check(run)
     assert result.exit_code == 2
     assert "What to change" in result.stderr
+
+
+@pytest.mark.parametrize("kept", [(), ("config.yaml",), ("config.yaml", "state.json")])
+def test_what_is_missing_beside_it_is_said_before_it_is_read(
+    run: pathlib.Path, tmp_path: pathlib.Path, kept: tuple[str, ...]
+) -> None:
+    """A certificate outside its run is not read to the end, whatever is in it."""
+    for name in kept:
+        (tmp_path / name).write_bytes((run / name).read_bytes())
+    (tmp_path / CERTIFICATE_JSON).write_text("{")
+    result = check(tmp_path)
+    assert result.exit_code == 2
+    assert str(tmp_path) in result.stderr
+    assert "damaged" not in result.stderr

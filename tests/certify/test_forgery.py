@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.artifacts.layout import CERTIFICATE_JSON, PATH_NPZ
@@ -27,12 +27,12 @@ from pipeline.refine import Path, sample_path
 from pipeline.route.regions.endpoints import task_endpoints
 from tests.certify.audit import cubic, deviations
 from tests.certify.runs import Data
+from tests.fuzzing import fuzz
 
 STATED_ONLY = ("settings", "versions", "seconds", "precision_bits", "kappa_s", "not_proven_m", "monte_carlo_fails_m")
 """Keys that say how a certificate was made; the README lists them."""
 OTHER_TYPES: tuple[object, ...] = (True, False, None, "1", [], {}, [1.0], {"kappa": 1.0})
 Place = tuple[str | int, ...]
-QUICK = settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +164,7 @@ def _chain_holds(genuine: Genuine, chain: Data) -> bool:
     return bool(within) and all((deviations(genuine.path, box) <= box.radius).all() for box in boxes)
 
 
-@QUICK
+@fuzz(30)
 @given(data=st.data())
 def test_a_number_that_moved_is_refused_or_still_true(genuine: Genuine, data: st.DataObject) -> None:
     """Weaker bounds and larger boxes may still be proven; then samples keep them, and nothing else has changed."""
@@ -174,7 +174,7 @@ def test_a_number_that_moved_is_refused_or_still_true(genuine: Genuine, data: st
         assert stated_only(place) or holds(genuine, forged)
 
 
-@QUICK
+@fuzz(30)
 @given(data=st.data())
 def test_a_value_of_another_type_is_refused(genuine: Genuine, data: st.DataObject) -> None:
     """Truth values are no numbers, texts are none either; nor is anything left out that is not optional."""
@@ -185,7 +185,7 @@ def test_a_value_of_another_type_is_refused(genuine: Genuine, data: st.DataObjec
         assert stated_only(place) or (value == was and type(value) is type(was)), (place, value)
 
 
-@QUICK
+@fuzz(30)
 @given(data=st.data())
 def test_keys_and_rows_that_come_and_go_are_refused(genuine: Genuine, data: st.DataObject) -> None:
     """A key left out or added, a row left out, given twice or in another order."""

@@ -15,11 +15,13 @@ from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.config.file import dump_config
 from tests.cli.calls import subprocess_env
+from tests.fuzzing import fuzz
 
 _ANY = st.text(st.characters(codec=None), max_size=30)
 _TURNING = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 
 
+@fuzz(100)
 @given(text=_ANY)
 def test_a_terminal_obeys_nothing(text: str) -> None:
     """No control character but tab and newline is left, nothing turns the writing, and UTF-8 can encode it all."""
@@ -30,6 +32,7 @@ def test_a_terminal_obeys_nothing(text: str) -> None:
     assert printable(shown) == shown
 
 
+@fuzz(100)
 @given(text=_ANY, encoding=st.sampled_from(["ascii", "latin-1", "cp1252", "utf-8"]))
 def test_every_encoding_can_show_it(text: str, encoding: str) -> None:
     """What the encoding does not have becomes an escape."""

@@ -8,12 +8,13 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.config import Config
 from pipeline.config.file import dump_config
 from tests.cli.calls import invoke
+from tests.fuzzing import fuzz
 from tests.run.fake_stages import FakeStages
 from tests.run.folders import BOOKS, RESULT_FILES
 
@@ -133,7 +134,7 @@ def _is_kept(path: Path, run: Path) -> bool:
     return any(copy.is_file() and copy.read_bytes() == b"mine: " + path.name.encode() for copy in copies)
 
 
-@settings(max_examples=12, deadline=None)
+@fuzz(12)
 @given(
     is_run=st.booleans(),
     planted=st.dictionaries(st.sampled_from(NAMES), st.sampled_from(sorted(KINDS)), max_size=4),

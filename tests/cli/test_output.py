@@ -39,13 +39,18 @@ def test_an_empty_text_is_no_path(call: Call) -> None:
 
 
 def test_options_that_name_files_say_so() -> None:
-    """What is refused when empty follows the help: FILE or DIR wherever a command takes a path."""
+    """What is refused when empty follows the help: FILE or DIR wherever a command takes a path.
+
+    A file that is written need not be readable: what is wrong with it is found by who writes it.
+    """
     for command in app.registered_commands:
         assert command.callback is not None
         shown = typer.main.get_command_from_info(command, pretty_exceptions_short=False, rich_markup_mode=None).params
         paths = {name for name, hint in get_type_hints(command.callback).items() if "Path" in str(hint)}
         options = [one for one in shown if one.name in paths and one.opts[0].startswith("-")]
         assert all(getattr(one, "metavar", "") in ("FILE", "DIR") for one in options)
+        written = [one for one in options if getattr(one, "metavar", "") == "FILE" and one.opts != ["--check"]]
+        assert not any(one.type_descriptor.parameter_info.readable for one in written)
 
 
 def test_results_are_not_overwritten(call: Call) -> None:

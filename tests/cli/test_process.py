@@ -39,6 +39,16 @@ def test_a_full_device(arguments: tuple[str, ...]) -> None:
     assert process.returncode == 2
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_device_that_gets_full(tmp_path: Path, unbuffered: str) -> None:
+    """What was written in part is an error, also where Python is asked not to buffer, as containers often do."""
+    command = f"ulimit -f 4; exec {sys.executable} -m pipeline check --schema > {tmp_path / 'schema.json'}"
+    environment = {**subprocess_env(), "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": unbuffered}
+    shell = subprocess.run(["sh", "-c", command], capture_output=True, text=True, env=environment, check=False)
+    assert (tmp_path / "schema.json").stat().st_size > 0
+    assert (shell.returncode, shell.stderr) == (2, "error: standard output: File too large\n")
+
+
 @pytest.mark.parametrize("arguments", [("--version",), ("--help",), ("run",), ("check", "--schema")])
 def test_a_reader_that_leaves(arguments: tuple[str, ...]) -> None:
     """A pipe that is closed ends the process quietly, also where help or a usage error is printed."""

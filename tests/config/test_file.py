@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config, load_config, parse_config
 from pipeline.errors import ConfigError
+from tests.fuzzing import fuzz
 
 AGDER = Path(__file__).parents[2] / "configs" / "agder.yaml"
 
@@ -142,6 +143,7 @@ def test_parts_and_plain_data_have_hashes_too(agder_config: Config):
     assert config_sha256(agder_config.retime) != config_sha256(route)
 
 
+@fuzz(100)
 @given(text=st.text(max_size=60))
 def test_no_text_makes_reading_fail_otherwise(tmp_path_factory: pytest.TempPathFactory, text: str):
     """Whatever a file holds, it is a configuration error and nothing else."""

@@ -27,10 +27,10 @@ def samples(refinement: Refinement):
 
 
 def test_it_is_better_than_the_coarse_path(refinement: Refinement, steps: np.ndarray, samples) -> None:
-    """Less integral of kappa, less length and no larger kappa."""
+    """Less integral of kappa, less length and no larger kappa; how much less, where the route minimised the same."""
     coarse = measure_path(sample_path(refinement.coarse, np.linspace(0.0, 1.0, 10_000)), steps)
     fine = measure_path(samples, steps)
-    assert fine.kappa_integral < 0.95 * coarse.kappa_integral
+    assert fine.kappa_integral < 0.87 * coarse.kappa_integral
     assert fine.kappa_max <= coarse.kappa_max
     assert fine.length < coarse.length
 
@@ -53,23 +53,32 @@ def test_it_begins_and_ends_exactly_where_the_route_does(refinement: Refinement,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("corridor", ["cells", "free"])
+@pytest.mark.parametrize(
+    ("refine", "close"),
+    [
+        ({"corridor_cells": 1.0}, 1e-6),
+        ({"corridor": "free"}, 1e-6),
+        # In the wide corridor of the default IPOPT finds two optima, 0.03 % apart, in the two directions.
+        ({}, 1e-3),
+    ],
+    ids=["narrow", "free", "default"],
+)
 def test_the_route_backwards_gives_the_same_path(
-    light_config: Config, machine: Machine, route: Route, steps: np.ndarray, corridor: str
+    light_config: Config, machine: Machine, route: Route, steps: np.ndarray, refine: dict[str, object], close: float
 ) -> None:
     """Nothing in the program knows a direction: figures are the same, and meshes that follow the difficulty."""
-    refine = light_config.refine.model_copy(update={"max_meshes": 3, "corridor": corridor})
-    config = light_config.model_copy(update={"refine": refine})
+    options = light_config.refine.model_copy(update={"max_meshes": 3, **refine})
+    config = light_config.model_copy(update={"refine": options})
     fields = ("region", "modes", "gates", "visits", "pose", "q_m", "kappa")
     flipped = replace(route, **{name: getattr(route, name)[::-1] for name in fields})
     there, back = (refine_path(config, machine, way) for way in (route, flipped))
     assert back.meshes == there.meshes
-    assert back.nodes == pytest.approx(there.nodes, rel=0.1)
+    assert back.nodes == pytest.approx(there.nodes, rel=0.1 if close > 1e-6 else 0.0)
     assert back.meshes > 1
     one, other = (
         measure_path(sample_path(result.path, np.linspace(0.0, 1.0, 2_000)), steps) for result in (there, back)
     )
-    assert other.kappa_integral == pytest.approx(one.kappa_integral, rel=1e-3)
+    assert other.kappa_integral == pytest.approx(one.kappa_integral, rel=close)
     assert other.modes == one.modes[::-1]
 
 
@@ -134,7 +143,10 @@ def test_it_works_in_another_thread(light_config: Config, machine: Machine, rout
 
 @pytest.mark.slow
 def test_the_reference_machine_keeps_its_figures(agder_config: Config, machine: Machine) -> None:
-    """A tenth less integral of kappa, no larger kappa, and the surrogate within 1 % of the true one."""
+    """A tenth less integral of kappa, no larger kappa, and the surrogate within 1 % of the true one.
+
+    A route that minimises the integral leaves less to gain than one of the least sum, but a better path.
+    """
     route = plan_route(agder_config, machine, build_regions(agder_config, machine))
     result = refine_path(agder_config, machine, route)
     steps = step_sizes(agder_config.route)
@@ -222,9 +234,9 @@ def test_every_objective_is_best_at_its_own(
     assert best.kappa_max < maximum.kappa_max
     coarse = coarse_path(machine, bottleneck, step_sizes(quick_config.route))
     highest = float(sample_path(coarse, np.linspace(0.0, 1.0, 5_001)).kappa.max())
-    for figures in (best, refined("integral", bottleneck)):
-        # Between the points at which it is kept below that, kappa may be a little higher.
-        assert figures.kappa_max <= highest * (1.0 + 1e-4)
+    assert best.kappa_max < 0.99 * highest
+    # Between the points at which it is kept below that, kappa may be a little higher.
+    assert refined("integral", bottleneck).kappa_max <= highest * (1.0 + 1e-4)
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from pipeline.errors import InfeasibleError
+from pipeline.limits import node_limits
 from pipeline.route.bounds.shortest_paths import shortest_paths
 from pipeline.route.cost.kappa_sum import KappaSum
-from pipeline.route.infeasible import require_route, without_route
+from pipeline.route.infeasible import require_route, restrictions, without_route
 from pipeline.route.moves.rejections import Rejection
 from pipeline.route.moves.screen import Screen
 from pipeline.route.problem import RouteProblem
@@ -83,3 +84,11 @@ def test_the_keys_most_moves_failed_on_come_first(posed):
     assert "task.avoid" not in error.advice
     assert error.advice.endswith("was not tried")
     assert "after 3 moves were forbidden" in error.reason
+
+
+def test_nothing_has_two_names(quick_config, machine):
+    """What moves fail on and what restricts a task are named alike, so that advice names nothing twice."""
+    failed = {limit.wording.raise_key for limit in node_limits(quick_config, machine)} - {""}
+    named = failed | set(restrictions(quick_config, machine))
+    assert "force limits of machine.limits" in failed
+    assert [(one, other) for one in named for other in named if one != other and one in other] == []

@@ -19,8 +19,6 @@ from pipeline.refine.measure import PathSamples
 from pipeline.refine.result import Path, Refinement
 from pipeline.status import Status
 
-_MOST_DEGREE = 10
-
 
 def path_files(refinement: Refinement, samples: PathSamples) -> dict[str, bytes]:
     """Write both paths as splines, and dense samples of the refined one."""
@@ -120,17 +118,11 @@ def unpack_path(arrays: Arrays, prefix: str, machine: Machine) -> Path:
     checked = CheckedArrays(arrays)
     degree = checked.count(f"{prefix}degree")
     knots, coefficients = checked.floats(f"{prefix}knots", "k"), checked.floats(f"{prefix}coefficients", "c", 5)
-    if not 1 <= degree <= _MOST_DEGREE or len(knots) != len(coefficients) + degree + 1:
+    if len(knots) != len(coefficients) + degree + 1:
         raise ValueError(f"{len(knots)} knots and {len(coefficients)} coefficients are no splines of degree {degree}")
     node_s, node_pose = checked.floats(f"{prefix}node_s", "m"), checked.floats(f"{prefix}node_pose", "m", 6)
     spline = BSpline(knots, coefficients, degree)
     if (spline.t[degree], spline.t[-degree - 1]) != (0.0, 1.0):
         raise ValueError(f"{prefix}knots are not those of s from 0 to 1")
-    # A path of straight lines may have two steps at one place.
-    grows = np.diff(node_s) >= 0.0 if degree == 1 else np.diff(node_s) > 0.0
-    if len(node_s) < 2 or not grows.all():
-        raise ValueError(f"{prefix}node_s does not increase")
     motion_s = checked.number(f"{prefix}motion_s") if f"{prefix}motion_s" in checked else None
-    if motion_s is not None and not 0.0 < motion_s < np.inf:
-        raise ValueError(f"{prefix}motion_s is {motion_s}; expected a duration")
     return Path(machine, spline, node_s, node_pose, motion_s=motion_s)

@@ -1,6 +1,7 @@
 """A stored certificate checked against its path and configuration: which of its claims are verified."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -48,39 +49,63 @@ def verify(
         *inventory.inventory_claims(stated),
     ]
 
-    def of_configured(proven: ProvenChain, found: list[FloatArray]) -> Iterable[Claim]:
-        yield from checks.bound_claims(config, machine, found, stated.bounds)
+    def bounds_of(found: list[FloatArray]) -> list[Claim]:
+        return list(checks.bound_claims(config, machine, found, stated.bounds))
+
+    def ends_of(proven: ProvenChain) -> Iterable[Claim]:
         yield from endpoints.endpoint_claims(machine, ends, evaluate_ends(machine, path, proven), stated.bounds)
         yield pose_claim(path, proven)
 
     # Boxes say nothing about splines that are not a function.
     if splines.verified:
         for proven in stated.chains:
-            claims += _chain_claims(machine, path, proven, of_configured)
+            claims += _chain_claims(
+                machine, path, proven, _Configured(bounds_of, ends_of), refused=_any_refused(claims)
+            )
     known = {claim.what for claim in claims}
-    return claims + [Claim(what, verified=False, found="missing") for what in MANDATORY if what not in known]
+    absent = "missing, or not evaluated for what else is wrong" if _any_refused(claims) else "missing"
+    return claims + [Claim(what, verified=False, found=absent) for what in MANDATORY if what not in known]
+
+
+@dataclass(frozen=True)
+class _Configured:
+    """What else is claimed of the chain of the configured machine."""
+
+    bounds_of: Callable[[list[FloatArray]], list[Claim]]
+    ends_of: Callable[[ProvenChain], Iterable[Claim]]
 
 
 def _chain_claims(
-    machine: Machine,
-    path: Path,
-    proven: ProvenChain,
-    of_configured: Callable[[ProvenChain, list[FloatArray]], Iterable[Claim]],
+    machine: Machine, path: Path, proven: ProvenChain, configured: _Configured, *, refused: bool
 ) -> list[Claim]:
-    """Verify a chain; for the configured machine also the bounds that are stated of it."""
+    """Verify a chain; for the configured machine also the bounds that are stated of it.
+
+    A chain of many segments is evaluated no further than the certificate is refused anyway.
+    """
     of, counted, found = _name(proven.uncertainty), chain.BoxCounts(), None
+    bounds: list[Claim] = []
     # NaN compares as false: what cannot be computed is not verified.
     with np.errstate(all="ignore"):
         try:
+            ends = [] if proven.uncertainty.any else list(configured.ends_of(proven))
+            refused |= not chain.closes(proven) or _any_refused(ends)
             for segment in evaluate_chain(machine, path, proven):
                 counted += chain.count_boxes(segment)
                 if not proven.uncertainty.any:
                     found = checks.measure_all(machine, segment, found)
-            bounds = [] if found is None else of_configured(proven, found)
-            return [*chain.chain_claims(of, proven, counted), *bounds]
+                    bounds = configured.bounds_of(found)
+                # What is wrong over some boxes is wrong over all: bounds get only wider.
+                if counted.boxes < len(proven.boxes) and (refused or not counted.all_hold or _any_refused(bounds)):
+                    wrong = [claim for claim in bounds if not claim.verified]
+                    return [*chain.chain_claims(of, proven, counted), *wrong, *ends]
+            return [*chain.chain_claims(of, proven, counted), *bounds, *ends]
         except (np.linalg.LinAlgError, ValueError, OverflowError):
             text = "some numbers are too large, or give matrices without an inverse"
             return [Claim(f"{of}: its boxes can be evaluated", verified=False, found=text)]
+
+
+def _any_refused(claims: list[Claim]) -> bool:
+    return any(not claim.verified for claim in claims)
 
 
 def _name(uncertainty: Uncertainty) -> str:

@@ -1,10 +1,9 @@
 """The command that proves a path, or verifies a certificate again."""
 
-import contextlib
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +14,9 @@ from pipeline.cli.run_stages import run_stages
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.regular_file import open_regular_file
 from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from pipeline.run.results import Results
 
 
 def certify(
@@ -71,14 +73,16 @@ def verify_file(file: Path) -> None:
     from pipeline.artifacts.results.certificate import read_certificate
     from pipeline.certify.recheck import verify
     from pipeline.route.regions.endpoints import task_endpoints
-    from pipeline.run.reading import open_results
 
     file = file / CERTIFICATE_JSON if file.is_dir() else file
-    with contextlib.suppress(FileNotFoundError):
+    try:
         open_regular_file(file, MOST_BYTES).close()
-    stated = read_certificate(file)
-    results = open_results(file.parent)
+    except FileNotFoundError:
+        raise UsageError(f"{file} does not exist.\n  What to change: give the certificate.json of a run.") from None
+    # A certificate may be 180 MB: what is missing beside it is said before it is read.
+    results = _run_beside(file)
     config, machine, path = results.config, results.machine, results.refinement.path
+    stated = read_certificate(file)
     began = time.perf_counter()
     claims = verify(config, machine, path, task_endpoints(config, machine), stated)
     seconds = time.perf_counter() - began
@@ -91,6 +95,15 @@ def verify_file(file: Path) -> None:
             f"{file} does not hold: {wrong[0]}",
             "certify the path again: gantry-tau certify CONFIG --force",
         )
+
+
+def _run_beside(file: Path) -> "Results":
+    from pipeline.run.reading import open_results
+
+    try:
+        return open_results(file.parent)
+    except UsageError as error:
+        raise UsageError(f"{file} cannot be verified without its run: {error}") from None
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

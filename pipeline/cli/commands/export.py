@@ -40,7 +40,8 @@ def export(
     ] = None,
     back: Annotated[bool, typer.Option("--back", help="The way back: the same motion, reversed in time.")] = False,
     output: Annotated[
-        Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: stdout.")
+        Path | None,
+        typer.Option("--output", metavar="FILE", readable=False, help="Where to write to. Default: stdout."),
     ] = None,
     separator: Annotated[Separator, typer.Option(help="CSV, PVT: what separates values.")] = Separator.COMMA,
     decimal: Annotated[DecimalMark, typer.Option(help="CSV, PVT: decimal point or comma.")] = DecimalMark.POINT,

@@ -41,7 +41,10 @@ def measured(
     back: DrivenBack = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded, in metres and radians.")] = False,
     picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE", help="Draw the motion over time: .png, .pdf or .svg.")
+        Path | None,
+        typer.Option(
+            "--picture", metavar="FILE", readable=False, help="Draw the motion over time: .png, .pdf or .svg."
+        ),
     ] = None,
 ) -> None:
     """Compare a measured motion with the commanded one: errors of x, y, z, rx, rz, with error bars.
@@ -95,7 +98,8 @@ def _show(comparison: "MeasurementComparison", as_json: bool, title: str) -> Non
 def simulate_measurement(
     run: RunArgument,
     output: Annotated[
-        Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: stdout.")
+        Path | None,
+        typer.Option("--output", metavar="FILE", readable=False, help="Where to write to. Default: stdout."),
     ] = None,
     first: _First = _FIRST,
     second: _Second = _SECOND,

@@ -15,7 +15,10 @@ def report(
     context: typer.Context,
     run: RunArgument,
     output: Annotated[
-        Path | None, typer.Option("--output", metavar="FILE", help="Where to write to. Default: report.html in RUN.")
+        Path | None,
+        typer.Option(
+            "--output", metavar="FILE", readable=False, help="Where to write to. Default: report.html in RUN."
+        ),
     ] = None,
 ) -> None:
     """Write the report of a run again: one page to open in a browser, offline and without a server.

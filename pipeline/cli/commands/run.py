@@ -76,7 +76,12 @@ def route(
     ] = 1,
     write_mps: Annotated[
         Path | None,
-        typer.Option("--write-mps", metavar="FILE", help="Write the paper or compact program and do not solve it."),
+        typer.Option(
+            "--write-mps",
+            metavar="FILE",
+            readable=False,
+            help="Write the paper or compact program and do not solve it.",
+        ),
     ] = None,
 ) -> None:
     """Stage one: find the regions, and the best route through them (a mixed-integer program).

@@ -28,7 +28,8 @@ def tradeoff(
     ] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded.")] = False,
     picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE", help="Draw the curves: .png, .pdf or .svg.")
+        Path | None,
+        typer.Option("--picture", metavar="FILE", readable=False, help="Draw the curves: .png, .pdf or .svg."),
     ] = None,
     verbose: VerboseOption = False,
 ) -> None:

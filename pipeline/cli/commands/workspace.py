@@ -25,10 +25,11 @@ def workspace(
     ] = 0.005,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded.")] = False,
     picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE", help="Draw maps: .png, .pdf or .svg.")
+        Path | None, typer.Option("--picture", metavar="FILE", readable=False, help="Draw maps: .png, .pdf or .svg.")
     ] = None,
     volume: Annotated[
-        Path | None, typer.Option("--picture-3d", metavar="FILE", help="Draw all left and all right in 3-D.")
+        Path | None,
+        typer.Option("--picture-3d", metavar="FILE", readable=False, help="Draw all left and all right in 3-D."),
     ] = None,
 ) -> None:
     """Measure the usable workspace of every working mode, and of all of them together.

@@ -8,8 +8,8 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import AxisConfig, Config
 from pipeline.route.metric import ROUNDING
 
-_COUNTABLE = 2.0**40
-"""Axes of more points count as this long: nothing holds them anyway."""
+COUNTABLE = 10**12
+"""Axes of more steps count as this long: nothing holds them anyway."""
 
 
 def grid_points(config: Config) -> FloatArray:
@@ -38,7 +38,10 @@ def grid_axes(config: Config) -> tuple[FloatArray, FloatArray, FloatArray, Float
 
 
 def grid_shape(config: Config) -> tuple[int, int, int, int]:
-    """Count the grid values of y, z, rx, rz without listing them; their product is the number of points."""
+    """Count the grid values of y, z, rx, rz without listing them; their product is the number of points.
+
+    An axis of more than `COUNTABLE` steps has at least as many values as are counted.
+    """
     grid, task = config.route.grid, config.task
     tilts = [
         1 + 2 * (0 if axis in task.locked_axes else _steps(task.tilt_max_deg, step))
@@ -50,7 +53,7 @@ def grid_shape(config: Config) -> tuple[int, int, int, int]:
 
 def _steps(length: float, step: float) -> int:
     # The quotient of a tiny step is infinite.
-    return math.floor(min(length / step, _COUNTABLE) + ROUNDING)
+    return math.floor(min(length / step, COUNTABLE) + ROUNDING)
 
 
 def _values(axis: AxisConfig, count: int) -> FloatArray:

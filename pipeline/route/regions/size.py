@@ -13,7 +13,7 @@ from pipeline.route.metric import step_sizes
 from pipeline.route.regions.boxes import cut_windows, grown_boxes
 from pipeline.route.regions.build import admissible_regions, regions_at
 from pipeline.route.regions.gates import gates_beside
-from pipeline.route.regions.grid import grid_shape, points_at
+from pipeline.route.regions.grid import COUNTABLE, grid_shape, points_at
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.regions.task_rows import rows_to_visit
 
@@ -50,13 +50,14 @@ def require_grid_fits(config: Config) -> None:
     keys = ("y_m.step", "z_m.step", "rx_step_deg", "rz_step_deg")
     steps = (grid.y_m.step, grid.z_m.step, grid.rx_step_deg, grid.rz_step_deg)
     count, key, step = max(zip(shape, keys, steps, strict=True))
+    least = "at least " if max(shape) > COUNTABLE else ""
     raise ConfigError(
         [
             ConfigIssue(
                 f"route.grid.{key}",
-                f"is {step:g}, which makes {count:,} values of this axis and {points:.3g} grid points in all: "
-                f"{points * POINT_BYTES / 1e9:,.2f} GB of memory for these alone; route.memory_gb allows {allowed:g}. "
-                f"Take a larger step, or allow more where there is as much",
+                f"is {step!r}, which makes {least}{count:,} values of this axis and {points:.3g} grid points in all: "
+                f"{least}{points * POINT_BYTES / 1e9:,.2f} GB of memory for these alone; route.memory_gb allows "
+                f"{allowed:g}. Take a larger step, or allow more where there is as much",
                 step,
             )
         ]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pipeline.artifacts.npz import npz_bytes
@@ -22,6 +22,7 @@ from pipeline.machine import Machine
 from pipeline.refine.measure import sample_path
 from tests.artifacts.saved import SavedRun, put
 from tests.cli.bad_inputs.arrays import DAMAGES
+from tests.fuzzing import fuzz
 
 LOADERS: dict[str, Callable[[SavedRun], Any]] = {
     "regions.npz": load_regions,
@@ -93,7 +94,7 @@ def test_a_file_larger_than_allowed_is_not_read(run: SavedRun, vary: Callable[..
 _VALUES = st.sampled_from([0, -1, 1, 7, 1e300, -1e300, np.nan, np.inf, 0.5, 10**15, 2**63 - 1, "text", True, 1j])
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@fuzz(60)
 @given(data=st.data())
 def test_any_value_in_any_array_is_read_or_refused(run: SavedRun, data: st.DataObject) -> None:
     """Each array in turn is replaced by another number, shape or kind."""
@@ -114,7 +115,7 @@ def test_any_value_in_any_array_is_read_or_refused(run: SavedRun, data: st.DataO
         file.write_bytes(original)
 
 
-@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@fuzz(100)
 @given(place=st.integers(0, 10**6), byte=st.integers(0, 255), length=st.integers(1, 8))
 @example(place=8, byte=255, length=8)
 def test_any_bytes_in_a_file_are_read_or_refused(run: SavedRun, place: int, byte: int, length: int) -> None:

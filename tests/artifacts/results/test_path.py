@@ -16,6 +16,7 @@ from pipeline.errors import UsageError
 from pipeline.export import read_csv
 from pipeline.machine import Machine
 from pipeline.refine.measure import sample_path
+from pipeline.refine.result import MOST_DEGREE
 from tests.artifacts.saved import SavedRun, put
 
 Make = dict[str, Callable[..., Any]]
@@ -68,6 +69,20 @@ def test_a_path_of_its_own(tmp_path: Path, machine: Machine, make: Make) -> None
     (tmp_path / "one.npz").write_bytes(b"nonsense")
     with pytest.raises(UsageError, match=r"one\.npz"):
         load_path(tmp_path / "one.npz", machine)
+
+
+@pytest.mark.parametrize("degree", [MOST_DEGREE, MOST_DEGREE + 1])
+def test_every_degree_that_a_path_may_have_is_loaded(tmp_path: Path, machine: Machine, degree: int) -> None:
+    """The limit is the path's own; beyond it the file is named with the degree and the limit."""
+    start, goal = np.full(6, 0.1), np.full(6, 0.2)
+    spline = BSpline(np.repeat([0.0, 1.0], degree + 1), np.ones((degree + 1, 5)), degree)
+    arrays = {"degree": degree, "knots": spline.t, "coefficients": spline.c, "node_s": np.array([0.0, 1.0])}
+    (tmp_path / "path.npz").write_bytes(npz_bytes({**arrays, "node_pose": np.stack([start, goal])}))
+    if degree <= MOST_DEGREE:
+        assert load_path(tmp_path / "path.npz", machine).spline.k == degree
+        return
+    with pytest.raises(UsageError, match=rf"path\.npz .*degree of the path: .* at most {MOST_DEGREE}, not {degree}"):
+        load_path(tmp_path / "path.npz", machine)
 
 
 def test_path_files_follow_the_contract(machine: Machine, make: Make) -> None:

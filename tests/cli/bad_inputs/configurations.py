@@ -52,19 +52,20 @@ def bad_values() -> Iterator[BadConfig]:
     """Give every key, in turn, one of the values that it does not take."""
     data, base = complete(), short()
     kinds = list(WRONG_FOR_EVERY_KEY)
-    for number, path in enumerate(_leaves(data)):
+    for number, path in enumerate(leaves(data)):
         kind = next(k for k in kinds[number % len(kinds) :] + kinds if not _allowed(data, path, k))
         key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)[1:]
         named = key.partition("[")[0] if "[" in key else key
         yield BadConfig(f"{key} {kind}", _dumped(changed(base, path, WRONG_FOR_EVERY_KEY[kind], data)), (named,))
 
 
-def _leaves(data: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+def leaves(data: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """List the keys of a configuration that have values, of a list of sections those of the last."""
     if isinstance(data, dict):
         for key, value in data.items():
-            yield from _leaves(value, (*path, key))
+            yield from leaves(value, (*path, key))
     elif isinstance(data, list) and data and isinstance(data[0], dict):
-        yield from _leaves(data[-1], (*path, len(data) - 1))
+        yield from leaves(data[-1], (*path, len(data) - 1))
     else:
         yield path
 

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.measured.reading import Account, Table, read_table
+from tests.fuzzing import fuzz
 from tests.measured.reading.dialects import BOMS, CHOICES, NAMES, POSE_NAMES, Dialect, moving, write_table
 
 PREAMBLE = ("Tracker AT960; serial 4711", 'Größe: 3,5 "m"', "", "#\tnote")
@@ -94,7 +95,7 @@ dialects = st.builds(
 )
 
 
-@settings(max_examples=150)
+@fuzz(150)
 @given(values=rows, dialect=dialects)
 def test_any_number_in_any_dialect(values: list[tuple[float, ...]], dialect: Dialect) -> None:
     """Any finite number, written shortest, comes back to the last bit from any dialect, or the file is ambiguous."""
@@ -107,12 +108,12 @@ def test_any_number_in_any_dialect(values: list[tuple[float, ...]], dialect: Dia
     require_same(data, table[keep], lines)
 
 
+@fuzz(250)
 @given(
     index=st.integers(0, 10**6),
     text=st.text(st.sampled_from('",;\t\n\r 0.-eNa#\ufeff\u00e9\0m'), max_size=3),
     cut=st.integers(0, 5),
 )
-@settings(max_examples=250)
 def test_damaged_tables(index: int, text: str, cut: int) -> None:
     """Wherever something is put in or cut out, a file is refused, or all lines are accounted for and unhurt rows right.
 
@@ -145,6 +146,7 @@ def _lines(text: str, numbers: list[int]) -> list[str]:
     return [lines[number - 1] for number in numbers]
 
 
+@fuzz(100)
 @given(data=st.binary(max_size=300))
 def test_any_bytes(data: bytes) -> None:
     """Random bytes, alone and behind a header, are refused with a message, or accounted for."""
@@ -157,6 +159,7 @@ def test_any_bytes(data: bytes) -> None:
             assert accounted(account) == list(range(1, account.line_count + 1))
 
 
+@fuzz(100)
 @given(
     lines=st.lists(
         st.lists(

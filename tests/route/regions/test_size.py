@@ -52,6 +52,13 @@ def test_the_axis_with_most_values_is_named(quick_config: Config, vary: Any, key
         require_grid_fits(vary(quick_config, {f"route.grid.{key}": 1e-8}))
 
 
+@pytest.mark.parametrize(("step", "values"), [(5e-324, "at least 1,000,000,000,001"), (1e-8, "160,000,001")])
+def test_what_is_not_counted_to_the_end_is_a_bound(quick_config: Config, vary: Any, step: float, values: str) -> None:
+    """The step is shown as it was written; no count that was given up passes for an exact one."""
+    with pytest.raises(ConfigError, match=rf"is {step!r}, which makes {values} values"):
+        require_grid_fits(vary(quick_config, {"route.grid.y_m.step": step}))
+
+
 def test_a_table_that_does_not_fit_is_refused_at_once(quick: Any, vary: Any) -> None:
     """Nothing as large as the table is allocated; the message has the numbers and a value that would do."""
     config = vary(quick.config, {"route.memory_gb": 0.03})

@@ -5,7 +5,7 @@ the one pose of that box, which is then the one pose of either.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
@@ -24,12 +24,18 @@ CLAIMS: tuple[str, ...] = (COVERED, ONE_POSE, SAME_BRANCH)
 class BoxCounts:
     """How many boxes are on one piece of the splines, proven, and linked to the joints at both of their ends."""
 
+    boxes: int = 0
     on_one_piece: int = 0
     proven: int = 0
     linked: int = 0
 
     def __add__(self, other: "BoxCounts") -> "BoxCounts":
-        return BoxCounts(self.on_one_piece + other.on_one_piece, self.proven + other.proven, self.linked + other.linked)
+        return BoxCounts(*(mine + more for mine, more in zip(astuple(self), astuple(other), strict=True)))
+
+    @property
+    def all_hold(self) -> bool:
+        """Whether every box is proven, and linked to its neighbours."""
+        return self.proven == self.linked == self.boxes
 
 
 def count_boxes(segment: EvaluatedChain) -> BoxCounts:
@@ -37,19 +43,28 @@ def count_boxes(segment: EvaluatedChain) -> BoxCounts:
     boxes, found, joints, met = segment.boxes, segment.inclusions, segment.joints, segment.joint_inclusions
     linked = holds(boxes, found, joints, met, at_end=False) & holds(boxes, found, joints, met, at_end=True)
     linked &= met.proven[1:] & met.proven[:-1]
-    return BoxCounts(int(boxes.on_one_piece.sum()), int(found.proven.sum()), int(linked.sum()))
+    return BoxCounts(len(linked), int(boxes.on_one_piece.sum()), int(found.proven.sum()), int(linked.sum()))
 
 
 def chain_claims(of: str, chain: ProvenChain, counted: BoxCounts) -> Iterator[Claim]:
-    """Verify that a chain of n boxes and n + 1 joints closes; `of` is what it is a chain of."""
+    """Verify that a chain of n boxes and n + 1 joints closes; `of` is what it is a chain of.
+
+    Boxes that were not counted are not verified.
+    """
     n, whole = len(chain.boxes), _covers(chain)
+    of_n = f"of {n}" if counted.boxes == n else f"of the first {counted.boxes} of {n}"
     ends = f"{n} boxes from {chain.boxes[0].first:g} to {chain.boxes[-1].last:g}"
     yield Claim(f"{of}: {COVERED}", whole, ends)
-    across = n - counted.on_one_piece
+    across = counted.boxes - counted.on_one_piece
     beyond = f"; {across} reach across a knot of the splines" if across else ""
-    yield Claim(f"{of}: {ONE_POSE}", counted.proven == n, f"{counted.proven} of {n}{beyond}")
+    yield Claim(f"{of}: {ONE_POSE}", counted.proven == n, f"{counted.proven} {of_n}{beyond}")
     met = _meet(chain)
-    yield Claim(f"{of}: {SAME_BRANCH}", met and counted.linked == n, f"{counted.linked} of {n}")
+    yield Claim(f"{of}: {SAME_BRANCH}", met and counted.linked == n, f"{counted.linked} {of_n}")
+
+
+def closes(chain: ProvenChain) -> bool:
+    """Return whether boxes reach from 0 to 1 and meet at the joints, whatever they hold."""
+    return _covers(chain) and _meet(chain)
 
 
 def _covers(chain: ProvenChain) -> bool:
