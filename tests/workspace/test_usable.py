@@ -53,7 +53,7 @@ def coarse(machine: Machine) -> Workspace:
 @pytest.fixture(scope="module")
 def finest_m3(machine: Machine) -> float:
     """Measure the union on a grid finer than any other of these tests."""
-    return usable_workspace(machine, WorkspaceSetting(step_m=0.002)).union_m3
+    return usable_workspace(machine, WorkspaceSetting(step_m=0.0025)).union_m3
 
 
 @given(parts=intervals)
