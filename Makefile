@@ -5,16 +5,19 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
+# A file of tests runs in one process, which makes what its tests share once; files go in the order of tests/conftest.py.
+WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
+
 .PHONY: run test quick-test lint reference clean
 
 run: $(READY)
 	$(BIN)/gantry-tau run $(CONFIG) $(ARGS)
 
 test: lint
-	$(BIN)/pytest -n 2 --cov --cov-report=term --cov-fail-under=90
+	$(BIN)/pytest $(WORKERS) --cov --cov-report=term --cov-fail-under=90
 
 quick-test: $(READY)
-	$(BIN)/pytest -n 2 -m "not slow"
+	$(BIN)/pytest $(WORKERS) -m "not slow"
 
 # Random input for everything that reads a file, a hundred times what `make test` tries; shows how many cases.
 FUZZ ?= 100

@@ -13,6 +13,7 @@ import pytest
 
 from pipeline.cli import main
 from pipeline.config import Config
+from pipeline.config.choices import Proof
 from pipeline.config.file import dump_config
 from tests.cli.calls import ESCAPE, Call, subprocess_env
 
@@ -118,7 +119,12 @@ class TestProcess:
     @pytest.mark.parametrize("stage", ["regions", "route", "refine", "retime"])
     def test_interrupt(self, tmp_path: Path, quick_config: Config, stage: str) -> None:
         """Ctrl-C while solvers are at work ends within seconds, cleanly, with 130."""
-        (tmp_path / "quick.yaml").write_text(dump_config(quick_config))
+        refine = quick_config.refine.model_copy(
+            update={"nodes": 50, "coefficients": 22, "max_meshes": 1, "check_points": 1_000}
+        )
+        certify = quick_config.certify.model_copy(update={"what": Proof.NOTHING})
+        config = quick_config.model_copy(update={"refine": refine, "certify": certify})
+        (tmp_path / "quick.yaml").write_text(dump_config(config))
         process = self.start("run", "quick.yaml", "--to", "retime", cwd=tmp_path)
         assert process.stderr is not None
         for line in process.stderr:

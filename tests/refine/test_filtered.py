@@ -52,7 +52,8 @@ def test_a_filtered_path_of_equal_integral_is_no_faster(
     integral = _integral(config, path)
     equal = (filtered for width in WIDTHS if _integral(config, filtered := _filtered(path, width)) < EQUAL * integral)
     filtered = next(equal)
-    before, after = (retime_path(config, each).timing.motion_s for each in (path, filtered))
+    coarse_law = vary(config, {"retime.jerk_pieces": 100})
+    before, after = (retime_path(coarse_law, each).timing.motion_s for each in (path, filtered))
     assert after > 0.99 * before
 
 

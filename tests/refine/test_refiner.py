@@ -165,15 +165,15 @@ def test_the_reference_machine_keeps_its_figures(agder_config: Config, machine: 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("axis", ["rx", "rz"])
-def test_a_locked_axis_stays_locked(quick_config: Config, machine: Machine, axis: str) -> None:
+def test_a_locked_axis_stays_locked(light_config: Config, machine: Machine, axis: str) -> None:
     """The 4-DOF machines reconfigure, their locked axis within its tolerance."""
-    task = quick_config.task.model_copy(update={"locked_axes": (axis,)})
-    config = quick_config.model_copy(update={"task": task})
+    task = light_config.task.model_copy(update={"locked_axes": (axis,)})
+    config = light_config.model_copy(update={"task": task})
     route = plan_route(config, machine, build_regions(config, machine))
     path = refine_path(config, machine, route).path
     column = {"rx": 3, "rz": 5}[axis]
     tilt = np.rad2deg(np.abs(path.pose(np.linspace(0.0, 1.0, 5_000))[:, column]).max())
-    assert tilt <= quick_config.refine.lock_tolerance_deg
+    assert tilt <= light_config.refine.lock_tolerance_deg
 
 
 @pytest.mark.slow
@@ -184,9 +184,9 @@ def test_a_locked_axis_stays_locked(quick_config: Config, machine: Machine, axis
         ("machine.clearance", {"link_rail_m": 0.45}),
     ],
 )
-def test_other_limits_are_kept_as_well(quick_config: Config, section: str, change: dict[str, float]) -> None:
+def test_other_limits_are_kept_as_well(light_config: Config, section: str, change: dict[str, float]) -> None:
     """With less tilt or with rails to keep clear of the path improves on the route, within the limits."""
-    document = quick_config.model_dump(mode="json")
+    document = light_config.model_dump(mode="json")
     part = document
     for key in section.split("."):
         part = part[key]
@@ -217,13 +217,13 @@ def test_a_short_task_is_refined_quickly(quick_config: Config, machine: Machine)
 
 @pytest.mark.slow
 def test_every_objective_is_best_at_its_own(
-    quick_config: Config, machine: Machine, route: Route, bottleneck: Route
+    light_config: Config, machine: Machine, route: Route, bottleneck: Route
 ) -> None:
     """The least integral, the least largest kappa, and between; from the bottleneck route that gets lower still."""
 
     def refined(objective: str, along: Route) -> PathFigures:
-        refine = quick_config.refine.model_copy(update={"objective": objective})
-        config = quick_config.model_copy(update={"refine": refine})
+        refine = light_config.refine.model_copy(update={"objective": objective})
+        config = light_config.model_copy(update={"refine": refine})
         path = refine_path(config, machine, along).path
         return measure_path(sample_path(path, np.linspace(0.0, 1.0, 5_001)), step_sizes(config.route))
 
@@ -232,7 +232,7 @@ def test_every_objective_is_best_at_its_own(
     assert integral.kappa_max > mixed.kappa_max > maximum.kappa_max
     best = refined("maximum", bottleneck)
     assert best.kappa_max < maximum.kappa_max
-    coarse = coarse_path(machine, bottleneck, step_sizes(quick_config.route))
+    coarse = coarse_path(machine, bottleneck, step_sizes(light_config.route))
     highest = float(sample_path(coarse, np.linspace(0.0, 1.0, 5_001)).kappa.max())
     assert best.kappa_max < 0.99 * highest
     # Between the points at which it is kept below that, kappa may be a little higher.

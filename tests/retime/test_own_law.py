@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.config import Config
+from pipeline.config import Config, RetimeConfig
 from pipeline.refine import Path
 from pipeline.refine.timed.first_motion import first_clock, fit_motion
 from pipeline.refine.timed.hull import least_motion_s
-from pipeline.retime import measure_usage, retime_path, way_back
+from pipeline.retime import Trajectory, measure_usage, retime_path, way_back
 from pipeline.retime.own_law import own_time_law
 
 
@@ -23,6 +23,18 @@ def timed(path: Path) -> Path:
     return Path(path.machine, spline, tau, path.pose(clock.s_at(tau)), motion_s=motion_s)
 
 
+@pytest.fixture(scope="module")
+def config(agder_config: Config) -> Config:
+    """Take few pieces of jerk."""
+    return agder_config.model_copy(update={"retime": RetimeConfig(jerk_pieces=100)})
+
+
+@pytest.fixture(scope="module")
+def there(config: Config, timed: Path) -> Trajectory:
+    """Time it at full speed."""
+    return retime_path(config, timed)
+
+
 def test_time_runs_evenly_along_the_path(timed: Path) -> None:
     """At t the actuators are at q(t / T), with its derivatives divided by powers of T; jerk does not jump."""
     assert timed.motion_s is not None
@@ -34,30 +46,29 @@ def test_time_runs_evenly_along_the_path(timed: Path) -> None:
     assert not trajectory.jerk_jumps
 
 
-def test_it_is_kept_or_shortened_within_all_limits(agder_config: Config, timed: Path) -> None:
+def test_it_is_kept_or_shortened_within_all_limits(config: Config, timed: Path, there: Trajectory) -> None:
     """The trajectory is no slower than the path's own time law, there and back, but for whole periods."""
     assert timed.motion_s is not None
-    there = retime_path(agder_config, timed)
     assert there.timing is not None
     assert there.timing.motion_s <= timed.motion_s * (1.0 + 1e-9)
-    back = way_back(agder_config, there)
+    back = way_back(config, there)
     for trajectory in (there, back):
-        assert measure_usage(trajectory, agder_config.retime.period_s).largest <= 1.001
+        assert measure_usage(trajectory, config.retime.period_s).largest <= 1.001
         assert trajectory.motion_s <= timed.motion_s + 0.01
         assert np.abs(trajectory.q(np.array([0.0, trajectory.motion_s]), 2)).max() < 1e-6
 
 
-def test_limits_of_the_tcp_slow_it_down(agder_config: Config, timed: Path) -> None:
+def test_limits_of_the_tcp_slow_it_down(config: Config, timed: Path, there: Trajectory) -> None:
     """What the path was not planned for is kept by its time law."""
     slow = replace(timed, machine=replace(timed.machine, tcp_speed_mps=0.1))
-    trajectory = retime_path(agder_config, slow)
-    assert measure_usage(trajectory, agder_config.retime.period_s).fractions["tcp_speed"].max() <= 1.001
-    assert trajectory.motion_s > retime_path(agder_config, timed).motion_s
+    trajectory = retime_path(config, slow)
+    assert measure_usage(trajectory, config.retime.period_s).fractions["tcp_speed"].max() <= 1.001
+    assert trajectory.motion_s > there.motion_s
 
 
-def test_a_fraction_of_the_speed_takes_longer(agder_config: Config, timed: Path) -> None:
+def test_a_fraction_of_the_speed_takes_longer(config: Config, timed: Path, there: Trajectory) -> None:
     """Both ways take 1 / speed times as long."""
-    half = agder_config.model_copy(update={"retime": agder_config.retime.model_copy(update={"speed": 0.5})})
-    full, there = retime_path(agder_config, timed), retime_path(half, timed)
-    assert there.motion_s == pytest.approx(2.0 * full.motion_s, abs=0.03)
-    assert way_back(half, there).motion_s == pytest.approx(there.motion_s, abs=0.03)
+    half = config.model_copy(update={"retime": config.retime.model_copy(update={"speed": 0.5})})
+    slow = retime_path(half, timed)
+    assert slow.motion_s == pytest.approx(2.0 * there.motion_s, abs=0.03)
+    assert way_back(half, slow).motion_s == pytest.approx(slow.motion_s, abs=0.03)

@@ -24,12 +24,16 @@ class CallRecorder:
 
     def __init__(self) -> None:
         self.files: set[str] = set()
+        self._others: set[str] = set()
         self._imports = threading.local()
 
     def __call__(self, frame: FrameType, event: str, _: Any) -> Any:
         """Take note of a call; only the end of an import is followed further."""
         code = frame.f_code
-        if code.co_filename in self.files or not code.co_filename.startswith(str(PACKAGE)):
+        if code.co_filename in self.files or code.co_filename in self._others:
+            return None
+        if not code.co_filename.startswith(str(PACKAGE)):
+            self._others.add(code.co_filename)
             return None
         depth = getattr(self._imports, "depth", 0)
         if code.co_name == "<module>":

@@ -7,11 +7,14 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from pipeline.certify import path_sha256
 from pipeline.config import Config
 from pipeline.config.choices import Proof
+from pipeline.config.file import config_sha256
 from pipeline.errors import NoSolutionError
 from pipeline.progress import Monitor
-from pipeline.retime import way_back
+from pipeline.refine.result import Path as RefinedPath
+from pipeline.retime import Trajectory, way_back
 from pipeline.run import Reporter, Results, RunOptions, RunReport, run_pipeline
 from pipeline.run.makers.certificate import certificate_product, no_certificate
 from pipeline.run.makers.figures import figures_product
@@ -27,6 +30,16 @@ from pipeline.status import Status
 from tests.run.short_results import make_certificate, make_refinement, make_regions, make_route, make_trajectory
 
 Messages = list[tuple[str, float | None]]
+_MOTIONS: dict[tuple[str, str, str], tuple[Trajectory, Trajectory]] = {}
+
+
+def _motions(config: Config, path: RefinedPath) -> tuple[Trajectory, Trajectory]:
+    """Make the motion along a path and the way back; the dynamics of the same path are tabulated once for all runs."""
+    key = path_sha256(path), config_sha256(config.machine), config_sha256(config.retime)
+    if key not in _MOTIONS:
+        trajectory = make_trajectory(path)
+        _MOTIONS[key] = trajectory, way_back(config, trajectory)
+    return _MOTIONS[key]
 
 
 @dataclass
@@ -118,8 +131,8 @@ class FakeStages:
     def _trajectory(self, results: Results, monitor: Monitor) -> Product:
         path = results.refinement.path
         self._enter("retime", monitor)
-        trajectory = make_trajectory(path)
-        return trajectory_product(results, trajectory, self.no_way_back or way_back(results.config, trajectory))
+        trajectory, back = _motions(results.config, path)
+        return trajectory_product(results, trajectory, self.no_way_back or back)
 
     def _figures(self, results: Results, monitor: Monitor) -> Product:
         assert results.trajectory.duration_s == 2.0

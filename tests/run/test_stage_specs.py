@@ -55,7 +55,10 @@ def test_one_stage_makes_the_report() -> None:
 def test_the_code_of_a_stage_is_all_that_it_runs(tmp_path: Path, quick_config: Config) -> None:
     """Every module whose functions a stage really calls is part of its code: no change of it can go unnoticed."""
     data = quick_config.model_dump(mode="json")
+    data["task"]["goal"] = data["task"]["start"] | {"y_m": 0.5}
+    data["route"]["grid"] |= {"rx_step_deg": 15, "rz_step_deg": 15}
     data["refine"] |= {"nodes": 40, "coefficients": 16, "check_points": 1_000, "max_meshes": 1}
+    data["retime"] |= {"jerk_pieces": 40, "grid_points": 200, "bound_points": 100}
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(data))
     for stage in STAGES:
         arguments = ["-m", "tests.run.called_modules", str(tmp_path / "small.yaml"), str(tmp_path / "run"), stage]

@@ -54,7 +54,8 @@ def test_less_weight_is_faster_and_everything_is_certified(quick_config: Config)
     """A plain move: duration falls from point to point, and no sampled kappa is above its proven bound."""
     data = quick_config.model_dump(mode="json")
     data["task"]["goal"] = data["task"]["start"] | {"y_m": 0.5}
-    data["refine"] |= {"kappa_max": 40.0, "check_points": 2_000}
+    data["refine"] |= {"kappa_max": 40.0, "check_points": 2_000, "nodes": 50, "coefficients": 22, "max_meshes": 1}
+    data["retime"] |= {"jerk_pieces": 100}
     config = parse_config(data)
     found = trade_off(config, build_machine(config.machine), (3.0, 0.3))
     assert found.missing == ()

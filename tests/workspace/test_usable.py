@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.errors import UsageError
@@ -53,7 +53,7 @@ def coarse(machine: Machine) -> Workspace:
 @pytest.fixture(scope="module")
 def finest_m3(machine: Machine) -> float:
     """Measure the union on a grid finer than any other of these tests."""
-    return usable_workspace(machine, WorkspaceSetting(step_m=0.002)).union_m3
+    return usable_workspace(machine, WorkspaceSetting(step_m=0.0025)).union_m3
 
 
 @given(parts=intervals)
@@ -129,6 +129,7 @@ def test_an_interval_holds_what_is_usable(
     assert usable == inside
 
 
+@settings(max_examples=40)
 @given(kappa_max=st.floats(5.0, 200.0), more=st.floats(0.0, 100.0))
 def test_a_milder_cap_never_takes_away(machine: Machine, kappa_max: float, more: float) -> None:
     """With a larger cap on kappa every working mode keeps what it has."""

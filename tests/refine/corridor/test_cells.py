@@ -78,23 +78,29 @@ def test_a_margin_wider_than_the_corridor_leaves_a_tilt_without_freedom(
 
 @pytest.fixture(scope="module")
 def errand(quick_config: Config) -> Config:
-    """Ask for a visit and for a box to keep out of."""
+    """Ask for a visit and for a box to keep out of, by the route whose optimum is proven soonest."""
     visit = {"pose": {"x_m": 1.0, "y_m": 0.6, "z_m": 0.7, "mode": "RLL"}}
     task = {
         **quick_config.task.model_dump(),
         "visit": [visit, {"box": {"x_m": [0.9, 1.1], "y_m": [0.6, 0.9]}}],
         "avoid": [{"y_m": [0.4, 0.5], "z_m": [0.9, 1.0]}],
     }
-    return parse_config({**quick_config.model_dump(), "task": task})
+    route = {**quick_config.route.model_dump(), "objective": "sum"}
+    return parse_config({**quick_config.model_dump(), "task": task, "route": route})
 
 
-def test_visits_and_boxes_narrow_it(errand: Config, machine: Machine, steps: np.ndarray) -> None:
+@pytest.fixture(scope="module")
+def errand_route(errand: Config, machine: Machine) -> Route:
+    """Plan it."""
+    return plan_route(errand, machine, build_regions(errand, machine))
+
+
+def test_visits_and_boxes_narrow_it(errand: Config, machine: Machine, errand_route: Route, steps: np.ndarray) -> None:
     """A pose to visit is exact at a node of its own, a box to visit bounds its node, none is in one to avoid."""
-    route = plan_route(errand, machine, build_regions(errand, machine))
-    coarse = coarse_path(machine, route, steps)
-    at = visit_parameters(coarse, route)
+    coarse = coarse_path(machine, errand_route, steps)
+    at = visit_parameters(coarse, errand_route)
     s = np.union1d(S, at)
-    bounds = corridor(errand, route, coarse, s)
+    bounds = corridor(errand, errand_route, coarse, s)
     first, second = np.searchsorted(s, at)
     np.testing.assert_array_equal(bounds.low[first], bounds.high[first])
     np.testing.assert_allclose(bounds.low[first, [0, 1, 2, 3, 5]], [1.0, 0.6, 0.7, 0.0, 0.0])
@@ -107,10 +113,10 @@ def test_visits_and_boxes_narrow_it(errand: Config, machine: Machine, steps: np.
 
 
 @pytest.mark.slow
-def test_a_path_makes_its_visit_and_keeps_out_of_the_box(errand: Config, machine: Machine) -> None:
-    """Looked at densely, from start to goal."""
-    route = plan_route(errand, machine, build_regions(errand, machine))
-    path = refine_path(errand, machine, route).path
+def test_a_path_makes_its_visit_and_keeps_out_of_the_box(errand: Config, machine: Machine, errand_route: Route) -> None:
+    """Looked at densely, from start to goal, on the first mesh."""
+    refine = errand.refine.model_copy(update={"max_meshes": 1})
+    path = refine_path(errand.model_copy(update={"refine": refine}), machine, errand_route).path
     samples = sample_path(path, np.linspace(0.0, 1.0, 20_001))
     assert not Box.of(errand.task.avoid[0]).inside(samples.pose[:, CONTROLLED]).any()
     at = path.pose(path.node_s)
