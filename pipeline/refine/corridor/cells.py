@@ -8,6 +8,7 @@ the side that the coarse path is farthest beyond. Start, goal, approach poses an
 ends keep to their cones (`cone`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,7 +61,8 @@ def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corri
     for column, limit in zip(TILT_COLUMNS, node_limits_rad(config), strict=True):
         low[:, column] = np.clip(low[:, column], -limit, limit)
         high[:, column] = np.clip(high[:, column], -limit, limit)
-    _avoid(config, coarse.pose(s), low, high)
+    if boxes := boxes_to_avoid(config):
+        _avoid(config, boxes, coarse.pose(s), low, high)
     low[[0, -1]] = high[[0, -1]] = route.pose[[0, -1]]
     _visit(config, route, s, visit_parameters(coarse, route), low, high)
     ends = straight_ends(config, route, coarse)
@@ -119,12 +121,12 @@ def _sides_around(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
     return np.where(sides == 0.0, around, sides)
 
 
-def _avoid(config: Config, pose: FloatArray, low: FloatArray, high: FloatArray) -> None:
+def _avoid(config: Config, boxes: Sequence[Box], pose: FloatArray, low: FloatArray, high: FloatArray) -> None:
     """Cut the corridor (k, 6) along boxes to avoid; `pose` (k, 6) are those of the coarse path."""
     steps, margin = step_sizes(config.route), np.full(5, config.refine.clearance_margin_m)
     margin[3:] = np.deg2rad(config.refine.tilt_margin_deg)
     controlled, nodes = pose[:, CONTROLLED], np.arange(len(pose))
-    for box in boxes_to_avoid(config):
+    for box in boxes:
         beyond = np.concatenate([box.low - controlled, controlled - box.high], axis=1) / np.tile(steps, 2)
         side = beyond.argmax(axis=1)
         axis, below = CONTROLLED[side % 5], side < 5
