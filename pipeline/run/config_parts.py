@@ -66,7 +66,7 @@ def refine_part(config: Config) -> Part:
     part, whole = route_part(config), whole_config(config)
     limits = whole["machine"]["limits"]
     if config.refine.objective == PathObjective.TIME:
-        part["machine"] = {**part["machine"], "limits": limits}
+        part = {**part, "machine": {**part["machine"], "limits": limits}, "retime": _only("jerk", whole["retime"])}
     elif config.refine.smoothness > 0.0:
         part["machine"] = _joined(part["machine"], {"limits": _only("velocity_mps", limits)})
     return {**part, "refine": whole["refine"]}

@@ -10,6 +10,7 @@ from pipeline.errors import ForwardKinematicsError, NoSolutionError
 from pipeline.limits import node_limits
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.kappa import path_cap
+from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine.check import Violation, find_violations
 from pipeline.refine.corridor.cells import Corridor, corridor
@@ -45,12 +46,13 @@ def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
         If IPOPT does not converge, or a requirement stays broken between the nodes; the last motion is in the
         `diagnosis`.
     """
-    options = problem.config.refine
-    start, clock = first_motion(problem, refinement.path, max(_COEFFICIENTS, options.coefficients))
+    options, machine = problem.config.refine, _driven(problem)
+    refined = replace(refinement.path, machine=machine)
+    start, clock = first_motion(replace(problem, machine=machine), refined, max(_COEFFICIENTS, options.coefficients))
     samples = sample_path(refinement.path, np.linspace(0.0, 1.0, _FIGURE_SAMPLES))
     kappa_integral = measure_path(samples, problem.steps).kappa_integral
     weights = 1.0 / start.motion_s, options.time_weight / kappa_integral
-    timed = replace(problem, coarse=coarse_in_time(problem.coarse, clock))
+    timed = replace(problem, machine=machine, coarse=coarse_in_time(problem.coarse, clock))
     solution, rounds = solve_and_check(timed, start, weights)
     meshes, change = 1, None
     while meshes < min(_MESHES, options.max_meshes):
@@ -61,7 +63,7 @@ def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
             break
     return replace(
         refinement,
-        path=solution.path,
+        path=replace(solution.path, machine=problem.machine),
         status=Status.CONVERGED,
         iterations=refinement.iterations + solution.iterations,
         rounds=refinement.rounds + rounds,
@@ -70,6 +72,12 @@ def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
         nodes=len(solution.mesh.s),
         surrogate_integral=solution.integral,
     )
+
+
+def _driven(problem: Problem) -> Machine:
+    """Return the machine with the limits that its motion keeps: jerk counts only where `retime.jerk` asks for it."""
+    machine = problem.machine
+    return machine if problem.config.retime.jerk else replace(machine, jerk_mps3=np.full(len(ACTUATORS), np.inf))
 
 
 def solve_and_check(
@@ -117,7 +125,7 @@ def solve(problem: Problem, start: MotionSolution, weights: tuple[float, float])
     # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
     with interrupts_noted():
         timed = build_timed_program(timed_data(problem, guess, mesh, weights), guess)
-    ipopt = IpoptOptions(options.max_iterations, options.time_limit_s, "timed")
+    ipopt = IpoptOptions(options.max_iterations, options.time_limit_s, "resumed" if start.solved else "timed")
     result = solve_program(timed.program, ipopt, label, problem.monitor)
     solution, settled = _read(start, timed, result.x, result.iterations)
     if not result.status.solved:

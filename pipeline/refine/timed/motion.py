@@ -51,6 +51,11 @@ class MotionSolution:
         return float(self.path.motion_s or np.nan)
 
     @property
+    def solved(self) -> bool:
+        """Whether it is the solution of a program, on this mesh or another one."""
+        return bool(np.isfinite(self.integral))
+
+    @property
     def arrays(self) -> dict[str, object]:
         """The motion as arrays, for the diagnosis of a failure."""
         return {**path_arrays(self.path), "motion_s": self.motion_s}

@@ -38,7 +38,7 @@ from pipeline.refine.result import directions_of
 from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.first_motion import AT_REST, locked
 from pipeline.refine.timed.hull import derivative_matrix, rate_limits
-from pipeline.refine.timed.visits import VisitNodes, VisitPart, visit_part
+from pipeline.refine.timed.visits import VisitBounds, VisitNodes, VisitPart, visit_part
 from pipeline.route.metric import arc_length
 
 _SMOOTHING = 1e-3
@@ -59,8 +59,8 @@ class TimedData:
     ----------
     log_cap : (k,)
         Logarithm of the largest kappa of every node; infinite where kappa is given.
-    visit_bounds : (v, 6), (v, 6)
-        Bounds of the poses to visit.
+    visit_bounds : VisitBounds
+        Bounds of the visits.
     weights : (float, float)
         1 / T_ref in 1/s, and w / K_ref.
     """
@@ -75,7 +75,7 @@ class TimedData:
     actuator_range_m: FloatArray
     exponent: float
     log_cap: FloatArray
-    visit_bounds: tuple[FloatArray, FloatArray]
+    visit_bounds: VisitBounds
     weights: tuple[float, float]
 
 

@@ -10,13 +10,13 @@ import casadi as ca
 import numpy as np
 from scipy.interpolate import BSpline
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits.avoid import Box
 from pipeline.limits.interface.rows import Row, Unknowns
 from pipeline.limits.tilt import node_limits_rad
 from pipeline.machine.geometry import Machine
-from pipeline.machine.pose import CONTROLLED, RY, TILT_COLUMNS
+from pipeline.machine.pose import CONTROLLED, TILT_COLUMNS
 from pipeline.machine.symbolic import closure_function
 from pipeline.refine.splines import DEGREE
 from pipeline.route.result import Route
@@ -42,6 +42,28 @@ class VisitNodes:
 
 
 @dataclass(frozen=True, eq=False)
+class VisitBounds:
+    """Bounds of all visits, v of them.
+
+    Attributes
+    ----------
+    low, high : (v, 6)
+        Bounds of their poses.
+    q_m : (v, 5)
+        Actuators of the poses that are given, NaN for boxes.
+    """
+
+    low: FloatArray
+    high: FloatArray
+    q_m: FloatArray
+
+    @property
+    def boxes(self) -> IntArray:
+        """The visits that are boxes."""
+        return np.flatnonzero(np.isnan(self.q_m).any(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
 class VisitPart:
     """What visits add to the program: unknowns and rows, and the knot span of each visit, begin and end (v, 2)."""
 
@@ -50,27 +72,29 @@ class VisitPart:
     spans: FloatArray
 
 
-def visit_bounds(config: Config, route: Route) -> tuple[FloatArray, FloatArray]:
-    """Bound the poses of all visits: given ones are exact, boxes keep the tilt limit. Shapes (v, 6)."""
-    low, high = np.full((len(config.task.visit), 6), -np.inf), np.full((len(config.task.visit), 6), np.inf)
+def visit_bounds(config: Config, route: Route) -> VisitBounds:
+    """Bound all visits: given poses are those of the route, boxes keep the tilt limit."""
+    visits = config.task.visit
+    low, high = np.full((len(visits), 6), -np.inf), np.full((len(visits), 6), np.inf)
+    q_m = np.full((len(visits), 5), np.nan)
     for column, limit in zip(TILT_COLUMNS, node_limits_rad(config), strict=True):
         low[:, column], high[:, column] = -limit, limit
-    for row, visit in enumerate(config.task.visit):
+    for row, visit in enumerate(visits):
         if visit.box is None:
-            low[row] = high[row] = route.pose[route.visits == row + 1][0]
-            # The links tell the rotation about Y of a pose that is given.
-            low[row, RY], high[row, RY] = -np.inf, np.inf
+            step = int(np.argmax(route.visits == row + 1))
+            low[row] = high[row] = route.pose[step]
+            q_m[row] = route.q_m[step]
         else:
             box = Box.of(visit.box)
             low[row, CONTROLLED] = np.maximum(low[row, CONTROLLED], box.low)
             high[row, CONTROLLED] = np.minimum(high[row, CONTROLLED], box.high)
-    return low, high
+    return VisitBounds(low, high, q_m)
 
 
 def visit_part(
-    machine: Machine, visits: VisitNodes, bounds: tuple[FloatArray, FloatArray], spline: BSpline, coefficients: ca.MX
+    machine: Machine, visits: VisitNodes, bounds: VisitBounds, spline: BSpline, coefficients: ca.MX
 ) -> VisitPart:
-    """Write that visits are on the splines, within bounds of their poses (v, 6), and that their links close.
+    """Write that visits are on the splines, within their bounds, and that the links of boxes close.
 
     The splines have `coefficients` (5, n), guessed as those of `spline`.
     """
@@ -82,18 +106,20 @@ def visit_part(
     spans = np.column_stack([edges[first], edges[first + 1]])
     pose, q, share = ca.MX.sym("visit_pose", 6, count), ca.MX.sym("visit_q", 5, count), ca.MX.sym("share", 1, count)
     on_spline = [_on_span(spline.t, span, share[k], coefficients) for k, span in enumerate(spans)]
-    free = np.full((count, 5), np.inf)
     guess = (visits.tau - spans[:, 0]) / (spans[:, 1] - spans[:, 0])
+    guessed_q = np.where(np.isnan(bounds.q_m), spline(visits.tau), bounds.q_m)
+    rows = [Row("visits on the motion", ca.vec(q - ca.horzcat(*on_spline)), 0.0, 0.0)]
+    # A pose that is given closes, and its unknowns are fixed: a row without unknowns is not wanted.
+    if len(boxes := bounds.boxes.tolist()):
+        closure = closure_function(machine).map(len(boxes))(pose[:, boxes], q[:, boxes])
+        rows.append(Row("closure at visits", ca.vec(closure), 0.0, 0.0))
     return VisitPart(
         unknowns=(
-            Unknowns(pose, np.clip(visits.pose, *bounds), *bounds),
-            Unknowns(q, np.asarray(spline(visits.tau), dtype=float), -free, free),
+            Unknowns(pose, np.clip(visits.pose, bounds.low, bounds.high), bounds.low, bounds.high),
+            Unknowns(q, guessed_q, *(np.where(np.isnan(bounds.q_m), free, bounds.q_m) for free in (-np.inf, np.inf))),
             Unknowns(share, guess, np.zeros(count), np.ones(count)),
         ),
-        rows=(
-            Row("closure at visits", ca.vec(closure_function(machine).map(count)(pose, q)), 0.0, 0.0),
-            Row("visits on the motion", ca.vec(q - ca.horzcat(*on_spline)), 0.0, 0.0),
-        ),
+        rows=tuple(rows),
         spans=spans,
     )
 

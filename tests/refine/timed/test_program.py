@@ -17,7 +17,7 @@ from pipeline.refine.mesh import Mesh
 from pipeline.refine.timed.first_motion import Clock, fit_motion
 from pipeline.refine.timed.hull import least_motion_s
 from pipeline.refine.timed.program import TimedData, TimedGuess, TimedProgram, build_timed_program
-from pipeline.refine.timed.visits import VisitNodes
+from pipeline.refine.timed.visits import VisitBounds, VisitNodes
 from pipeline.status import Status
 
 TRAVEL_M = 0.4
@@ -57,7 +57,7 @@ def _program(machine: Machine, coefficients: int, cap: float = 1e3, kappa: float
         actuator_range_m=machine.actuator_limits_m,
         exponent=64.0,
         log_cap=np.concatenate([[np.inf], np.full(len(tau) - 2, np.log(cap)), [np.inf]]),
-        visit_bounds=(np.zeros((0, 6)), np.zeros((0, 6))),
+        visit_bounds=VisitBounds(np.zeros((0, 6)), np.zeros((0, 6)), np.zeros((0, 5))),
         weights=(1.0, kappa),
     )
     return build_timed_program(data, TimedGuess(nodes, spline, motion_s, NO_VISITS))
