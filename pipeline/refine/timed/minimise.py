@@ -11,7 +11,6 @@ from pipeline.limits import node_limits
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import ACTUATORS, Machine
-from pipeline.machine.samples import PoseSamples
 from pipeline.refine.check import Violation, find_violations
 from pipeline.refine.corridor.cells import Corridor, corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, solve_program
@@ -22,6 +21,7 @@ from pipeline.refine.problem import SCHATTEN, Problem
 from pipeline.refine.result import Refinement
 from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.hull import least_motion_s
+from pipeline.refine.timed.loads import LOADS, limits_loads, load_shares
 from pipeline.refine.timed.motion import MotionSolution, coarse_in_time, first_motion, halved, on_mesh
 from pipeline.refine.timed.program import TimedData, TimedGuess, TimedProgram, build_timed_program
 from pipeline.refine.timed.visits import VisitNodes, visit_bounds, visits_at
@@ -32,7 +32,10 @@ _COEFFICIENTS, _MESHES = 50, 2
 """Coefficients of the first mesh at least, and how many meshes there are at most, each with half the knot spans."""
 _BELOW_CAP = 0.995
 """Share of the cap that nodes keep: kappa may be a little higher between two of them."""
-_FIGURE_SAMPLES = 5_001
+_FIGURE_SAMPLES, _LOAD_SAMPLES = 5_001, 2_001
+_OVERLOAD = 1.001
+"""Share of a limit of loads that still counts as within it."""
+_LOAD_ADVICE = "Raise refine.max_rounds."
 
 
 def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
@@ -97,6 +100,7 @@ def solve_and_check(
         solution, settled = solve(problem, solution, weights)
         problem.monitor.progress("refine: checking between the nodes")
         found = find_violations(problem.config, problem.route, solution.path, problem.coarse)
+        found += _overloads(solution)
         if settled and not found:
             return solution, round_
         if found and round_ < most:
@@ -116,12 +120,7 @@ def solve(problem: Problem, start: MotionSolution, weights: tuple[float, float])
     mesh, options = start.mesh, problem.config.refine
     label = f"refine: time, {len(mesh.s)} nodes, {mesh.coefficients} coefficients"
     problem.monitor.progress(f"{label}: building the program")
-    guess = TimedGuess(
-        PoseSamples(problem.machine, start.path.node_pose, start.path.q(mesh.s)),
-        start.path.spline,
-        start.motion_s,
-        start.visits,
-    )
+    guess = TimedGuess(start.path, start.visits)
     # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
     with interrupts_noted():
         timed = build_timed_program(timed_data(problem, guess, mesh, weights), guess)
@@ -180,6 +179,21 @@ def _repaired(solution: MotionSolution, start: MotionSolution, mesh: Mesh) -> Mo
         return on_mesh(solution, mesh)
     except ForwardKinematicsError:
         return replace(on_mesh(start, mesh), iterations=solution.iterations)
+
+
+def _overloads(solution: MotionSolution) -> list[Violation]:
+    """List where forces in motion, or speed and acceleration of the TCP, exceed their limits between the nodes."""
+    if not limits_loads(solution.path.machine):
+        return []
+    tau = np.linspace(0.0, 1.0, _LOAD_SAMPLES)
+    shares = load_shares(solution.path, tau, solution.motion_s)
+    return [
+        Violation(
+            f"{name} too large, share of its limit", float(share.max()) - 1.0, tau[share > _OVERLOAD], _LOAD_ADVICE
+        )
+        for name, share in zip(LOADS, shares.T, strict=True)
+        if share.max() > _OVERLOAD
+    ]
 
 
 def _with_nodes_around(mesh: Mesh, broken: FloatArray) -> Mesh:

@@ -15,6 +15,7 @@ from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.first_motion import Clock, first_clock, fit_motion
 from pipeline.refine.timed.hull import least_motion_s
+from pipeline.refine.timed.loads import limits_loads, unloaded_motion_s
 from pipeline.refine.timed.visits import VisitNodes
 
 NODES_EACH = 4
@@ -67,6 +68,8 @@ def first_motion(problem: Problem, refined: Path, coefficients: int) -> tuple[Mo
     spline = fit_motion(refined, clock, coefficients)
     tau = np.linspace(0.0, 1.0, NODES_EACH * coefficients + 1)
     path = _path(refined, spline, (tau, refined.pose(clock.s_at(tau))), least_motion_s(problem.machine, spline))
+    if limits_loads(problem.machine):
+        path = replace(path, motion_s=unloaded_motion_s(path, tau, float(path.motion_s or np.nan)))
     visited = visit_parameters(problem.coarse, problem.route)
     visits = VisitNodes(clock.tau_at(visited), refined.pose(visited))
     return MotionSolution(Mesh(tau, spline.t), path, visits, np.nan, 0), clock

@@ -42,10 +42,9 @@ def _program(machine: Machine, coefficients: int, cap: float = 1e3, kappa: float
     spline = fit_motion(path, Clock(part, part**3 * (10.0 - 15.0 * part + 6.0 * part**2)), coefficients)
     tau = np.linspace(0.0, 1.0, 4 * coefficients + 1)
     x = (spline(tau)[:, :1] - spline(0.0)[0]) * np.eye(6)[0]
-    nodes = PoseSamples(machine, path.node_pose[0] + x, spline(tau))
     low, high = np.full((len(tau), 6), -np.inf), np.full((len(tau), 6), np.inf)
     low[[0, -1]] = high[[0, -1]] = path.node_pose[[0, -1]]
-    motion_s = least_motion_s(machine, spline)
+    moved = Path(machine, spline, tau, path.node_pose[0] + x, motion_s=least_motion_s(machine, spline))
     data = TimedData(
         mesh=Mesh(tau, spline.t),
         corridor=Corridor(low, high, np.zeros((len(tau), 3)), 0.0),
@@ -60,7 +59,7 @@ def _program(machine: Machine, coefficients: int, cap: float = 1e3, kappa: float
         visit_bounds=VisitBounds(np.zeros((0, 6)), np.zeros((0, 6)), np.zeros((0, 5))),
         weights=(1.0, kappa),
     )
-    return build_timed_program(data, TimedGuess(nodes, spline, motion_s, NO_VISITS))
+    return build_timed_program(data, TimedGuess(moved, NO_VISITS))
 
 
 @pytest.fixture(scope="module")
