@@ -27,7 +27,7 @@ _TIMED: dict[str, float | str] = {
     "acceptable_obj_change_tol": 1e-6,
     # It starts from a motion that nearly keeps all limits, and must not be driven far away from them.
     "mu_strategy": "monotone",
-    "mu_init": 1e-3,
+    "mu_init": 1e-4,
     "bound_push": 1e-4,
     "bound_frac": 1e-4,
 }

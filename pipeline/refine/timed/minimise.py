@@ -12,7 +12,7 @@ from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.check import Violation, find_violations
-from pipeline.refine.corridor.cells import Corridor, corridor
+from pipeline.refine.corridor.cells import open_corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, solve_program
 from pipeline.refine.integral.minimise import ipopt_failure
 from pipeline.refine.measure import measure_path, sample_path
@@ -22,7 +22,14 @@ from pipeline.refine.result import Refinement
 from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.hull import least_motion_s
 from pipeline.refine.timed.loads import LOADS, limits_loads, load_shares
-from pipeline.refine.timed.motion import MotionSolution, coarse_in_time, first_motion, halved, on_mesh
+from pipeline.refine.timed.motion import (
+    MotionSolution,
+    coarse_in_time,
+    first_motion,
+    halved,
+    moved_visits,
+    on_mesh,
+)
 from pipeline.refine.timed.program import TimedData, TimedGuess, TimedProgram, build_timed_program
 from pipeline.refine.timed.visits import VisitNodes, visit_bounds, visits_at
 from pipeline.solvers import interrupts_noted
@@ -51,11 +58,11 @@ def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
     """
     options, machine = problem.config.refine, _driven(problem)
     refined = replace(refinement.path, machine=machine)
-    start, clock = first_motion(replace(problem, machine=machine), refined, max(_COEFFICIENTS, options.coefficients))
+    timed = replace(problem, machine=machine)
+    start = first_motion(timed, refined, max(_COEFFICIENTS, options.coefficients))
     samples = sample_path(refinement.path, np.linspace(0.0, 1.0, _FIGURE_SAMPLES))
     kappa_integral = measure_path(samples, problem.steps).kappa_integral
     weights = 1.0 / start.motion_s, options.time_weight / kappa_integral
-    timed = replace(problem, machine=machine, coarse=coarse_in_time(problem.coarse, clock))
     solution, rounds = solve_and_check(timed, start, weights)
     meshes, change = 1, None
     while meshes < min(_MESHES, options.max_meshes):
@@ -88,8 +95,6 @@ def solve_and_check(
 ) -> tuple[MotionSolution, int]:
     """Solve, check between the nodes, and add nodes where a requirement is broken, until none is; counts the checks.
 
-    `problem` has the coarse path over tau.
-
     Raises
     ------
     NoSolutionError
@@ -99,7 +104,7 @@ def solve_and_check(
     for round_ in range(1, most + 1):
         solution, settled = solve(problem, solution, weights)
         problem.monitor.progress("refine: checking between the nodes")
-        found = find_violations(problem.config, problem.route, solution.path, problem.coarse)
+        found = find_violations(problem.config, problem.route, solution.path, solution.coarse)
         found += _overloads(solution)
         if settled and not found:
             return solution, round_
@@ -123,7 +128,7 @@ def solve(problem: Problem, start: MotionSolution, weights: tuple[float, float])
     guess = TimedGuess(start.path, start.visits)
     # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
     with interrupts_noted():
-        timed = build_timed_program(timed_data(problem, guess, mesh, weights), guess)
+        timed = build_timed_program(timed_data(problem, guess, start, weights), guess)
     ipopt = IpoptOptions(options.max_iterations, options.time_limit_s, "resumed" if start.solved else "timed")
     result = solve_program(timed.program, ipopt, label, problem.monitor)
     solution, settled = _read(start, timed, result.x, result.iterations)
@@ -132,15 +137,15 @@ def solve(problem: Problem, start: MotionSolution, weights: tuple[float, float])
     return solution, settled
 
 
-def timed_data(problem: Problem, guess: TimedGuess, mesh: Mesh, weights: tuple[float, float]) -> TimedData:
+def timed_data(problem: Problem, guess: TimedGuess, start: MotionSolution, weights: tuple[float, float]) -> TimedData:
     """Collect what the program of a mesh is written for."""
-    config, kappa = problem.config, guess.nodes.kappa
+    config, mesh, kappa = problem.config, start.mesh, guess.nodes.kappa
     ends = max(kappa[0], kappa[-1])
     log_cap = np.full(len(mesh.s), np.log(max(_BELOW_CAP * path_cap(config), ends)))
     log_cap[[0, -1]] = np.inf
     return TimedData(
         mesh=mesh,
-        corridor=_corridor(problem, mesh.s),
+        corridor=open_corridor(config, problem.route, start.coarse, mesh.s),
         limits=node_limits(config, problem.machine),
         clearance_margin_m=config.refine.clearance_margin_m,
         reach_m=float(problem.steps[:3].max()),
@@ -149,16 +154,9 @@ def timed_data(problem: Problem, guess: TimedGuess, mesh: Mesh, weights: tuple[f
         actuator_range_m=planned_range_m(config, problem.machine),
         exponent=SCHATTEN,
         log_cap=log_cap,
-        visit_bounds=visit_bounds(config, problem.route),
+        visit_bounds=visit_bounds(config, problem.route, start.coarse),
         weights=weights,
     )
-
-
-def _corridor(problem: Problem, tau: FloatArray) -> Corridor:
-    """Bound the nodes at tau (k,); visits have nodes of their own."""
-    task = problem.config.task.model_copy(update={"visit": ()})
-    route = replace(problem.route, visits=np.zeros_like(problem.route.visits))
-    return corridor(problem.config.model_copy(update={"task": task}), route, problem.coarse, tau)
 
 
 def _read(start: MotionSolution, timed: TimedProgram, x: FloatArray, iterations: int) -> tuple[MotionSolution, bool]:
@@ -169,8 +167,14 @@ def _read(start: MotionSolution, timed: TimedProgram, x: FloatArray, iterations:
     tau, at_edge = visits_at(timed.spans, np.array(timed.visit_shares(x)).ravel())
     path = replace(start.path, spline=spline, node_s=start.mesh.s, node_pose=program.poses(x), motion_s=motion_s)
     visits = VisitNodes(tau, np.array(timed.visit_poses(x)).T)
-    integral = float(program.integral(x))
-    return MotionSolution(start.mesh, path, visits, integral, start.iterations + iterations), not at_edge
+    return MotionSolution(
+        mesh=start.mesh,
+        path=path,
+        visits=visits,
+        coarse=coarse_in_time(start.coarse, moved_visits(start.visits, visits)),
+        integral=float(program.integral(x)),
+        iterations=start.iterations + iterations,
+    ), not at_edge
 
 
 def _repaired(solution: MotionSolution, start: MotionSolution, mesh: Mesh) -> MotionSolution:

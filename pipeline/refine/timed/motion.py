@@ -8,7 +8,6 @@ from scipy.interpolate import BSpline
 from pipeline.arrays import FloatArray
 from pipeline.machine.kinematics import newton
 from pipeline.refine.coarse import SAMPLES_PER_MOVE, corner_parameters
-from pipeline.refine.corridor.cells import visit_parameters
 from pipeline.refine.mesh import Mesh, midpoints
 from pipeline.refine.problem import Problem, path_arrays
 from pipeline.refine.result import Path
@@ -16,7 +15,7 @@ from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.first_motion import Clock, first_clock, fit_motion
 from pipeline.refine.timed.hull import least_motion_s
 from pipeline.refine.timed.loads import limits_loads, unloaded_motion_s
-from pipeline.refine.timed.visits import VisitNodes
+from pipeline.refine.timed.visits import VisitNodes, visited_steps
 
 NODES_EACH = 4
 """Nodes per coefficient: with fewer a pose may jump to another assembly mode between two of them."""
@@ -34,6 +33,8 @@ class MotionSolution:
         q(tau), with its duration.
     visits : VisitNodes
         When the visits are.
+    coarse : Path
+        The coarse path, with its steps at the tau at which the motion is about there.
     integral : float
         The integral of the smooth kappa; NaN before it is solved.
     iterations : int
@@ -43,6 +44,7 @@ class MotionSolution:
     mesh: Mesh
     path: Path
     visits: VisitNodes
+    coarse: Path
     integral: float
     iterations: int
 
@@ -62,17 +64,18 @@ class MotionSolution:
         return {**path_arrays(self.path), "motion_s": self.motion_s}
 
 
-def first_motion(problem: Problem, refined: Path, coefficients: int) -> tuple[MotionSolution, Clock]:
-    """Drive a refined path from rest to rest, about as fast as limits let it; returns the motion and its clock."""
+def first_motion(problem: Problem, refined: Path, coefficients: int) -> MotionSolution:
+    """Drive a refined path from rest to rest, about as fast as limits let it."""
     clock = first_clock(refined, coefficients)
     spline = fit_motion(refined, clock, coefficients)
     tau = np.linspace(0.0, 1.0, NODES_EACH * coefficients + 1)
     path = _path(refined, spline, (tau, refined.pose(clock.s_at(tau))), least_motion_s(problem.machine, spline))
     if limits_loads(problem.machine):
         path = replace(path, motion_s=unloaded_motion_s(path, tau, float(path.motion_s or np.nan)))
-    visited = visit_parameters(problem.coarse, problem.route)
+    coarse = problem.coarse
+    visited = corner_parameters(coarse)[visited_steps(problem.config, problem.route, coarse)]
     visits = VisitNodes(clock.tau_at(visited), refined.pose(visited))
-    return MotionSolution(Mesh(tau, spline.t), path, visits, np.nan, 0), clock
+    return MotionSolution(Mesh(tau, spline.t), path, visits, coarse_in_time(coarse, clock), np.nan, 0)
 
 
 def on_mesh(solution: MotionSolution, mesh: Mesh) -> MotionSolution:
@@ -91,6 +94,13 @@ def halved(mesh: Mesh) -> Mesh:
     spacing = 1.0 / (NODES_EACH * (len(knots) - DEGREE - 1))
     longer = np.diff(mesh.s) > 1.5 * spacing
     return Mesh(np.union1d(mesh.s, midpoints(mesh.s)[longer]), knots)
+
+
+def moved_visits(before: VisitNodes, after: VisitNodes) -> Clock:
+    """Tell when a motion is where another one was, by the times of their visits; evenly in between."""
+    order = np.argsort(before.tau)
+    was, now = (np.concatenate([[0.0], visits.tau[order], [1.0]]) for visits in (before, after))
+    return Clock(np.maximum.accumulate(now), was)
 
 
 def coarse_in_time(coarse: Path, clock: Clock) -> Path:

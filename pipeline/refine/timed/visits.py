@@ -1,4 +1,4 @@
-"""Poses to visit in a motion: each has a node of its own, whose time is an unknown.
+"""Poses to visit in a motion, and approach poses: each has a node of its own, whose time is an unknown.
 
 On the knot span of its guess q(tau) is a polynomial of degree five, so that the node is on the motion exactly; a visit
 that ends at the edge of its span continues in the next one.
@@ -18,6 +18,8 @@ from pipeline.limits.tilt import node_limits_rad
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import CONTROLLED, TILT_COLUMNS
 from pipeline.machine.symbolic import closure_function
+from pipeline.refine.corridor.cone import straight_ends
+from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE
 from pipeline.route.result import Route
 
@@ -27,7 +29,7 @@ _AT_EDGE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class VisitNodes:
-    """The visits of a motion, v of them, in their order.
+    """The visits and approach poses of a motion, v of them, as `visited_steps` lists them.
 
     Attributes
     ----------
@@ -72,20 +74,22 @@ class VisitPart:
     spans: FloatArray
 
 
-def visit_bounds(config: Config, route: Route) -> VisitBounds:
-    """Bound all visits: given poses are those of the route, boxes keep the tilt limit."""
-    visits = config.task.visit
-    low, high = np.full((len(visits), 6), -np.inf), np.full((len(visits), 6), np.inf)
-    q_m = np.full((len(visits), 5), np.nan)
-    for column, limit in zip(TILT_COLUMNS, node_limits_rad(config), strict=True):
-        low[:, column], high[:, column] = -limit, limit
-    for row, visit in enumerate(visits):
-        if visit.box is None:
-            step = int(np.argmax(route.visits == row + 1))
-            low[row] = high[row] = route.pose[step]
-            q_m[row] = route.q_m[step]
-        else:
-            box = Box.of(visit.box)
+def visited_steps(config: Config, route: Route, coarse: Path) -> IntArray:
+    """List the steps of the route that are visits, in their order, then those that are approach poses. Shape (v,)."""
+    visits = [int(np.argmax(route.visits == number)) for number in range(1, len(config.task.visit) + 1)]
+    return np.array([*visits, *(end.step for end in straight_ends(config, route, coarse))], dtype=np.int64)
+
+
+def visit_bounds(config: Config, route: Route, coarse: Path) -> VisitBounds:
+    """Bound all visits and approach poses: given poses are those of the route, boxes keep the tilt limit."""
+    steps = visited_steps(config, route, coarse)
+    low, q_m = route.pose[steps], route.q_m[steps]
+    high = low.copy()
+    for row, visit in enumerate(config.task.visit):
+        if visit.box is not None:
+            box, largest = Box.of(visit.box), np.array(node_limits_rad(config))
+            low[row], high[row], q_m[row] = -np.inf, np.inf, np.nan
+            low[row, list(TILT_COLUMNS)], high[row, list(TILT_COLUMNS)] = -largest, largest
             low[row, CONTROLLED] = np.maximum(low[row, CONTROLLED], box.low)
             high[row, CONTROLLED] = np.minimum(high[row, CONTROLLED], box.high)
     return VisitBounds(low, high, q_m)
