@@ -1,6 +1,6 @@
 """Forces in motion and the motion of the TCP in the program: velocities, accelerations and links' forces as unknowns.
 
-Only nodes at which the motion that the program starts from comes near such a limit get rows. There
+Only where the motion that the program starts from comes near such a limit, nodes get rows. There
 
     d/dt closure = 0,  d^2/dt^2 closure = 0,  H f = w,
 
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
-from pipeline.arrays import FloatArray, IntArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.limits.interface.rows import ProgramPart, Row, Unknowns
 from pipeline.machine.geometry import ACTUATORS, LINKS
 from pipeline.machine.samples import PoseSamples
@@ -25,8 +25,10 @@ from pipeline.refine.motion import pose_derivatives
 from pipeline.refine.result import Path, directions_of
 from pipeline.refine.timed.loads import limits_loads, load_shares
 
-_NEAR = 0.8
-"""Share of a limit from which on a node gets rows."""
+_NEAR_FORCE, _NEAR_TCP = 0.8, 0.5
+"""Share of a force limit from which on a node gets rows, and of a limit of the TCP from which on all do: forces are
+mostly gravity, while a motion that saves time is as fast as it may be everywhere."""
+_FORCES = len(ACTUATORS) + len(LINKS)
 _AT_NODES = 0.998
 """Share of the limits that nodes keep: between two of them loads may be a little larger."""
 
@@ -43,16 +45,20 @@ class TimedSymbols:
 
 def load_part(path: Path, tau: FloatArray, x: TimedSymbols) -> ProgramPart:
     """Write the rows of the nodes tau (k,) near a limit of loads; `path` is the guess, with its duration."""
-    machine, motion_s = path.machine, float(path.motion_s or np.nan)
     none = ProgramPart(unknowns=(), rows=())
-    if not limits_loads(machine):
+    if not limits_loads(path.machine):
         return none
-    near = np.flatnonzero(load_shares(path, tau, motion_s)[1:-1].max(axis=1) > _NEAR) + 1
-    return _part_at(path, tau, near, x) if len(near) else none
+    shares = load_shares(path, tau, float(path.motion_s or np.nan))
+    forces = shares[:, :_FORCES].max(axis=1) > _NEAR_FORCE
+    near = forces | (shares[:, _FORCES:].max() > _NEAR_TCP)
+    # Start and goal are at rest.
+    near[[0, -1]] = False
+    return _part_at(path, tau, (np.flatnonzero(near), forces[near]), x) if near.any() else none
 
 
-def _part_at(path: Path, tau: FloatArray, near: IntArray, x: TimedSymbols) -> ProgramPart:
-    """Write the rows of the nodes `near` (m,)."""
+def _part_at(path: Path, tau: FloatArray, nodes: tuple[IntArray, BoolArray], x: TimedSymbols) -> ProgramPart:
+    """Write the rows of some nodes (m,), and which of them are near a limit of forces (m,)."""
+    near, with_forces = nodes
     machine, motion_s, m = path.machine, float(path.motion_s or np.nan), len(near)
     at = near.tolist()
     pose, first, second, _ = pose_derivatives(path, tau[near])
@@ -62,8 +68,7 @@ def _part_at(path: Path, tau: FloatArray, near: IntArray, x: TimedSymbols) -> Pr
         for order in (1, 2)
     )
     z = ca.vertcat(x.pose[:, at], x.q[:, at]), ca.vertcat(rate, q_rate), ca.vertcat(acceleration, q_acceleration)
-    guessed = first / motion_s, second / motion_s**2
-    unknowns = [_free(rate, guessed[0]), _free(acceleration, guessed[1])]
+    unknowns = [_free(rate, first / motion_s), _free(acceleration, second / motion_s**2)]
     rows = [
         Row(f"{name} of the platform", ca.vec(missed), 0.0, 0.0)
         for name, missed in zip(("velocity", "acceleration"), rates_function(machine).map(m)(*z), strict=True)
@@ -72,14 +77,16 @@ def _part_at(path: Path, tau: FloatArray, near: IntArray, x: TimedSymbols) -> Pr
     for name, moves, limit in tcp:
         if np.isfinite(limit):
             rows.append(Row(name, ca.sum1(moves[:3, :] ** 2).T / limit**2, -np.inf, _AT_NODES**2))
-    if machine.masses is not None and np.isfinite(machine.force_limits_n).any():
-        samples = PoseSamples(machine, pose, path.q(tau[near]))
+    if with_forces.any():
+        samples = PoseSamples(machine, pose[with_forces], path.q(tau[near[with_forces]]))
         scale = max(float(np.abs(samples.holding_forces_n).max()), 1.0)
-        f = ca.MX.sym("link_forces", len(LINKS), m)
+        f = ca.MX.sym("link_forces", len(LINKS), len(samples))
         unknowns.append(_free(f, samples.holding_forces_n[:, len(ACTUATORS) :] / scale))
-        missed, drives = dynamics_function(machine).map(m)(*z, scale * f)
+        columns = np.flatnonzero(with_forces).tolist()
+        motion = [part[:, columns] for part in z]
+        missed, drives = dynamics_function(machine).map(len(samples))(*motion, scale * f)
         rows.append(Row("equilibrium in motion", ca.vec(missed) / scale, 0.0, 0.0))
-        rows += _force_rows(path, tau, near, (drives, scale * f))
+        rows += _force_rows(path, tau, near[with_forces], (drives, scale * f))
     return ProgramPart(tuple(unknowns), tuple(rows))
 
 

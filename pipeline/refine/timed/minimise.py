@@ -1,5 +1,6 @@
 """The least duration on a mesh over tau and on a finer one, checked between the nodes."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,8 @@ from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.check import Violation, find_violations
 from pipeline.refine.corridor.cells import open_corridor
-from pipeline.refine.integral.ipopt import IpoptOptions, solve_program
+from pipeline.refine.corridor.cone import StraightEnd, straight_ends
+from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
 from pipeline.refine.integral.minimise import ipopt_failure
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.refine.mesh import Mesh, midpoints
@@ -24,11 +26,10 @@ from pipeline.refine.timed.hull import least_motion_s
 from pipeline.refine.timed.loads import LOADS, limits_loads, load_shares
 from pipeline.refine.timed.motion import (
     MotionSolution,
-    coarse_in_time,
     first_motion,
     halved,
-    moved_visits,
     on_mesh,
+    with_approaches_at,
 )
 from pipeline.refine.timed.program import TimedData, TimedGuess, TimedProgram, build_timed_program
 from pipeline.refine.timed.visits import VisitNodes, visit_bounds, visits_at
@@ -131,7 +132,8 @@ def solve(problem: Problem, start: MotionSolution, weights: tuple[float, float])
         timed = build_timed_program(timed_data(problem, guess, start, weights), guess)
     ipopt = IpoptOptions(options.max_iterations, options.time_limit_s, "resumed" if start.solved else "timed")
     result = solve_program(timed.program, ipopt, label, problem.monitor)
-    solution, settled = _read(start, timed, result.x, result.iterations)
+    ends = straight_ends(problem.config, problem.route, start.coarse)
+    solution, settled = _read(start, timed, ends, result)
     if not result.status.solved:
         raise ipopt_failure(result, solution.arrays)
     return solution, settled
@@ -159,9 +161,11 @@ def timed_data(problem: Problem, guess: TimedGuess, start: MotionSolution, weigh
     )
 
 
-def _read(start: MotionSolution, timed: TimedProgram, x: FloatArray, iterations: int) -> tuple[MotionSolution, bool]:
+def _read(
+    start: MotionSolution, timed: TimedProgram, ends: Sequence[StraightEnd], result: IpoptResult
+) -> tuple[MotionSolution, bool]:
     """Read a solution; T is at least what keeps the limits exactly. Tells whether visits are inside their spans."""
-    program = timed.program
+    program, x = timed.program, result.x
     spline = BSpline(start.mesh.knots, program.spline_coefficients(x), DEGREE)
     motion_s = max(float(timed.motion(x)), least_motion_s(start.path.machine, spline))
     tau, at_edge = visits_at(timed.spans, np.array(timed.visit_shares(x)).ravel())
@@ -171,9 +175,9 @@ def _read(start: MotionSolution, timed: TimedProgram, x: FloatArray, iterations:
         mesh=start.mesh,
         path=path,
         visits=visits,
-        coarse=coarse_in_time(start.coarse, moved_visits(start.visits, visits)),
+        coarse=with_approaches_at(start.coarse, ends, tau[len(tau) - len(ends) :]),
         integral=float(program.integral(x)),
-        iterations=start.iterations + iterations,
+        iterations=start.iterations + result.iterations,
     ), not at_edge
 
 

@@ -1,5 +1,6 @@
 """A motion on a mesh over tau, made of another one: the first along a refined path, and the same on a finer mesh."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from scipy.interpolate import BSpline
 from pipeline.arrays import FloatArray
 from pipeline.machine.kinematics import newton
 from pipeline.refine.coarse import SAMPLES_PER_MOVE, corner_parameters
+from pipeline.refine.corridor.cone import StraightEnd
 from pipeline.refine.mesh import Mesh, midpoints
 from pipeline.refine.problem import Problem, path_arrays
 from pipeline.refine.result import Path
@@ -34,7 +36,7 @@ class MotionSolution:
     visits : VisitNodes
         When the visits are.
     coarse : Path
-        The coarse path, with its steps at the tau at which the motion is about there.
+        The coarse path, with its steps at the tau at which the first motion is there, and approach poses at theirs.
     integral : float
         The integral of the smooth kappa; NaN before it is solved.
     iterations : int
@@ -96,11 +98,20 @@ def halved(mesh: Mesh) -> Mesh:
     return Mesh(np.union1d(mesh.s, midpoints(mesh.s)[longer]), knots)
 
 
-def moved_visits(before: VisitNodes, after: VisitNodes) -> Clock:
-    """Tell when a motion is where another one was, by the times of their visits; evenly in between."""
-    order = np.argsort(before.tau)
-    was, now = (np.concatenate([[0.0], visits.tau[order], [1.0]]) for visits in (before, after))
-    return Clock(np.maximum.accumulate(now), was)
+def with_approaches_at(coarse: Path, ends: Sequence[StraightEnd], tau: FloatArray) -> Path:
+    """Move the approach poses of a coarse path over tau to other times (e,); what is between them stays."""
+    was = corner_parameters(coarse)
+    now, begin, finish = was.copy(), 0, len(was)
+    for end, at in zip(ends, tau.tolist(), strict=True):
+        if end.name == "start":
+            begin = end.step + 1
+            now[:begin] *= at / end.s
+        else:
+            finish = end.step
+            now[finish:] = 1.0 - (1.0 - now[finish:]) * (1.0 - at) / (1.0 - end.s)
+    least, largest = now[max(begin - 1, 0)], now[min(finish, len(was) - 1)]
+    now[begin:finish] = now[begin:finish].clip(least, largest)
+    return coarse_in_time(coarse, Clock(now, was))
 
 
 def coarse_in_time(coarse: Path, clock: Clock) -> Path:
