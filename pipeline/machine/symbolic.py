@@ -8,8 +8,9 @@ holds, and does not depend on the telescopes, which leaves two columns of every 
 import casadi as ca
 import numpy as np
 
+from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
-from pipeline.machine.masses import lumped_platform
+from pipeline.machine.masses import Masses, lumped_platform
 
 
 def closure_function(machine: Machine) -> ca.Function:
@@ -84,11 +85,65 @@ def holding_function(machine: Machine) -> ca.Function:
     F = ca.DM(-body.mass_kg * machine.masses.gravity_mps2)
     r = rotation_matrix(pose[3], pose[4], pose[5]) @ ca.DM(body.centre_m)
     H = _statics(machine, pose, q)
-    along_x = f * H[0, :].T
-    carts = [ca.sum1(along_x[np.flatnonzero(arm == ARM_OF_LINK).tolist()]) for arm in range(3)]
-    drives = ca.vertcat(*carts, f[TELESCOPES.tolist()])
+    drives = _drives(H, f)
     wrench = ca.vertcat(F, ca.cross(r, F) / machine.characteristic_length_m)
     return ca.Function("holding", [pose, q, f], [H @ f - wrench, drives])
+
+
+def rates_function(machine: Machine) -> ca.Function:
+    """Build (z, z1, z2) -> first and second derivative by time of the closure, (6,) each.
+
+    z = (pose, q) and its derivatives by time, (11,) each: zero where they are those of a motion of the machine.
+    """
+    z, z1, z2 = (ca.SX.sym(name, 11) for name in ("z", "z1", "z2"))
+    rate = ca.jtimes(closure_function(machine)(z[:6], z[6:]), z, z1)
+    acceleration = ca.jtimes(rate, z, z1) + ca.jtimes(rate, z1, z2)
+    return ca.Function("rates", [z, z1, z2], [rate, acceleration])
+
+
+def dynamics_function(machine: Machine) -> ca.Function:
+    """Build (z, z1, z2, f) -> H f - w, (6,), and the forces of the drives, (5,), for forces f along the links, (6,).
+
+    z = (pose, q) and its derivatives by time, (11,) each; w is the wrench that moves the platform, and friction is
+    left out (`dynamics.inverse_dynamics`).
+
+    Raises
+    ------
+    ValueError
+        For a machine without masses.
+    """
+    if machine.masses is None:
+        raise ValueError("without masses there are no forces")
+    z, z1, z2 = (ca.SX.sym(name, 11) for name in ("z", "z1", "z2"))
+    f = ca.SX.sym("f", 6)
+    H = _statics(machine, z[:6], z[6:])
+    drives = _drives(H, f) + ca.vertcat(ca.DM(carried_cart_masses(machine.masses)) * z2[6:9], 0.0, 0.0)
+    residual = H @ f - _wrench(machine, machine.masses, (z, z1, z2))
+    return ca.Function("dynamics", [z, z1, z2, f], [residual, drives])
+
+
+def _wrench(machine: Machine, masses: Masses, motion: tuple[ca.SX, ca.SX, ca.SX]) -> ca.SX:
+    """Write (F, M / L) of the platform by Newton's and Euler's equations about the TCP."""
+    z, z1, z2 = motion
+    body = lumped_platform(masses, machine.platform_points_m)
+    angles, rates = z[3:6], z1[3:6]
+    R = _rotation(angles[0], angles[1], angles[2])
+    # omega = e_x rx' + (Rx e_z) rz' + y_platform ry', and alpha by the chain rule.
+    omega = ca.vertcat(rates[0], 0.0, 0.0) + R[:, 1] * rates[1]
+    omega += ca.vertcat(0.0, -ca.sin(angles[0]), ca.cos(angles[0])) * rates[2]
+    alpha = ca.jtimes(omega, angles, rates) + ca.jtimes(omega, rates, z2[3:6])
+    r, inertia = R @ ca.DM(body.centre_m), R @ ca.DM(body.inertia_kgm2) @ R.T
+    acceleration = z2[:3] + ca.cross(alpha, r) + ca.cross(omega, ca.cross(omega, r))
+    F = body.mass_kg * (acceleration - ca.DM(masses.gravity_mps2))
+    M = ca.cross(r, F) + inertia @ alpha + ca.cross(omega, inertia @ omega)
+    return ca.vertcat(F, M / machine.characteristic_length_m)
+
+
+def _drives(H: ca.SX, f: ca.SX) -> ca.SX:
+    """Forces of drives that keep carts still: row 0 of H holds u_l . e_x."""
+    along_x = f * H[0, :].T
+    carts = [ca.sum1(along_x[np.flatnonzero(arm == ARM_OF_LINK).tolist()]) for arm in range(3)]
+    return ca.vertcat(*carts, f[TELESCOPES.tolist()])
 
 
 def _variables() -> tuple[ca.SX, ca.SX]:

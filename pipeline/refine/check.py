@@ -7,6 +7,7 @@ added until that is so.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -53,15 +54,20 @@ def find_violations(
     s = np.linspace(0.0, 1.0, config.refine.check_points + 1)
     required = path_requirements(config, route, path, coarse)
     try:
-        samples = sample(path, s)
+        near = samples = sample(path, s)
+        whole, added = np.ones(len(s) - 1, dtype=bool), []
         for _ in range(_HALVINGS):
-            s = _doubtful_places(required, samples)
+            doubtful = _doubtful(required, near) & whole
+            s = midpoints(near.s)[doubtful]
             if len(s) == 0:
                 break
-            samples = merge_samples(samples, sample(path, s))
+            added.append(sample(path, s))
+            near, whole = _closer(near, whole, doubtful, added[-1])
     except ForwardKinematicsError as error:
         what = "the closure equations have no solution, links miss their lengths by metres"
         return [Violation(what, error.residual_m, s[[error.index]], "Raise refine.nodes.")]
+    if added:
+        samples = merge_samples(samples, reduce(merge_samples, added))
     found = []
     for requirement in required:
         broken = (requirement.margins(samples) < -requirement.rounding) & requirement.counts(samples)
@@ -71,14 +77,29 @@ def find_violations(
     return found
 
 
-def _doubtful_places(required: list[Requirement], samples: PathSamples) -> FloatArray:
-    """Return the midpoints of the intervals between samples within which a requirement may be broken."""
+def _doubtful(required: list[Requirement], samples: PathSamples) -> BoolArray:
+    """Find the intervals between n samples within which a requirement may be broken. Shape (n - 1,)."""
     doubtful = np.zeros(len(samples) - 1, dtype=bool)
     for requirement in required:
         if requirement.continuous:
             margins, counts = requirement.margins(samples), requirement.counts(samples)
             doubtful |= doubtful_intervals(samples.s, margins, requirement.rounding, counts)
-    return midpoints(samples.s)[doubtful]
+    return doubtful
+
+
+def _closer(
+    samples: PathSamples, whole: BoolArray, doubtful: BoolArray, added: PathSamples
+) -> tuple[PathSamples, BoolArray]:
+    """Leave out the samples that are not beside a doubtful interval, and add those in the middle of each.
+
+    Returns the samples, m of them, and which intervals between them are `whole` (m - 1,): nothing was left out there.
+    """
+    beside = np.flatnonzero(doubtful)[:, None] + np.array([-1, 0, 1, 2])
+    kept = np.unique(np.clip(beside, 0, len(samples) - 1))
+    unbroken = (np.diff(kept) == 1) & whole[kept[:-1]]
+    left = samples.take(kept)
+    merged = merge_samples(left, added)
+    return merged, unbroken[np.searchsorted(left.s, midpoints(merged.s)) - 1]
 
 
 def doubtful_intervals(s: FloatArray, margins: FloatArray, rounding: float, counts: BoolArray) -> BoolArray:

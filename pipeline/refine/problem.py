@@ -13,9 +13,11 @@ from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import newton
 from pipeline.progress import QUIET, Monitor
 from pipeline.refine.coarse import coarse_path
+from pipeline.refine.corridor.cells import visit_parameters
+from pipeline.refine.corridor.cone import straight_ends
 from pipeline.refine.corridor.directions import end_directions
-from pipeline.refine.measure import PathFigures, measure_path, sample_path
-from pipeline.refine.mesh import Mesh
+from pipeline.refine.measure import PathFigures, PathSamples, measure_path, sample_path
+from pipeline.refine.mesh import Mesh, even_mesh, with_straight_ends
 from pipeline.refine.objective import OBJECTIVES, Objective
 from pipeline.refine.result import Path
 from pipeline.refine.smoothness import Smoothness
@@ -74,8 +76,9 @@ class Problem:
 
     @cached_property
     def _coarse_figures(self) -> PathFigures:
-        s = np.linspace(0.0, 1.0, self.config.refine.check_points)
-        return measure_path(sample_path(self.coarse, s), self.steps)
+        coarse = self.coarse
+        known = PathSamples(self.machine, coarse.node_pose, coarse.q(coarse.node_s), coarse.node_s)
+        return measure_path(known, self.steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +120,17 @@ def build_problem(config: Config, machine: Machine, route: Route, monitor: Monit
     require_ends_below_cap(config, (route.kappa[0], route.kappa[-1]))
     directions = end_directions(config, machine, route)
     return Problem(config, machine, route, coarse_path(machine, route, steps), steps, directions, monitor)
+
+
+def first_mesh(problem: Problem, share: float = 1.0) -> Mesh:
+    """Spread nodes and knots evenly, with a node at every visit, and denser where the path is to be straight.
+
+    There are as many nodes as configured, or a `share` of them.
+    """
+    options, coarse, route = problem.config.refine, problem.coarse, problem.route
+    nodes = max(round(share * options.nodes), options.coefficients)
+    mesh = even_mesh(nodes, options.coefficients, visit_parameters(coarse, route))
+    return with_straight_ends(mesh, np.array([end.s for end in straight_ends(problem.config, route, coarse)]))
 
 
 def figures_of(problem: Problem, solution: MeshSolution) -> PathFigures:

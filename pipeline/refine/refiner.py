@@ -10,12 +10,18 @@ from pipeline.errors import NoSolutionError
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.refine.check import Violation, find_violations
-from pipeline.refine.corridor.cells import visit_parameters
-from pipeline.refine.corridor.cone import straight_ends
 from pipeline.refine.integral.minimise import minimise_integral
-from pipeline.refine.mesh import Mesh, adapted_mesh, even_mesh, with_nodes, with_straight_ends
+from pipeline.refine.mesh import adapted_mesh, with_nodes
 from pipeline.refine.peak.lower import lower_peak
-from pipeline.refine.problem import MeshSolution, Problem, build_problem, figures_of, fit_coarse, transfer_to
+from pipeline.refine.problem import (
+    MeshSolution,
+    Problem,
+    build_problem,
+    figures_of,
+    first_mesh,
+    fit_coarse,
+    transfer_to,
+)
 from pipeline.refine.result import Path, Refinement
 from pipeline.refine.timed.minimise import minimise_time
 from pipeline.route.result import Route
@@ -92,13 +98,6 @@ def find_first_path(problem: Problem, minimise: Minimiser = minimise_integral) -
         progress(f"refine: {failure.reason}; keeping the first path")
         return solution
     return min(solution, other, key=lambda found: figures_of(problem, found).kappa_max)
-
-
-def first_mesh(problem: Problem) -> Mesh:
-    """Spread nodes and knots evenly, with a node at every visit, and denser where the path is to be straight."""
-    options, coarse, route = problem.config.refine, problem.coarse, problem.route
-    mesh = even_mesh(options.nodes, options.coefficients, visit_parameters(coarse, route))
-    return with_straight_ends(mesh, np.array([end.s for end in straight_ends(problem.config, route, coarse)]))
 
 
 def _from_other_start(problem: Problem, initial: MeshSolution, failure: NoSolutionError) -> MeshSolution:

@@ -107,7 +107,8 @@ def fastest_trajectory(
     """
     if table.path.motion_s is not None:
         count_periods(table.path.motion_s / config.retime.speed, config.retime.period_s)
-        return time_by_own_law(table, table.path.motion_s, config.retime.jerk_pieces, options.jerk, monitor)
+        jerk = options.jerk if _limits_jerk(config, table) else None
+        return time_by_own_law(table, table.path.motion_s, config.retime.jerk_pieces, jerk, monitor)
     fastest, report = _without_jerk_limits(config, table, monitor, options)
     # The usage is measured at every tenth of a period.
     count_periods(fastest.motion_s / config.retime.speed, config.retime.period_s)

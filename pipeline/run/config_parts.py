@@ -2,8 +2,9 @@
 
 Regions and route depend on limits and masses only as far as forces have to hold the machine (a route by time on
 velocity limits, too), and the path on velocity limits beside them, in whose units it is smooth: other limits of motion
-only cost a new trajectory. Where path and time law are found together, stage two depends on all limits. The files of
-the last stages quote the configuration with its name and hash, so that these depend on all of it.
+only cost a new trajectory. Where path and time law are found together, stage two depends on all limits and masses, and
+on whether jerk is limited. The files of the last stages quote the configuration with its name and hash, so that these
+depend on all of it.
 """
 
 from typing import Any
@@ -62,11 +63,11 @@ def route_part(config: Config) -> Part:
 
 
 def refine_part(config: Config) -> Part:
-    """Give the keys that the refined path depends on; with its time law it depends on all limits of motion."""
+    """Give the keys that the refined path depends on; with its time law, on masses and all limits of motion, too."""
     part, whole = route_part(config), whole_config(config)
     limits = whole["machine"]["limits"]
     if config.refine.objective == PathObjective.TIME:
-        part["machine"] = {**part["machine"], "limits": limits}
+        part = {**part, "machine": whole["machine"], "retime": _only("jerk", whole["retime"])}
     elif config.refine.smoothness > 0.0:
         part["machine"] = _joined(part["machine"], {"limits": _only("velocity_mps", limits)})
     return {**part, "refine": whole["refine"]}

@@ -85,7 +85,7 @@ def peak(
     steep_config: Config, machine: Machine, steep_route: Route, steep: Path, steps: np.ndarray, free
 ) -> PeakProblem:
     """Evaluate splines of sixteen coefficients at 61 points along a route, with no margin to any limit."""
-    points = EvaluationPoints.at(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
+    points = EvaluationPoints(machine, np.linspace(0.0, 1.0, 61), clamped_knots(16), steps, 64.0)
     samples = PoseSamples(machine, steep.pose(points.s), steep.q(points.s))
     limits = [
         LeastValues(limit, np.full(limit.values(samples).shape, limit.least))

@@ -58,6 +58,18 @@ def test_it_is_kept_or_shortened_within_all_limits(config: Config, timed: Path, 
         assert np.abs(trajectory.q(np.array([0.0, trajectory.motion_s]), 2)).max() < 1e-6
 
 
+def test_without_jerk_limits_the_time_law_stays(config: Config, timed: Path) -> None:
+    """Jerk is not held, as along other paths: it is only reported, and a law that exceeds it is not stretched."""
+    config = config.model_copy(update={"retime": config.retime.model_copy(update={"jerk": False})})
+    assert timed.motion_s is not None
+    hasty = replace(timed, machine=replace(timed.machine, jerk_mps3=timed.machine.jerk_mps3 / 100.0))
+    trajectory = retime_path(config, hasty)
+    assert trajectory.jerk_jumps
+    assert trajectory.timing is not None
+    assert not trajectory.timing.jerk_limited
+    assert trajectory.timing.motion_s == pytest.approx(timed.motion_s, rel=1e-3)
+
+
 def test_limits_of_the_tcp_slow_it_down(config: Config, timed: Path, there: Trajectory) -> None:
     """What the path was not planned for is kept by its time law."""
     slow = replace(timed, machine=replace(timed.machine, tcp_speed_mps=0.1))

@@ -105,6 +105,25 @@ def test_planning_depends_on_what_holds_the_machine(fast_config: Config, change:
         assert (part(change(fast_config, **{key: value})) != part(fast_config)) is counts
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("machine__limits__carts__jerk_mps3", 20.0),
+        ("machine__limits__tcp__speed_mps", 0.2),
+        ("machine__dynamics__platform__inertia_kgm2", (0.2, 0.2, 0.2)),
+        ("retime__jerk", False),
+    ],
+)
+def test_a_path_with_its_time_law_depends_on_all_that_limits_it(
+    fast_config: Config, change: Change, key, value
+) -> None:
+    """Limits of motion, masses, and whether jerk is limited at all; for other paths they cost a trajectory."""
+    part = spec_of(SPECS, Stage.REFINE).config_part
+    for objective, counts in (("time", True), ("integral", False)):
+        config = change(fast_config, refine__objective=objective)
+        assert (part(change(config, **{key: value})) != part(config)) is counts
+
+
 def test_velocity_limits_cost_a_new_path_only_where_it_is_smooth(fast_config: Config, change: Change) -> None:
     """Regions and route never depend on them."""
     faster = {"machine__limits__telescopes__velocity_mps": 0.2}

@@ -8,6 +8,7 @@ the side that the coarse path is farthest beyond. Start, goal, approach poses an
 ends keep to their cones (`cone`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,19 +56,34 @@ class Corridor:
 
 
 def corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corridor:
-    """Bound the poses of nodes at s (k,), the first and the last of which are the start and the goal."""
+    """Bound the poses of nodes at s (k,), the first and the last of which are the start and the goal.
+
+    Poses to visit and approach poses are those of the nodes nearest to their places on the route.
+    """
+    bounds = open_corridor(config, route, coarse, s)
+    low, high = bounds.low, bounds.high
+    _visit(config, route, s, visit_parameters(coarse, route), low, high)
+    for end in straight_ends(config, route, coarse):
+        node = int(np.abs(s - end.s).argmin())
+        low[node] = high[node] = route.pose[end.step]
+    # Poses that are given are as they are.
+    bounds.sides[(low == high).all(axis=1, where=np.arange(6) != RY)] = 0.0
+    return bounds
+
+
+def open_corridor(config: Config, route: Route, coarse: Path, s: FloatArray) -> Corridor:
+    """Bound the poses of nodes at s (k,) without poses to visit and approach poses."""
     low, high = _cells_around(config, route, coarse, s)
     for column, limit in zip(TILT_COLUMNS, node_limits_rad(config), strict=True):
         low[:, column] = np.clip(low[:, column], -limit, limit)
         high[:, column] = np.clip(high[:, column], -limit, limit)
-    _avoid(config, coarse.pose(s), low, high)
+    if boxes := boxes_to_avoid(config):
+        _avoid(config, boxes, coarse.pose(s), low, high)
     low[[0, -1]] = high[[0, -1]] = route.pose[[0, -1]]
-    _visit(config, route, s, visit_parameters(coarse, route), low, high)
     ends = straight_ends(config, route, coarse)
-    narrow_to(ends, route, s, low, high)
+    narrow_to(ends, s, low, high)
     sides = _sides_around(route, coarse, s)
-    # Start, goal, approach poses and poses to visit are as they are.
-    sides[(low == high).all(axis=1, where=np.arange(6) != RY)] = 0.0
+    sides[[0, -1]] = 0.0
     return Corridor(low, high, sides, _SIDE_MARGIN_M, walls_at(ends, s))
 
 
@@ -119,12 +135,12 @@ def _sides_around(route: Route, coarse: Path, s: FloatArray) -> FloatArray:
     return np.where(sides == 0.0, around, sides)
 
 
-def _avoid(config: Config, pose: FloatArray, low: FloatArray, high: FloatArray) -> None:
+def _avoid(config: Config, boxes: Sequence[Box], pose: FloatArray, low: FloatArray, high: FloatArray) -> None:
     """Cut the corridor (k, 6) along boxes to avoid; `pose` (k, 6) are those of the coarse path."""
     steps, margin = step_sizes(config.route), np.full(5, config.refine.clearance_margin_m)
     margin[3:] = np.deg2rad(config.refine.tilt_margin_deg)
     controlled, nodes = pose[:, CONTROLLED], np.arange(len(pose))
-    for box in boxes_to_avoid(config):
+    for box in boxes:
         beyond = np.concatenate([box.low - controlled, controlled - box.high], axis=1) / np.tile(steps, 2)
         side = beyond.argmax(axis=1)
         axis, below = CONTROLLED[side % 5], side < 5

@@ -113,12 +113,10 @@ def walls_at(ends: Sequence[StraightEnd], s: FloatArray) -> Walls:
     return Walls(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("node", "normal", "offset")))
 
 
-def narrow_to(ends: Sequence[StraightEnd], route: Route, s: FloatArray, low: FloatArray, high: FloatArray) -> None:
-    """Narrow the bounds (k, 6) of nodes s (k,): hardly tilted within straight ends, and exact at the approach poses."""
+def narrow_to(ends: Sequence[StraightEnd], s: FloatArray, low: FloatArray, high: FloatArray) -> None:
+    """Narrow the bounds (k, 6) of nodes s (k,) within straight ends, which hardly tilt."""
     for end in ends:
         inside = end.inside(s)
         for column in TILT_COLUMNS:
             low[inside, column] = np.maximum(low[inside, column], end.end[column] - _AT_NODES * _TILT_RAD)
             high[inside, column] = np.minimum(high[inside, column], end.end[column] + _AT_NODES * _TILT_RAD)
-        node = int(np.abs(s - end.s).argmin())
-        low[node] = high[node] = route.pose[end.step]

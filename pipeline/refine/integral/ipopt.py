@@ -16,22 +16,25 @@ _STATUS = {
     "Solved_To_Acceptable_Level": Status.CONVERGED,
     "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
 }
-Accuracy = Literal["rough", "timed", "precise"]
-"""Good enough to start another solve from, to a millionth, or as good as it gets."""
+Accuracy = Literal["rough", "timed", "resumed", "precise"]
+"""Good enough to start another solve from, to a millionth (the same from a solution on another mesh), or as good as it
+gets."""
+_TIMED: dict[str, float | str] = {
+    "tol": 1e-6,
+    "constr_viol_tol": 1e-9,
+    "acceptable_tol": 1e-4,
+    "acceptable_constr_viol_tol": 1e-9,
+    "acceptable_obj_change_tol": 1e-6,
+    # It starts from a motion that nearly keeps all limits, and must not be driven far away from them.
+    "mu_strategy": "monotone",
+    "mu_init": 1e-4,
+    "bound_push": 1e-4,
+    "bound_frac": 1e-4,
+}
 _TOLERANCES: dict[Accuracy, dict[str, float | str]] = {
     "rough": {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1},
-    "timed": {
-        "tol": 1e-6,
-        "constr_viol_tol": 1e-9,
-        "acceptable_tol": 1e-4,
-        "acceptable_constr_viol_tol": 1e-9,
-        "acceptable_obj_change_tol": 1e-6,
-        # It starts from a motion that nearly keeps all limits, and must not be driven far away from them.
-        "mu_strategy": "monotone",
-        "mu_init": 1e-3,
-        "bound_push": 1e-4,
-        "bound_frac": 1e-4,
-    },
+    "timed": _TIMED,
+    "resumed": {**_TIMED, "mu_init": 1e-5},
     "precise": {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9},
 }
 

@@ -1,5 +1,7 @@
 """The least integral of kappa on a mesh: the program built and solved, roughly first."""
 
+from dataclasses import replace
+
 from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
@@ -9,7 +11,7 @@ from pipeline.machine.samples import PoseSamples
 from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
 from pipeline.refine.integral.program import InitialGuess, ProgramData, build_program
-from pipeline.refine.problem import FROBENIUS, SCHATTEN, MeshSolution, Problem
+from pipeline.refine.problem import FROBENIUS, SCHATTEN, MeshSolution, Problem, first_mesh, transfer_to
 from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE
 from pipeline.solvers import interrupts_noted
@@ -18,12 +20,14 @@ _EVENNESS_FIRST, _EVENNESS = 10.0, 0.1
 """Cost of uneven speed along s, in units of kappa: much at first, in the end what no figure notices."""
 _ROUGH_ITERATIONS = 150
 """Most iterations of the rough solve: where IPOPT needs more it is lost, and the fallback start is faster."""
+_FEW_NODES, _FEW_ITERATIONS = 0.7, 60
+"""Share of the nodes that the rough solve takes, and most of its iterations with that many."""
 _NAMED, _VIOLATED = 3, 1e-9
 """How many groups of violated constraints a failure names at most, and from which violation on."""
 
 
 def minimise_integral(problem: Problem, initial: MeshSolution) -> MeshSolution:
-    """Minimise the integral of kappa on a mesh: roughly, with the Frobenius kappa at even speed, then precisely.
+    """Minimise the integral of kappa on the first mesh: roughly, then precisely.
 
     Raises
     ------
@@ -31,9 +35,22 @@ def minimise_integral(problem: Problem, initial: MeshSolution) -> MeshSolution:
         If IPOPT does not converge; its last path is in the `diagnosis`.
     """
     most, time_limit_s = problem.config.refine.max_iterations, problem.config.refine.time_limit_s
-    rough = IpoptOptions(min(most, _ROUGH_ITERATIONS), time_limit_s, "rough")
-    near = solve_on_mesh(problem, initial, FROBENIUS, _EVENNESS_FIRST, rough)
+    near = _near_minimum(problem, initial)
     return solve_on_mesh(problem, near, SCHATTEN, _EVENNESS, IpoptOptions(most, time_limit_s, "precise"))
+
+
+def _near_minimum(problem: Problem, initial: MeshSolution) -> MeshSolution:
+    """Minimise the integral of the Frobenius kappa roughly, at even speed: on fewer nodes, or if that fails on all."""
+    most, time_limit_s = problem.config.refine.max_iterations, problem.config.refine.time_limit_s
+    few = transfer_to(initial, replace(initial.mesh, s=first_mesh(problem, _FEW_NODES).s))
+    try:
+        options = IpoptOptions(min(most, _FEW_ITERATIONS), time_limit_s, "rough")
+        near = solve_on_mesh(problem, few, FROBENIUS, _EVENNESS_FIRST, options)
+        return transfer_to(near, initial.mesh)
+    except NoSolutionError as failure:
+        problem.monitor.progress(f"refine: {failure.reason}; trying with more nodes")
+    options = IpoptOptions(min(most, _ROUGH_ITERATIONS), time_limit_s, "rough")
+    return solve_on_mesh(problem, initial, FROBENIUS, _EVENNESS_FIRST, options)
 
 
 def solve_on_mesh(

@@ -7,14 +7,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array, hstack
+from scipy.sparse import csr_array
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.limits import NodeLimit
 from pipeline.machine.pose import CONTROLLED
 from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.corridor.cone import Walls
-from pipeline.refine.peak.iterate import EvaluationPoints, Iterate, slopes
+from pipeline.refine.peak.iterate import EvaluationPoints, Iterate
+from pipeline.refine.splines import DEGREE
 
 _POSE_SLACK, _SIDE_SLACK_M, _WALL_SLACK_M = 0.01, 0.001, 0.001
 
@@ -82,9 +83,11 @@ def pose_constraints(points: EvaluationPoints, required: PathConstraints, iterat
 
 def by_unknowns(points: EvaluationPoints, at: IntArray, slope: FloatArray) -> csr_array:
     """Turn derivatives (m, 5) by the actuators at the points `at` (m,) into those by the unknowns, (m, 5 n + 2)."""
-    rows, columns = np.repeat(np.arange(len(at)), 5), (5 * at[:, None] + np.arange(5)).ravel()
-    by_q = csr_array((slope.ravel(), (rows, columns)), shape=(len(at), points.spread.shape[0]))
-    return csr_array(hstack([by_q @ points.spread, csr_array((len(at), 2))]))
+    width = DEGREE + 1
+    columns, values = (part.reshape(-1, width)[at, :, None] for part in (points.basis.indices, points.basis.data))
+    indices, data = (5 * columns + np.arange(5)).ravel(), (values * slope[:, None, :]).ravel()
+    begins = 5 * width * np.arange(len(at) + 1)
+    return csr_array((data, indices, begins), shape=(len(at), 5 * points.coefficients + 2))
 
 
 def _corridor(points: EvaluationPoints, corridor: Corridor, iterate: Iterate) -> Constraint:
@@ -103,9 +106,8 @@ def _limit(points: EvaluationPoints, required: LeastValues, iterate: Iterate, fr
     count = least.shape[1]
 
     def slope(rows: IntArray) -> csr_array:
-        at, own = np.unique(free[rows // count], return_inverse=True)
-        every = slopes(limit.values, iterate.samples.take(at), iterate.moves[at])
-        return by_unknowns(points, at[own], every[own, rows % count])
+        at = free[rows // count]
+        return by_unknowns(points, at, iterate.slopes(limit.values)[at, rows % count])
 
     value = limit.values(iterate.samples)[free].ravel()
     return Constraint(value, least.ravel(), np.full(len(value), np.inf), limit.slack, slope)
@@ -116,9 +118,8 @@ def _sides(points: EvaluationPoints, corridor: Corridor, iterate: Iterate) -> Co
     side = corridor.sides[point, arm]
 
     def slope(rows: IntArray) -> csr_array:
-        at, own = np.unique(point[rows], return_inverse=True)
-        every = slopes(lambda beside: beside.reach_m, iterate.samples.take(at), iterate.moves[at])
-        return by_unknowns(points, at[own], side[rows, None] * every[own, arm[rows]])
+        by_q = iterate.slopes(lambda samples: samples.reach_m)[point[rows], arm[rows]]
+        return by_unknowns(points, point[rows], side[rows, None] * by_q)
 
     value = side * iterate.samples.reach_m[point, arm]
     low = np.full(len(value), corridor.side_margin_m)

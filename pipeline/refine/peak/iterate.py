@@ -39,8 +39,6 @@ class EvaluationPoints:
         The metric: largest moves per step of the route.
     exponent : float
         Exponent of the smooth kappa.
-    spread : (5 k, 5 n)
-        Spline basis: actuators (5 k,) = spread @ coefficients (5 n,).
     """
 
     machine: Machine
@@ -48,24 +46,27 @@ class EvaluationPoints:
     knots: FloatArray
     steps: FloatArray
     exponent: float
-    spread: csr_array
+
+    @property
+    def coefficients(self) -> int:
+        """Spline coefficients per actuator."""
+        return len(self.knots) - DEGREE - 1
+
+    @cached_property
+    def basis(self) -> csr_array:
+        """Spline basis (k, n), with `DEGREE` + 1 entries in every row: q = basis @ coefficients."""
+        return basis(self.knots, self.s)
 
     @cached_property
     def squared(self) -> csr_array:
         """The squared change of the actuators, integrated over s, as a form in that of the coefficients. Square."""
-        return csr_array(self.spread.T @ diags_array(np.repeat(np.gradient(self.s), 5)) @ self.spread)
-
-    @classmethod
-    def at(
-        cls, machine: Machine, s: FloatArray, knots: FloatArray, steps: FloatArray, exponent: float
-    ) -> "EvaluationPoints":
-        """Evaluate splines with given knots at s (k,); `exponent` is that of the smooth kappa."""
-        return cls(machine, s, knots, steps, exponent, csr_array(kron(basis(knots, s), eye_array(5))))
+        form = self.basis.T @ diags_array(np.gradient(self.s)) @ self.basis
+        return csr_array(kron(form, eye_array(5)))
 
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """A path at its k evaluation points.
+    """A path at its k evaluation points; derivatives are computed when first needed.
 
     Attributes
     ----------
@@ -73,10 +74,8 @@ class Iterate:
         Coefficients of its splines.
     samples : PoseSamples
         Poses and actuators.
-    kappa, kappa_slope : (k,), (k, 5)
-        The smooth condition number and its derivative by the actuators there.
-    moves : (k, 6, 5)
-        Derivative of the pose by the actuators.
+    kappa, kappa_gradient : (k,), (k, 6, 6)
+        The smooth condition number and its derivative by H.
     chords : (k - 1, 5)
         Moves from point to point in the metric of the route.
     """
@@ -84,11 +83,10 @@ class Iterate:
     coefficients: FloatArray
     samples: PoseSamples
     kappa: FloatArray
-    kappa_slope: FloatArray
-    moves: FloatArray
+    kappa_gradient: FloatArray
     chords: FloatArray
 
-    @property
+    @cached_property
     def distances(self) -> FloatArray:
         """Lengths of the chords, (k - 1,)."""
         return np.asarray(np.linalg.norm(self.chords, axis=1), dtype=float)
@@ -98,36 +96,48 @@ class Iterate:
         """The integral of the smooth kappa by the trapezoidal rule."""
         return float(kappa_trapezoids(self.kappa, self.distances).sum())
 
+    @cached_property
+    def moves(self) -> FloatArray:
+        """Derivative of the pose by the actuators, (k, 6, 5)."""
+        return pose_jacobian(self.samples.machine, self.samples.pose, self.samples.q_m)
+
+    @cached_property
+    def kappa_slope(self) -> FloatArray:
+        """Derivative of the smooth kappa by the actuators, (k, 5)."""
+        H_slope = self.slopes(lambda samples: samples.H)
+        return np.asarray(np.einsum("kij,kijn->kn", self.kappa_gradient, H_slope, optimize=True), dtype=float)
+
+    def slopes(self, of: Callable[[PoseSamples], FloatArray]) -> FloatArray:
+        """Differentiate a function of poses and actuators with values (k, ...) by the actuators. Shape (k, ..., 5)."""
+        ahead, behind = np.split(of(self._beside), 2)
+        columns = ((ahead - behind) / (2.0 * _DIFFERENCE_M)).reshape(5, len(self.samples), *ahead.shape[1:])
+        return np.moveaxis(columns, 0, -1)
+
+    @cached_property
+    def _beside(self) -> PoseSamples:
+        """All points with every actuator moved ahead, (5 k,), then behind."""
+        pose = _DIFFERENCE_M * np.moveaxis(self.moves, -1, 0)
+        q = np.broadcast_to(_DIFFERENCE_M * np.eye(5)[:, None], (5, len(self.samples), 5))
+        samples = self.samples
+        return PoseSamples(
+            samples.machine,
+            np.concatenate([samples.pose + pose, samples.pose - pose]).reshape(-1, 6),
+            np.concatenate([samples.q_m + q, samples.q_m - q]).reshape(-1, 5),
+        )
+
 
 def iterate_at(points: EvaluationPoints, coefficients: FloatArray, near: FloatArray) -> Iterate | None:
     """Evaluate splines with coefficients (n, 5), poses near given ones (k, 6); None where the closure is lost."""
-    machine, q = points.machine, BSpline(points.knots, coefficients, DEGREE)(points.s)
-    pose, miss = newton(machine, q, near)
+    q = BSpline(points.knots, coefficients, DEGREE)(points.s)
+    pose, miss = newton(points.machine, q, near)
     if not (miss < _CLOSED_M).all():
         return None
-    samples, moves = PoseSamples(machine, pose, q), pose_jacobian(machine, pose, q)
+    samples = PoseSamples(points.machine, pose, q)
     spectrum = smooth_condition(samples.H, points.exponent)
-    H_slope = slopes(lambda beside: beside.H, samples, moves)
     return Iterate(
         coefficients=coefficients,
         samples=samples,
         kappa=spectrum.kappa,
-        kappa_slope=np.einsum("kij,kijn->kn", spectrum.gradient, H_slope, optimize=True),
-        moves=moves,
+        kappa_gradient=spectrum.gradient,
         chords=np.diff(samples.controlled, axis=0) / points.steps,
     )
-
-
-def slopes(of: Callable[[PoseSamples], FloatArray], samples: PoseSamples, moves: FloatArray) -> FloatArray:
-    """Differentiate a function of poses and actuators with values (k, ...) by the actuators. Shape (k, ..., 5).
-
-    `moves` (k, 6, 5) is the derivative of the pose by the actuators.
-    """
-    columns = []
-    for actuator in range(5):
-        pose = _DIFFERENCE_M * moves[:, :, actuator]
-        q = np.where(np.arange(5) == actuator, _DIFFERENCE_M, 0.0)
-        ahead = of(PoseSamples(samples.machine, samples.pose + pose, samples.q_m + q))
-        behind = of(PoseSamples(samples.machine, samples.pose - pose, samples.q_m - q))
-        columns.append((ahead - behind) / (2.0 * _DIFFERENCE_M))
-    return np.stack(columns, axis=-1)

@@ -67,7 +67,7 @@ def peak_problem(problem: Problem, initial: MeshSolution) -> tuple[PeakProblem, 
     config, machine = problem.config, problem.machine
     # A point at every node, and one between every two.
     s = np.union1d(initial.mesh.s, midpoints(initial.mesh.s))
-    points = EvaluationPoints.at(machine, s, initial.mesh.knots, problem.steps, SCHATTEN)
+    points = EvaluationPoints(machine, s, initial.mesh.knots, problem.steps, SCHATTEN)
     iterate = iterate_at(points, initial.path.spline.c, initial.path.pose(s))
     if iterate is None:
         return None

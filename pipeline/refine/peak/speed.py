@@ -19,7 +19,7 @@ _SPEED_SLACK = 0.05
 """Share of the mean speed along s."""
 _LEAST_END_SPEED = 0.1
 """Share of the mean speed of the actuators along s: below 0.07 a path counts as one that nearly stops."""
-_EXACT = 1e-9
+_EXACT, _NO_DISTANCE = 1e-9, 1e-12
 _ONE_WAY_SLACK_M = 1e-4
 
 
@@ -37,27 +37,28 @@ def chord_slopes(points: EvaluationPoints, iterate: Iterate) -> csr_array:
 
     The last results are kept: constraints, objective and its curvature ask for the same ones.
     """
-    unit = _unit_chords(iterate)
-    return csr_array(sum(_scaled(unit[:, axis], _chord_slopes(points, iterate, axis)) for axis in range(5)))
+    return _chord_rows(points, iterate, _unit_chords(iterate)[:, None])
 
 
 def chord_curvature(points: EvaluationPoints, iterate: Iterate, weights: FloatArray) -> csr_array:
     """Differentiate weights (k - 1,) . distances twice, the moves taken as linear: sum of w/d |across|^2. Square."""
-    unit, along = _unit_chords(iterate), chord_slopes(points, iterate)
-    scale = np.sqrt(weights / np.maximum(iterate.distances, 1e-12))
-    across = (_chord_slopes(points, iterate, axis) - _scaled(unit[:, axis], along) for axis in range(5))
-    return csr_array(sum(rows.T @ rows for rows in (_scaled(scale, part) for part in across)))
+    unit = _unit_chords(iterate)
+    across = np.eye(len(CONTROLLED)) - unit[:, :, None] * unit[:, None]
+    scale = np.sqrt(weights / np.maximum(iterate.distances, _NO_DISTANCE))
+    rows = _chord_rows(points, iterate, scale[:, None, None] * across)
+    return csr_array(rows.T @ rows)
 
 
 def _unit_chords(iterate: Iterate) -> FloatArray:
-    return np.asarray(iterate.chords / np.maximum(iterate.distances, 1e-12)[:, None], dtype=float)
+    return np.asarray(iterate.chords / np.maximum(iterate.distances, _NO_DISTANCE)[:, None], dtype=float)
 
 
-def _chord_slopes(points: EvaluationPoints, iterate: Iterate, axis: int) -> csr_array:
-    """Differentiate one coordinate of the chords, in steps of the route. Shape (k - 1, 5 n + 2)."""
-    by_q = iterate.moves[:, CONTROLLED[axis]] / points.steps[axis]
-    every = by_unknowns(points, np.arange(len(by_q)), by_q)
-    return csr_array(every[1:] - every[:-1])
+def _chord_rows(points: EvaluationPoints, iterate: Iterate, axes: FloatArray) -> csr_array:
+    """Differentiate the chords, in steps of the route, along `axes` (k - 1, m, 5). Shape (m (k - 1), 5 n + 2)."""
+    by_q = iterate.moves[:, CONTROLLED] / points.steps[:, None]
+    here = np.repeat(np.arange(len(axes)), axes.shape[1])
+    begin, end = ((axes @ part).reshape(-1, 5) for part in (by_q[:-1], by_q[1:]))
+    return csr_array(by_unknowns(points, here + 1, end) - by_unknowns(points, here, begin))
 
 
 def _scaled(factor: FloatArray, rows: csr_array) -> csr_array:

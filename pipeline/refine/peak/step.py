@@ -37,9 +37,10 @@ class StepProgram:
         for constraint in problem.constraints(iterate):
             value, least, largest = constraint.value, constraint.low, constraint.high
             near = np.flatnonzero((value - least < _NEAR) | (largest - value < _NEAR))
-            rows.append(constraint.slope(near))
-            low.append((least - value)[near])
-            high.append((largest - value)[near])
+            if len(near):
+                rows.append(constraint.slope(near))
+                low.append((least - value)[near])
+                high.append((largest - value)[near])
         weight = objective.mean_weight / objective.length
         slope = integral_slope(points, iterate, kappa_slope)
         rough = csr_array(block_diag([2.0 * objective.smoothness, csr_array((2, 2))]))

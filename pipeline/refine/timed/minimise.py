@@ -1,5 +1,6 @@
 """The least duration on a mesh over tau and on a finer one, checked between the nodes."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +11,11 @@ from pipeline.errors import ForwardKinematicsError, NoSolutionError
 from pipeline.limits import node_limits
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.kappa import path_cap
-from pipeline.machine.samples import PoseSamples
+from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.check import Violation, find_violations
-from pipeline.refine.corridor.cells import Corridor, corridor
-from pipeline.refine.integral.ipopt import IpoptOptions, solve_program
+from pipeline.refine.corridor.cells import open_corridor
+from pipeline.refine.corridor.cone import StraightEnd, straight_ends
+from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
 from pipeline.refine.integral.minimise import ipopt_failure
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.refine.mesh import Mesh, midpoints
@@ -21,7 +23,14 @@ from pipeline.refine.problem import SCHATTEN, Problem
 from pipeline.refine.result import Refinement
 from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.hull import least_motion_s
-from pipeline.refine.timed.motion import MotionSolution, coarse_in_time, first_motion, halved, on_mesh
+from pipeline.refine.timed.loads import LOADS, limits_loads, load_shares
+from pipeline.refine.timed.motion import (
+    MotionSolution,
+    first_motion,
+    halved,
+    on_mesh,
+    with_approaches_at,
+)
 from pipeline.refine.timed.program import TimedData, TimedGuess, TimedProgram, build_timed_program
 from pipeline.refine.timed.visits import VisitNodes, visit_bounds, visits_at
 from pipeline.solvers import interrupts_noted
@@ -31,7 +40,10 @@ _COEFFICIENTS, _MESHES = 50, 2
 """Coefficients of the first mesh at least, and how many meshes there are at most, each with half the knot spans."""
 _BELOW_CAP = 0.995
 """Share of the cap that nodes keep: kappa may be a little higher between two of them."""
-_FIGURE_SAMPLES = 5_001
+_FIGURE_SAMPLES, _LOAD_SAMPLES = 5_001, 2_001
+_OVERLOAD = 1.001
+"""Share of a limit of loads that still counts as within it."""
+_LOAD_ADVICE = "Raise refine.max_rounds."
 
 
 def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
@@ -45,12 +57,13 @@ def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
         If IPOPT does not converge, or a requirement stays broken between the nodes; the last motion is in the
         `diagnosis`.
     """
-    options = problem.config.refine
-    start, clock = first_motion(problem, refinement.path, max(_COEFFICIENTS, options.coefficients))
+    options, machine = problem.config.refine, _driven(problem)
+    refined = replace(refinement.path, machine=machine)
+    timed = replace(problem, machine=machine)
+    start = first_motion(timed, refined, max(_COEFFICIENTS, options.coefficients))
     samples = sample_path(refinement.path, np.linspace(0.0, 1.0, _FIGURE_SAMPLES))
     kappa_integral = measure_path(samples, problem.steps).kappa_integral
     weights = 1.0 / start.motion_s, options.time_weight / kappa_integral
-    timed = replace(problem, coarse=coarse_in_time(problem.coarse, clock))
     solution, rounds = solve_and_check(timed, start, weights)
     meshes, change = 1, None
     while meshes < min(_MESHES, options.max_meshes):
@@ -61,7 +74,7 @@ def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
             break
     return replace(
         refinement,
-        path=solution.path,
+        path=replace(solution.path, machine=problem.machine),
         status=Status.CONVERGED,
         iterations=refinement.iterations + solution.iterations,
         rounds=refinement.rounds + rounds,
@@ -72,12 +85,16 @@ def minimise_time(problem: Problem, refinement: Refinement) -> Refinement:
     )
 
 
+def _driven(problem: Problem) -> Machine:
+    """Return the machine with the limits that its motion keeps: jerk counts only where `retime.jerk` asks for it."""
+    machine = problem.machine
+    return machine if problem.config.retime.jerk else replace(machine, jerk_mps3=np.full(len(ACTUATORS), np.inf))
+
+
 def solve_and_check(
     problem: Problem, start: MotionSolution, weights: tuple[float, float]
 ) -> tuple[MotionSolution, int]:
     """Solve, check between the nodes, and add nodes where a requirement is broken, until none is; counts the checks.
-
-    `problem` has the coarse path over tau.
 
     Raises
     ------
@@ -88,7 +105,8 @@ def solve_and_check(
     for round_ in range(1, most + 1):
         solution, settled = solve(problem, solution, weights)
         problem.monitor.progress("refine: checking between the nodes")
-        found = find_violations(problem.config, problem.route, solution.path, problem.coarse)
+        found = find_violations(problem.config, problem.route, solution.path, solution.coarse)
+        found += _overloads(solution)
         if settled and not found:
             return solution, round_
         if found and round_ < most:
@@ -108,32 +126,28 @@ def solve(problem: Problem, start: MotionSolution, weights: tuple[float, float])
     mesh, options = start.mesh, problem.config.refine
     label = f"refine: time, {len(mesh.s)} nodes, {mesh.coefficients} coefficients"
     problem.monitor.progress(f"{label}: building the program")
-    guess = TimedGuess(
-        PoseSamples(problem.machine, start.path.node_pose, start.path.q(mesh.s)),
-        start.path.spline,
-        start.motion_s,
-        start.visits,
-    )
+    guess = TimedGuess(start.path, start.visits)
     # CasADi swallows errors raised while it converts arguments, and Ctrl-C is one.
     with interrupts_noted():
-        timed = build_timed_program(timed_data(problem, guess, mesh, weights), guess)
-    ipopt = IpoptOptions(options.max_iterations, options.time_limit_s, "timed")
+        timed = build_timed_program(timed_data(problem, guess, start, weights), guess)
+    ipopt = IpoptOptions(options.max_iterations, options.time_limit_s, "resumed" if start.solved else "timed")
     result = solve_program(timed.program, ipopt, label, problem.monitor)
-    solution, settled = _read(start, timed, result.x, result.iterations)
+    ends = straight_ends(problem.config, problem.route, start.coarse)
+    solution, settled = _read(start, timed, ends, result)
     if not result.status.solved:
         raise ipopt_failure(result, solution.arrays)
     return solution, settled
 
 
-def timed_data(problem: Problem, guess: TimedGuess, mesh: Mesh, weights: tuple[float, float]) -> TimedData:
+def timed_data(problem: Problem, guess: TimedGuess, start: MotionSolution, weights: tuple[float, float]) -> TimedData:
     """Collect what the program of a mesh is written for."""
-    config, kappa = problem.config, guess.nodes.kappa
+    config, mesh, kappa = problem.config, start.mesh, guess.nodes.kappa
     ends = max(kappa[0], kappa[-1])
     log_cap = np.full(len(mesh.s), np.log(max(_BELOW_CAP * path_cap(config), ends)))
     log_cap[[0, -1]] = np.inf
     return TimedData(
         mesh=mesh,
-        corridor=_corridor(problem, mesh.s),
+        corridor=open_corridor(config, problem.route, start.coarse, mesh.s),
         limits=node_limits(config, problem.machine),
         clearance_margin_m=config.refine.clearance_margin_m,
         reach_m=float(problem.steps[:3].max()),
@@ -142,28 +156,29 @@ def timed_data(problem: Problem, guess: TimedGuess, mesh: Mesh, weights: tuple[f
         actuator_range_m=planned_range_m(config, problem.machine),
         exponent=SCHATTEN,
         log_cap=log_cap,
-        visit_bounds=visit_bounds(config, problem.route),
+        visit_bounds=visit_bounds(config, problem.route, start.coarse),
         weights=weights,
     )
 
 
-def _corridor(problem: Problem, tau: FloatArray) -> Corridor:
-    """Bound the nodes at tau (k,); visits have nodes of their own."""
-    task = problem.config.task.model_copy(update={"visit": ()})
-    route = replace(problem.route, visits=np.zeros_like(problem.route.visits))
-    return corridor(problem.config.model_copy(update={"task": task}), route, problem.coarse, tau)
-
-
-def _read(start: MotionSolution, timed: TimedProgram, x: FloatArray, iterations: int) -> tuple[MotionSolution, bool]:
+def _read(
+    start: MotionSolution, timed: TimedProgram, ends: Sequence[StraightEnd], result: IpoptResult
+) -> tuple[MotionSolution, bool]:
     """Read a solution; T is at least what keeps the limits exactly. Tells whether visits are inside their spans."""
-    program = timed.program
+    program, x = timed.program, result.x
     spline = BSpline(start.mesh.knots, program.spline_coefficients(x), DEGREE)
     motion_s = max(float(timed.motion(x)), least_motion_s(start.path.machine, spline))
     tau, at_edge = visits_at(timed.spans, np.array(timed.visit_shares(x)).ravel())
     path = replace(start.path, spline=spline, node_s=start.mesh.s, node_pose=program.poses(x), motion_s=motion_s)
     visits = VisitNodes(tau, np.array(timed.visit_poses(x)).T)
-    integral = float(program.integral(x))
-    return MotionSolution(start.mesh, path, visits, integral, start.iterations + iterations), not at_edge
+    return MotionSolution(
+        mesh=start.mesh,
+        path=path,
+        visits=visits,
+        coarse=with_approaches_at(start.coarse, ends, tau[len(tau) - len(ends) :]),
+        integral=float(program.integral(x)),
+        iterations=start.iterations + result.iterations,
+    ), not at_edge
 
 
 def _repaired(solution: MotionSolution, start: MotionSolution, mesh: Mesh) -> MotionSolution:
@@ -172,6 +187,21 @@ def _repaired(solution: MotionSolution, start: MotionSolution, mesh: Mesh) -> Mo
         return on_mesh(solution, mesh)
     except ForwardKinematicsError:
         return replace(on_mesh(start, mesh), iterations=solution.iterations)
+
+
+def _overloads(solution: MotionSolution) -> list[Violation]:
+    """List where forces in motion, or speed and acceleration of the TCP, exceed their limits between the nodes."""
+    if not limits_loads(solution.path.machine):
+        return []
+    tau = np.linspace(0.0, 1.0, _LOAD_SAMPLES)
+    shares = load_shares(solution.path, tau, solution.motion_s)
+    return [
+        Violation(
+            f"{name} too large, share of its limit", float(share.max()) - 1.0, tau[share > _OVERLOAD], _LOAD_ADVICE
+        )
+        for name, share in zip(LOADS, shares.T, strict=True)
+        if share.max() > _OVERLOAD
+    ]
 
 
 def _with_nodes_around(mesh: Mesh, broken: FloatArray) -> Mesh:

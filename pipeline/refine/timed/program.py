@@ -5,6 +5,7 @@
                 rest without acceleration at both ends (three equal coefficients),
                 |control coefficients of q', q'', q'''| <= T, T^2, T^3 times the limits of velocity, acceleration, jerk,
                 log kappa_k <= log cap,
+                forces and the motion of the TCP within their limits at nodes that come near (`load_rows`),
                 corridor, strokes and travel, the rows of every limit at the nodes, the sides of the carts,
                 directions at the ends, every visit at a time of its own.
 
@@ -14,6 +15,7 @@ nothing is left open that evenness would have to settle.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import casadi as ca
@@ -34,11 +36,12 @@ from pipeline.refine.integral.rows import direction_rows, node_rows, one_way_row
 from pipeline.refine.integral.wall_rows import wall_rows
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.one_way import one_way_legs
-from pipeline.refine.result import directions_of
+from pipeline.refine.result import Path, directions_of
 from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.first_motion import AT_REST, locked
 from pipeline.refine.timed.hull import derivative_matrix, rate_limits
-from pipeline.refine.timed.visits import VisitNodes, VisitPart, visit_part
+from pipeline.refine.timed.load_rows import TimedSymbols, load_part
+from pipeline.refine.timed.visits import VisitBounds, VisitNodes, VisitPart, visit_part
 from pipeline.route.metric import arc_length
 
 _SMOOTHING = 1e-3
@@ -59,8 +62,8 @@ class TimedData:
     ----------
     log_cap : (k,)
         Logarithm of the largest kappa of every node; infinite where kappa is given.
-    visit_bounds : (v, 6), (v, 6)
-        Bounds of the poses to visit.
+    visit_bounds : VisitBounds
+        Bounds of the visits.
     weights : (float, float)
         1 / T_ref in 1/s, and w / K_ref.
     """
@@ -75,18 +78,31 @@ class TimedData:
     actuator_range_m: FloatArray
     exponent: float
     log_cap: FloatArray
-    visit_bounds: tuple[FloatArray, FloatArray]
+    visit_bounds: VisitBounds
     weights: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class TimedGuess:
-    """Where the solver starts: the k nodes, q(tau), T, and the visits."""
+    """Where the solver starts: a motion q(tau) with its duration, its poses known at the k nodes, and the visits."""
 
-    nodes: PoseSamples
-    spline: BSpline
-    motion_s: float
+    path: Path
     visits: VisitNodes
+
+    @cached_property
+    def nodes(self) -> PoseSamples:
+        """The machine at the nodes."""
+        return PoseSamples(self.path.machine, self.path.node_pose, self.path.q(self.path.node_s))
+
+    @property
+    def spline(self) -> BSpline:
+        """The splines q(tau)."""
+        return self.path.spline
+
+    @property
+    def motion_s(self) -> float:
+        """T in seconds."""
+        return float(self.path.motion_s or np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,24 +128,15 @@ class TimedProgram:
     spans: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class _Symbols:
-    """Unknowns of the program: pose (6, k), q (5, k), coefficients (5, n), T relative to its guess (1, 1)."""
-
-    pose: ca.MX
-    q: ca.MX
-    coefficients: ca.MX
-    time: ca.MX
-
-
 def build_timed_program(data: TimedData, guess: TimedGuess) -> TimedProgram:
     """Write the program of a mesh, to be started from a guess."""
-    machine, k, n = guess.nodes.machine, len(data.mesh.s), data.mesh.coefficients
-    x = _Symbols(ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n), ca.MX.sym("time"))
+    machine, k, n = guess.path.machine, len(data.mesh.s), data.mesh.coefficients
+    x = TimedSymbols(ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n), ca.MX.sym("time"))
     directions = directions_of(guess.spline(data.mesh.s, nu=1))
     at_nodes = Nodes(x.pose, x.q, guess.nodes, directions, data.clearance_margin_m, data.reach_m)
     parts = [limit.program_part(at_nodes) for limit in data.limits]
     visits = visit_part(machine, guess.visits, data.visit_bounds, guess.spline, x.coefficients)
+    parts.append(load_part(guess.path, data.mesh.s, x))
     own = [unknown for part in parts for unknown in part.unknowns]
     unknowns = [*_unknowns(data, guess, x), *own, *visits.unknowns, _time(x)]
     c = x.coefficients
@@ -183,7 +190,7 @@ def build_timed_program(data: TimedData, guess: TimedGuess) -> TimedProgram:
     )
 
 
-def _unknowns(data: TimedData, guess: TimedGuess, x: _Symbols) -> list[Unknowns]:
+def _unknowns(data: TimedData, guess: TimedGuess, x: TimedSymbols) -> list[Unknowns]:
     """List nodes and coefficients; those at rest are given, and so are those of actuators that must not move."""
     nodes, c = guess.nodes, guess.spline.c
     low, high = (np.tile(bound, (len(c), 1)) for bound in data.actuator_range_m.T)
@@ -200,11 +207,11 @@ def _unknowns(data: TimedData, guess: TimedGuess, x: _Symbols) -> list[Unknowns]
     ]
 
 
-def _time(x: _Symbols) -> Unknowns:
+def _time(x: TimedSymbols) -> Unknowns:
     return Unknowns(x.time, np.ones(1), np.array([_LEAST_TIME]), np.array([_MOST_TIME]))
 
 
-def _rate_rows(machine: Machine, mesh: Mesh, x: _Symbols, motion_s: float) -> list[Row]:
+def _rate_rows(machine: Machine, mesh: Mesh, x: TimedSymbols, motion_s: float) -> list[Row]:
     """Write the control coefficients of q', q'' and q''' relative to their limits at T, within -1 and 1."""
     rows = []
     for limit in rate_limits(machine):
@@ -217,7 +224,7 @@ def _rate_rows(machine: Machine, mesh: Mesh, x: _Symbols, motion_s: float) -> li
     return rows
 
 
-def _mean_square_jerk(machine: Machine, mesh: Mesh, x: _Symbols, guess: TimedGuess) -> ca.MX:
+def _mean_square_jerk(machine: Machine, mesh: Mesh, x: TimedSymbols, guess: TimedGuess) -> ca.MX:
     """Write the mean square of the control coefficients of jerk at the guess's T, relative to the limits.
 
     Where there is no limit, to the largest of the guess.

@@ -1,4 +1,4 @@
-"""Poses to visit in a motion: each has a node of its own, whose time is an unknown.
+"""Poses to visit in a motion, and approach poses: each has a node of its own, whose time is an unknown.
 
 On the knot span of its guess q(tau) is a polynomial of degree five, so that the node is on the motion exactly; a visit
 that ends at the edge of its span continues in the next one.
@@ -10,14 +10,16 @@ import casadi as ca
 import numpy as np
 from scipy.interpolate import BSpline
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits.avoid import Box
 from pipeline.limits.interface.rows import Row, Unknowns
 from pipeline.limits.tilt import node_limits_rad
 from pipeline.machine.geometry import Machine
-from pipeline.machine.pose import CONTROLLED, RY, TILT_COLUMNS
+from pipeline.machine.pose import CONTROLLED, TILT_COLUMNS
 from pipeline.machine.symbolic import closure_function
+from pipeline.refine.corridor.cone import straight_ends
+from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE
 from pipeline.route.result import Route
 
@@ -27,7 +29,7 @@ _AT_EDGE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class VisitNodes:
-    """The visits of a motion, v of them, in their order.
+    """The visits and approach poses of a motion, v of them, as `visited_steps` lists them.
 
     Attributes
     ----------
@@ -42,6 +44,28 @@ class VisitNodes:
 
 
 @dataclass(frozen=True, eq=False)
+class VisitBounds:
+    """Bounds of all visits, v of them.
+
+    Attributes
+    ----------
+    low, high : (v, 6)
+        Bounds of their poses.
+    q_m : (v, 5)
+        Actuators of the poses that are given, NaN for boxes.
+    """
+
+    low: FloatArray
+    high: FloatArray
+    q_m: FloatArray
+
+    @property
+    def boxes(self) -> IntArray:
+        """The visits that are boxes."""
+        return np.flatnonzero(np.isnan(self.q_m).any(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
 class VisitPart:
     """What visits add to the program: unknowns and rows, and the knot span of each visit, begin and end (v, 2)."""
 
@@ -50,27 +74,31 @@ class VisitPart:
     spans: FloatArray
 
 
-def visit_bounds(config: Config, route: Route) -> tuple[FloatArray, FloatArray]:
-    """Bound the poses of all visits: given ones are exact, boxes keep the tilt limit. Shapes (v, 6)."""
-    low, high = np.full((len(config.task.visit), 6), -np.inf), np.full((len(config.task.visit), 6), np.inf)
-    for column, limit in zip(TILT_COLUMNS, node_limits_rad(config), strict=True):
-        low[:, column], high[:, column] = -limit, limit
+def visited_steps(config: Config, route: Route, coarse: Path) -> IntArray:
+    """List the steps of the route that are visits, in their order, then those that are approach poses. Shape (v,)."""
+    visits = [int(np.argmax(route.visits == number)) for number in range(1, len(config.task.visit) + 1)]
+    return np.array([*visits, *(end.step for end in straight_ends(config, route, coarse))], dtype=np.int64)
+
+
+def visit_bounds(config: Config, route: Route, coarse: Path) -> VisitBounds:
+    """Bound all visits and approach poses: given poses are those of the route, boxes keep the tilt limit."""
+    steps = visited_steps(config, route, coarse)
+    low, q_m = route.pose[steps], route.q_m[steps]
+    high = low.copy()
     for row, visit in enumerate(config.task.visit):
-        if visit.box is None:
-            low[row] = high[row] = route.pose[route.visits == row + 1][0]
-            # The links tell the rotation about Y of a pose that is given.
-            low[row, RY], high[row, RY] = -np.inf, np.inf
-        else:
-            box = Box.of(visit.box)
+        if visit.box is not None:
+            box, largest = Box.of(visit.box), np.array(node_limits_rad(config))
+            low[row], high[row], q_m[row] = -np.inf, np.inf, np.nan
+            low[row, list(TILT_COLUMNS)], high[row, list(TILT_COLUMNS)] = -largest, largest
             low[row, CONTROLLED] = np.maximum(low[row, CONTROLLED], box.low)
             high[row, CONTROLLED] = np.minimum(high[row, CONTROLLED], box.high)
-    return low, high
+    return VisitBounds(low, high, q_m)
 
 
 def visit_part(
-    machine: Machine, visits: VisitNodes, bounds: tuple[FloatArray, FloatArray], spline: BSpline, coefficients: ca.MX
+    machine: Machine, visits: VisitNodes, bounds: VisitBounds, spline: BSpline, coefficients: ca.MX
 ) -> VisitPart:
-    """Write that visits are on the splines, within bounds of their poses (v, 6), and that their links close.
+    """Write that visits are on the splines, within their bounds, and that the links of boxes close.
 
     The splines have `coefficients` (5, n), guessed as those of `spline`.
     """
@@ -82,18 +110,20 @@ def visit_part(
     spans = np.column_stack([edges[first], edges[first + 1]])
     pose, q, share = ca.MX.sym("visit_pose", 6, count), ca.MX.sym("visit_q", 5, count), ca.MX.sym("share", 1, count)
     on_spline = [_on_span(spline.t, span, share[k], coefficients) for k, span in enumerate(spans)]
-    free = np.full((count, 5), np.inf)
     guess = (visits.tau - spans[:, 0]) / (spans[:, 1] - spans[:, 0])
+    guessed_q = np.where(np.isnan(bounds.q_m), spline(visits.tau), bounds.q_m)
+    rows = [Row("visits on the motion", ca.vec(q - ca.horzcat(*on_spline)), 0.0, 0.0)]
+    # A pose that is given closes, and its unknowns are fixed: a row without unknowns is not wanted.
+    if len(boxes := bounds.boxes.tolist()):
+        closure = closure_function(machine).map(len(boxes))(pose[:, boxes], q[:, boxes])
+        rows.append(Row("closure at visits", ca.vec(closure), 0.0, 0.0))
     return VisitPart(
         unknowns=(
-            Unknowns(pose, np.clip(visits.pose, *bounds), *bounds),
-            Unknowns(q, np.asarray(spline(visits.tau), dtype=float), -free, free),
+            Unknowns(pose, np.clip(visits.pose, bounds.low, bounds.high), bounds.low, bounds.high),
+            Unknowns(q, guessed_q, *(np.where(np.isnan(bounds.q_m), free, bounds.q_m) for free in (-np.inf, np.inf))),
             Unknowns(share, guess, np.zeros(count), np.ones(count)),
         ),
-        rows=(
-            Row("closure at visits", ca.vec(closure_function(machine).map(count)(pose, q)), 0.0, 0.0),
-            Row("visits on the motion", ca.vec(q - ca.horzcat(*on_spline)), 0.0, 0.0),
-        ),
+        rows=tuple(rows),
         spans=spans,
     )
 

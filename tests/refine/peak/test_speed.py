@@ -35,7 +35,7 @@ def test_curvature_is_that_of_the_length_of_moved_chords(
     """Second differences of weighted distances, poses moving linearly with the coefficients; never negative."""
     weights = np.linspace(1.0, 2.0, len(iterate.distances))
     step = np.append(direction.ravel(), [0.0, 0.0])
-    shift = np.einsum("kij,kj->ki", iterate.moves, (points.spread @ direction.ravel()).reshape(-1, 5))
+    shift = np.einsum("kij,kj->ki", iterate.moves, points.basis @ direction)
     moved = np.diff(shift[:, CONTROLLED], axis=0) / points.steps
     h = 1e-4
 

@@ -9,13 +9,14 @@ from pipeline.certify import certify_path
 from pipeline.config import Config, PoseConfig
 from pipeline.config.task import VisitConfig
 from pipeline.errors import NoSolutionError
-from pipeline.machine import Machine
+from pipeline.machine import Machine, inverse_kinematics
 from pipeline.machine.pose import CONTROLLED
 from pipeline.refine import Refinement, measure_path, sample_path
 from pipeline.refine.problem import Problem, build_problem
-from pipeline.refine.timed.hull import rate_limits
+from pipeline.refine.timed.hull import hull_fractions, rate_limits
 from pipeline.refine.timed.minimise import minimise_time
-from pipeline.refine.timed.motion import coarse_in_time, first_motion, halved, on_mesh
+from pipeline.refine.timed.motion import first_motion, halved, on_mesh
+from pipeline.retime import retime_path
 from pipeline.route import Route
 
 
@@ -76,23 +77,49 @@ def test_a_motion_that_does_not_converge_is_refused_with_its_arrays(problem: Pro
 
 def test_a_finer_mesh_has_the_same_motion(problem: Problem, refinement: Refinement) -> None:
     """Halving every knot span changes neither q(tau) nor the duration; nodes stay four to a coefficient."""
-    motion, clock = first_motion(problem, refinement.path, 40)
+    motion = first_motion(problem, refinement.path, 40)
     finer = on_mesh(motion, halved(motion.mesh))
     tau = np.linspace(0.0, 1.0, 301)
     np.testing.assert_allclose(finer.path.q(tau), motion.path.q(tau), atol=1e-12)
     assert finer.motion_s == motion.motion_s
     assert finer.mesh.coefficients == 75
     assert len(finer.mesh.s) == 321
-    assert (np.diff(coarse_in_time(problem.coarse, clock).node_s) >= 0.0).all()
+    assert (np.diff(motion.coarse.node_s) >= 0.0).all()
+
+
+def test_another_time_law_of_the_same_path_is_hardly_faster(config: Config, timed: Refinement) -> None:
+    """Stage three, free to choose s(t) under limited jerk, finds no more than one per cent."""
+    retimed = retime_path(config, timed.path).timing
+    assert retimed is not None
+    assert timed.path.motion_s is not None
+    assert 0.99 * timed.path.motion_s < retimed.motion_s <= timed.path.motion_s * (1.0 + 1e-9)
+
+
+def test_without_jerk_limits_the_motion_is_faster(problem: Problem, refinement: Refinement, timed: Refinement) -> None:
+    """With `retime.jerk` off only velocity and acceleration are limited, and stage three keeps the time law."""
+    retime = problem.config.retime.model_copy(update={"jerk": False})
+    config = problem.config.model_copy(update={"retime": retime})
+    path = minimise_time(replace(problem, config=config), refinement).path
+    assert path.machine is problem.machine
+    fractions = {name: share.max() for name, share in hull_fractions(path.machine, path.spline, path.motion_s).items()}
+    assert fractions["jerk"] > 1.05
+    assert max(fractions["velocity"], fractions["acceleration"]) <= 1.0 + 1e-9
+    assert path.motion_s < timed.path.motion_s
+    trajectory = retime_path(config, path)
+    assert trajectory.jerk_jumps
+    assert trajectory.timing.motion_s == pytest.approx(path.motion_s, rel=1e-3)
 
 
 def test_a_pose_to_visit_is_met_at_a_time_of_its_own(problem: Problem, refinement: Refinement) -> None:
-    """A pose of the refined path, moved by two millimetres, is on the motion, which passes it without a node there."""
-    step = len(problem.route) // 2
-    pose = refinement.path.pose(refinement.coarse.node_s[100 * step])
-    pose[1] += 0.002
-    poses, visits = problem.route.pose.copy(), np.zeros_like(problem.route.visits)
-    poses[step], visits[step] = pose, 1
+    """A pose one centimetre off the refined path is on the motion, which passes it without a node there."""
+    step, route = len(problem.route) // 2, problem.route
+    near = refinement.path.pose(refinement.coarse.node_s[100 * step])[CONTROLLED]
+    # This way: the other one is out of reach for the arm that changes its mode there.
+    near[1] -= 0.01
+    found = inverse_kinematics(problem.machine, near[None], route.modes[[step]])
+    assert found.reachable.all()
+    pose, visits, poses, q_m = found.pose[0], np.zeros_like(route.visits), route.pose.copy(), route.q_m.copy()
+    poses[step], q_m[step], visits[step] = pose, found.q_m[0], 1
     x, y, z, rx, _, rz = pose.tolist()
     given = PoseConfig(x_m=x, y_m=y, z_m=z, rx_deg=np.rad2deg(rx), rz_deg=np.rad2deg(rz), mode="LLL")
     task = problem.config.task.model_copy(update={"visit": (VisitConfig(pose=given),)})
@@ -101,7 +128,7 @@ def test_a_pose_to_visit_is_met_at_a_time_of_its_own(problem: Problem, refinemen
         config=problem.config.model_copy(
             update={"task": task, "refine": problem.config.refine.model_copy(update={"corridor_cells": 1.0})}
         ),
-        route=replace(problem.route, pose=poses, visits=visits),
+        route=replace(route, pose=poses, q_m=q_m, visits=visits),
     )
     path = minimise_time(asked, refinement).path
     tau = np.linspace(0.0, 1.0, 20_001)

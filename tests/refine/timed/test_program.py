@@ -1,5 +1,6 @@
 """The program of path and time together, on straight moves along X, whose shortest times are known."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import casadi as ca
@@ -8,44 +9,28 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.optimize import linprog
 
-from pipeline.machine import Machine, inverse_kinematics
+from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
 from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.integral.ipopt import IpoptOptions, solve_program
 from pipeline.refine.mesh import Mesh
-from pipeline.refine.timed.first_motion import Clock, fit_motion
-from pipeline.refine.timed.hull import least_motion_s
+from pipeline.refine.splines import DEGREE
+from pipeline.refine.timed.loads import load_shares
 from pipeline.refine.timed.program import TimedData, TimedGuess, TimedProgram, build_timed_program
-from pipeline.refine.timed.visits import VisitNodes
+from pipeline.refine.timed.visits import VisitBounds, VisitNodes
 from pipeline.status import Status
 
 TRAVEL_M = 0.4
-START = np.array([[1.0, 0.3, 0.9, 0.0, 0.0]])
+MotionMaker = Callable[[int], Path]
 NO_VISITS = VisitNodes(np.zeros(0), np.zeros((0, 6)))
 
 
-def _straight(machine: Machine) -> Path:
-    """Move along X: all carts alike, and no telescope."""
-    solution = inverse_kinematics(machine, START, np.zeros(1, dtype=np.int64))
-    part = np.linspace(0.0, 1.0, 12)
-    q = solution.q_m + TRAVEL_M * part[:, None] * np.array([1.0, 1.0, 1.0, 0.0, 0.0])
-    pose = solution.pose + TRAVEL_M * part[:, None] * np.eye(6)[0]
-    knots = np.concatenate([[0.0], part, [1.0]])
-    return Path(machine, BSpline(knots, q, 1), part, pose)
-
-
-def _program(machine: Machine, coefficients: int, cap: float = 1e3, kappa: float = 0.0) -> TimedProgram:
-    """Write the program of the move, from a smooth motion along it, with a weight of the integral of kappa."""
-    path = _straight(machine)
-    part = np.linspace(0.0, 1.0, 101)
-    spline = fit_motion(path, Clock(part, part**3 * (10.0 - 15.0 * part + 6.0 * part**2)), coefficients)
-    tau = np.linspace(0.0, 1.0, 4 * coefficients + 1)
-    x = (spline(tau)[:, :1] - spline(0.0)[0]) * np.eye(6)[0]
-    nodes = PoseSamples(machine, path.node_pose[0] + x, spline(tau))
+def _program(motion: Path, cap: float = 1e3, kappa: float = 0.0) -> TimedProgram:
+    """Write the program of the move, from a motion along it, with a weight of the integral of kappa."""
+    machine, tau, spline = motion.machine, motion.node_s, motion.spline
     low, high = np.full((len(tau), 6), -np.inf), np.full((len(tau), 6), np.inf)
-    low[[0, -1]] = high[[0, -1]] = path.node_pose[[0, -1]]
-    motion_s = least_motion_s(machine, spline)
+    low[[0, -1]] = high[[0, -1]] = motion.node_pose[[0, -1]]
     data = TimedData(
         mesh=Mesh(tau, spline.t),
         corridor=Corridor(low, high, np.zeros((len(tau), 3)), 0.0),
@@ -57,20 +42,20 @@ def _program(machine: Machine, coefficients: int, cap: float = 1e3, kappa: float
         actuator_range_m=machine.actuator_limits_m,
         exponent=64.0,
         log_cap=np.concatenate([[np.inf], np.full(len(tau) - 2, np.log(cap)), [np.inf]]),
-        visit_bounds=(np.zeros((0, 6)), np.zeros((0, 6))),
+        visit_bounds=VisitBounds(np.zeros((0, 6)), np.zeros((0, 6)), np.zeros((0, 5))),
         weights=(1.0, kappa),
     )
-    return build_timed_program(data, TimedGuess(nodes, spline, motion_s, NO_VISITS))
+    return build_timed_program(data, TimedGuess(motion, NO_VISITS))
 
 
 @pytest.fixture(scope="module")
-def durations(machine: Machine) -> np.ndarray:
+def durations(straight_motion: MotionMaker) -> np.ndarray:
     """Solve on three meshes, each with about twice the coefficients."""
-    return np.array([_solved(machine, coefficients) for coefficients in (12, 24, 48)])
+    return np.array([_solved(straight_motion(coefficients)) for coefficients in (12, 24, 48)])
 
 
-def _solved(machine: Machine, coefficients: int) -> float:
-    timed = _program(machine, coefficients)
+def _solved(motion: Path) -> float:
+    timed = _program(motion)
     result = solve_program(timed.program, IpoptOptions(300, 60.0, "timed"), "straight")
     assert result.status is Status.CONVERGED
     return float(timed.motion(result.x))
@@ -111,9 +96,24 @@ def test_the_shortest_time_is_that_of_a_dense_collocation(machine: Machine, dura
     assert durations[-1] == pytest.approx(_collocated(machine, 60), rel=0.02)
 
 
-def test_derivatives_are_those_of_objective_and_constraints(machine: Machine) -> None:
+def test_the_speed_of_the_tcp_is_a_limit_of_the_motion(machine: Machine, straight_motion: MotionMaker) -> None:
+    """Half the carts' speed takes the time of a cart that is so slow; loads at the nodes are within their limits."""
+    a, j = float(machine.acceleration_mps2[0]), float(machine.jerk_mps3[0])
+    v = float(machine.velocity_mps[0]) / 2.0
+    motion = straight_motion(24)
+    motion = replace(motion, machine=replace(machine, tcp_speed_mps=v), motion_s=2.0 * float(motion.motion_s or 0.0))
+    timed = _program(motion)
+    result = solve_program(timed.program, IpoptOptions(300, 60.0, "timed"), "straight")
+    assert result.status is Status.CONVERGED
+    assert float(timed.motion(result.x)) == pytest.approx(TRAVEL_M / v + v / a + a / j, rel=0.03)
+    spline = BSpline(motion.spline.t, timed.program.spline_coefficients(result.x), DEGREE)
+    found = replace(motion, spline=spline, node_pose=timed.program.poses(result.x))
+    assert load_shares(found, motion.node_s, float(timed.motion(result.x))).max() <= 1.0 + 1e-6
+
+
+def test_derivatives_are_those_of_objective_and_constraints(straight_motion: MotionMaker) -> None:
     """Gradient, Jacobian and Hessian agree with differences, rows of the cap on kappa included."""
-    timed = _program(machine, 12, cap=20.0, kappa=0.01)
+    timed = _program(straight_motion(12), cap=20.0, kappa=0.01)
     program, generator = timed.program, np.random.default_rng(5)
     x = program.guess + 1e-3 * generator.normal(size=program.guess.shape)
     direction, step = generator.normal(size=x.shape), 1e-7
@@ -139,9 +139,9 @@ def test_derivatives_are_those_of_objective_and_constraints(machine: Machine) ->
     np.testing.assert_allclose(hessian @ direction, expected, rtol=1e-3, atol=1e-5 * np.abs(expected).max())
 
 
-def test_kappa_gets_a_row_at_every_node_but_the_ends(machine: Machine) -> None:
+def test_kappa_gets_a_row_at_every_node_but_the_ends(machine: Machine, straight_motion: MotionMaker) -> None:
     """The rows are log kappa less the log of the cap; start and goal are given."""
-    program = _program(machine, 12, cap=20.0).program
+    program = _program(straight_motion(12), cap=20.0).program
     block = next(block for block in program.blocks if block.name == "kappa above its cap")
     assert block.end - block.begin == 4 * 12 - 1
     g = np.array(ca.Function("g", [program.problem["x"]], [program.problem["g"]])(program.guess)).ravel()
@@ -149,10 +149,10 @@ def test_kappa_gets_a_row_at_every_node_but_the_ends(machine: Machine) -> None:
     np.testing.assert_allclose(g[block.begin : block.end], np.log(samples.kappa[1:-1] / 20.0), atol=0.06)
 
 
-def test_a_locked_actuator_keeps_its_coefficients(machine: Machine) -> None:
+def test_a_locked_actuator_keeps_its_coefficients(machine: Machine, straight_motion: MotionMaker) -> None:
     """Without a velocity it cannot move, whatever its telescope would allow."""
     locked = replace(machine, velocity_mps=np.array([0.5, 0.5, 0.5, 0.1, 0.0]))
-    low, high = _program(locked, 12).program.variable_bounds
+    low, high = _program(replace(straight_motion(12), machine=locked)).program.variable_bounds
     c = slice(11 * 49, 11 * 49 + 5 * 12)
     assert (low[c].reshape(12, 5)[:, 4] == high[c].reshape(12, 5)[:, 4]).all()
     assert (low[c].reshape(12, 5)[3:-3, 0] < high[c].reshape(12, 5)[3:-3, 0]).all()

@@ -8,9 +8,14 @@ from scipy.interpolate import BSpline
 from pipeline.machine import Machine
 from pipeline.refine import Refinement
 from pipeline.refine.splines import DEGREE, clamped_knots
-from pipeline.refine.timed.visits import VisitNodes, visit_part, visits_at
+from pipeline.refine.timed.visits import VisitBounds, VisitNodes, visit_part, visits_at
 
 COUNT = 14
+
+
+def _boxes(count: int) -> VisitBounds:
+    free = np.full((count, 6), np.inf)
+    return VisitBounds(-free, free, np.full((count, 5), np.nan))
 
 
 def test_a_visit_is_on_the_splines_at_any_time_of_its_span(machine: Machine, refinement: Refinement) -> None:
@@ -18,8 +23,7 @@ def test_a_visit_is_on_the_splines_at_any_time_of_its_span(machine: Machine, ref
     path, tau = refinement.path, np.array([0.21, 0.77])
     spline = BSpline(clamped_knots(COUNT), np.random.default_rng(1).normal(size=(COUNT, 5)), DEGREE)
     symbol = ca.MX.sym("c", 5, COUNT)
-    free = np.full((2, 6), np.inf)
-    part = visit_part(machine, VisitNodes(tau, path.pose(tau)), (-free, free), spline, symbol)
+    part = visit_part(machine, VisitNodes(tau, path.pose(tau)), _boxes(2), spline, symbol)
     _, q, share = part.unknowns
     row = next(row for row in part.rows if row.name == "visits on the motion")
     missed = ca.Function("missed", [q.symbol, share.symbol, symbol], [row.expression])
@@ -28,6 +32,25 @@ def test_a_visit_is_on_the_splines_at_any_time_of_its_span(machine: Machine, ref
     times = part.spans[:, 0] + later * (part.spans[:, 1] - part.spans[:, 0])
     assert np.abs(np.array(missed(spline(times).T, later, spline.c.T))).max() < 1e-12
     assert np.abs(np.array(missed(q.guess.T, later, spline.c.T))).max() > 1e-3
+
+
+def test_a_pose_that_is_given_fixes_its_actuators(machine: Machine, refinement: Refinement) -> None:
+    """Only the box has closure rows: those of a given pose would have no unknowns."""
+    path, tau = refinement.path, np.array([0.21, 0.77])
+    pose, q = path.pose(tau), path.q(tau)
+    bounds = _boxes(2)
+    bounds.low[0] = bounds.high[0] = pose[0]
+    bounds.q_m[0] = q[0] + 0.01
+    spline = BSpline(clamped_knots(COUNT), np.zeros((COUNT, 5)), DEGREE)
+    part = visit_part(machine, VisitNodes(tau, pose), bounds, spline, ca.MX.sym("c", 5, COUNT))
+    actuators = part.unknowns[1]
+    for side in (actuators.guess, actuators.low, actuators.high):
+        np.testing.assert_array_equal(side[0], q[0] + 0.01)
+    assert np.isinf(actuators.high[1]).all()
+    assert {row.name: row.expression.numel() for row in part.rows} == {
+        "visits on the motion": 10,
+        "closure at visits": 6,
+    }
 
 
 def test_visits_at_an_edge_go_on_in_the_next_span() -> None:
@@ -45,8 +68,8 @@ def test_visits_at_an_edge_go_on_in_the_next_span() -> None:
 def test_without_visits_there_is_nothing(machine: Machine) -> None:
     """No unknowns and no rows."""
     spline = BSpline(clamped_knots(COUNT), np.zeros((COUNT, 5)), DEGREE)
-    none = np.zeros((0, 6))
-    part = visit_part(machine, VisitNodes(np.zeros(0), none), (none, none), spline, ca.MX.sym("c", 5, COUNT))
+    none = VisitNodes(np.zeros(0), np.zeros((0, 6)))
+    part = visit_part(machine, none, _boxes(0), spline, ca.MX.sym("c", 5, COUNT))
     assert part.unknowns == ()
     assert part.rows == ()
     assert visits_at(part.spans, np.zeros(0)) == (pytest.approx(np.zeros(0)), False)
