@@ -11,9 +11,9 @@ from pipeline.config import Config
 from pipeline.machine import Machine, build_machine
 from pipeline.route import RegionTable, Route, build_regions
 from pipeline.route.bounds.shortest_paths import Bounds
+from pipeline.route.core.build import Core, build_core
 from pipeline.route.moves.candidates import Moves, find_moves
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import Core, build_core
 from tests.conftest import WITHOUT_FORCE_LIMITS
 
 RAIL_OF_LINK = [0, 1, 1, 2, 2, 2]

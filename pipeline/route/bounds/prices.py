@@ -22,6 +22,8 @@ _REACH = 0.3
 """Paths up to this much more costly than the cheapest, relative, are considered: prices need no proof, only quality."""
 _TRIES = 40
 _CLOSE = 1e-4
+_DEAREST = 10.0
+"""Prices at which a budget outweighs the whole cost this many times are as good as infinite."""
 
 
 def priced_bounds(
@@ -51,8 +53,7 @@ def _best_prices(
     left = np.array([budget.left(regions) for budget in budgets])
     travel, dearest = cost.priced_travel(regions), cost.highest_price(regions)
     scale = bounds.optimum + dearest * abs(travel)
-    # A price at which the budget alone outweighs the whole cost is as good as infinite.
-    highest = np.append(scale / np.maximum(left, 1e-3), dearest if travel else 0.0)
+    highest = np.append(_DEAREST * scale / np.maximum(left, 1e-3), dearest if travel else 0.0)
     sign = np.append(np.ones(len(budgets)), -np.sign(travel))
     planes: list[tuple[float, FloatArray]] = []
     prices, best, value = np.zeros(len(highest)), np.zeros(len(highest)), float("-inf")
@@ -74,9 +75,11 @@ def _plane(regions: RegionTable, moves: Moves, cost: MoveCost, prices: Prices) -
     path = path_to(previous, regions.start, regions.goal)
     ends = regions, path[:-1], path[1:]
     travel = cost.best_travel(*ends, prices.travel)
-    paid = float(cost.least(*ends, prices.travel).sum() + prices.travel * travel.sum())
+    own = cost.offset_m(regions)
+    moved = float(travel.sum() + own[path[-1]] - own[path[0]])
+    paid = float(cost.least(*ends, prices.travel).sum()) + prices.travel * moved
     spent = np.array([budget.used(*ends).sum() - budget.left(regions) for budget in prices.budgets])
-    return paid, np.append(spent, travel.sum() - cost.priced_travel(regions))
+    return paid, np.append(spent, moved - cost.priced_travel(regions))
 
 
 def _top(planes: list[tuple[float, FloatArray]], highest: FloatArray) -> tuple[float, FloatArray]:

@@ -54,40 +54,52 @@ class ActuatorTime:
         return np.where(moved, sign * carts[largest, column], rest), slope
 
     def least(self, regions: RegionTable, source: IntArray, target: IntArray, price: float) -> FloatArray:
-        """Maximise the dual: convex combinations of two pieces whose slopes add up to the price. Shape (m,).
+        """Maximise the dual: single pieces and convex combinations of two, see `_dual`. Shape (m,).
 
         The priced travel is that of cart 1, which is dx and what the platform needs of it: no move of cart 1 costs
         less than its price then.
         """
-        return self._dual(regions, source, target, price)[0]
+        own = self.offset_m(regions)
+        value = self._dual(regions, source, target, price)[0] - price * (own[target] - own[source])
+        return np.asarray(np.maximum(value, 0.0))
 
     def wait(self, regions: RegionTable) -> FloatArray:
         """Give the seconds per metre of the slowest cart. Shape (n,)."""
         return np.full(len(regions), 1.0 / self.velocity_mps[:3].min())
 
     def best_travel(self, regions: RegionTable, source: IntArray, target: IntArray, price: float) -> FloatArray:
-        """Give where the two pieces meet. Shape (m,)."""
+        """Give where two pieces meet, or the largest move. Shape (m,)."""
         return self._dual(regions, source, target, price)[1]
 
     def _dual(
         self, regions: RegionTable, source: IntArray, target: IntArray, price: float
     ) -> tuple[FloatArray, FloatArray]:
-        """Maximise the dual: its values and the travels of cart 1 that attain them. Shapes (m,)."""
-        carts, rest = self._parts(regions, source, target)
-        # Measured from cart 1: its piece is dx' / v_1, where dx' is its travel.
-        carts = carts - carts[0] * (self.velocity_mps[0] / self.velocity_mps[:3])[:, None]
-        up, down = 1.0 / self.velocity_mps[:3], -1.0 / self.velocity_mps[:3]
-        lines = [(carts[i], up[i]) for i in range(3)] + [(-carts[i], down[i]) for i in range(3)] + [(rest, 0.0)]
-        best, travel = np.zeros(len(source)), np.zeros(len(source))
-        for low_value, low in lines:
-            for high_value, high in lines:
+        """Minimise cost - p dx over |dx| <= Delta X: values, and the dx that attain them. Shapes (m,).
+
+        The largest of pieces a + s dx is least where two pieces with slopes on either side of p meet, at which it is
+        their convex combination of slope p; or at an end of the largest move, a - |s - p| Delta X for some piece.
+        """
+        best, travel = np.full(len(source), -np.inf), np.zeros(len(source))
+        pieces = self._pieces(regions, source, target)
+        for slope, value in pieces:
+            at_end = value - abs(slope - price) * self.x_step_m
+            _raise(best, travel, at_end, np.broadcast_to(np.copysign(self.x_step_m, price - slope), travel.shape))
+        for low, low_value in pieces:
+            for high, high_value in pieces:
                 if low <= price <= high and low < high:
                     share = (price - low) / (high - low)
                     value = share * high_value + (1.0 - share) * low_value
-                    better = np.flatnonzero(value > best)
-                    best[better] = value[better]
-                    travel[better] = (low_value - high_value)[better] / (high - low)
+                    _raise(best, travel, value, (low_value - high_value) / (high - low))
         return best, travel
+
+    def _pieces(self, regions: RegionTable, source: IntArray, target: IntArray) -> list[tuple[float, FloatArray]]:
+        """List the pieces a + s dx of the cost, those of one slope s as one: s, and a (m,)."""
+        carts, rest = self._parts(regions, source, target)
+        pieces = [(0.0, rest)]
+        for velocity in np.unique(self.velocity_mps[:3]).tolist():
+            alike = carts[self.velocity_mps[:3] == velocity]
+            pieces += [(1.0 / velocity, alike.max(axis=0)), (-1.0 / velocity, (-alike).max(axis=0))]
+        return pieces
 
     def most(self, regions: RegionTable) -> float:
         """Give the time from one end of everything in the table to the other, and the largest move along X."""
@@ -116,3 +128,9 @@ class ActuatorTime:
         carts = (regions.q_m[:, :3] - regions.controlled[:, :1]).T / self._carts
         telescopes = regions.q_m[:, 3:].T / self.velocity_mps[3:, None]
         return carts[:, target] - carts[:, source], np.abs(telescopes[:, target] - telescopes[:, source]).max(axis=0)
+
+
+def _raise(best: FloatArray, travel: FloatArray, value: FloatArray, at: FloatArray) -> None:
+    """Take over values (m,) where they are larger, and the travels at which they are attained."""
+    better = np.flatnonzero(value > best)
+    best[better], travel[better] = value[better], at[better]

@@ -39,7 +39,7 @@ class MoveCost(Protocol):
         """Give what a metre along X costs in each region by waits alone, (n,); a wait costs in proportion to its dx."""
 
     def best_travel(self, regions: RegionTable, source: IntArray, target: IntArray, price: float) -> FloatArray:
-        """Compute the priced travel of moves (m,) at which `least` is attained. Shape (m,)."""
+        """Compute the dx of moves (m,) at which `least` is attained; of none beyond a largest move. Shape (m,)."""
 
     def most(self, regions: RegionTable) -> float:
         """Bound the cost of every move from above."""

@@ -13,6 +13,15 @@ from pipeline.route.moves.rejections import Rejection
 Follow = Callable[[IntArray, IntArray], list[Rejection | None]]
 """Follows moves between rows (m,) of the region table; returns why each is rejected, None if it is not."""
 
+Screening = Callable[[Moves, Moves, IntArray], Moves]
+"""Follows the moves of a core (first), and leaves all known to be bad out of others (second); rows are mapped to
+those of the region table by the third, (n,). `Screen.screen` is one."""
+
+
+def keep_all(core: Moves, moves: Moves, base: IntArray) -> Moves:
+    """Screen nothing: all moves are admissible."""
+    return moves
+
 
 class Screen:
     """What is known of moves followed so far, by rows of the region table.

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import block_array, csc_array
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.route.programs.core import Core
+from pipeline.route.core.build import Core
 from pipeline.solvers.highs import LinearProgram
 
 

@@ -18,9 +18,9 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from pipeline.arrays import FloatArray, IntArray
+from pipeline.route.core.build import Core
 from pipeline.route.cost.interface import MoveCost
 from pipeline.route.programs.blocks import Blocks
-from pipeline.route.programs.core import Core
 from pipeline.route.regions.table import RegionTable
 from pipeline.solvers.highs import LinearProgram
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.route.bounds.shortest_paths import Bounds
+from pipeline.route.core.build import Core
 from pipeline.route.deadline import Deadline
 from pipeline.route.metric import ROUNDING
-from pipeline.route.programs.core import Core
 from pipeline.route.programs.solution import StepSequence
 from pipeline.route.search.states import StateGraph
 from pipeline.status import Status
@@ -74,9 +74,9 @@ class BestSoFar:
         """The sequence itself, in rows of the graph."""
         return self._found[0] if self._found else None
 
-    def offer(self, sequence: StepSequence, core: Core) -> None:
-        """Take over a route that was found without a proof, if it is better."""
-        if len(sequence.region) and sequence.outcome.objective < self.objective:
+    def offer(self, sequence: StepSequence | None, core: Core) -> None:
+        """Take over a route that was found without a proof, if there is one and it is better."""
+        if sequence is not None and len(sequence.region) and sequence.outcome.objective < self.objective:
             self._found = (sequence, core)
 
     def decided_by(self, sequence: StepSequence, core: Core, deadline: Deadline) -> bool:

@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 
 from pipeline.route.bounds.shortest_paths import Bounds
+from pipeline.route.core.build import Core
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import Core
 from pipeline.route.programs.core_program import build_core_program, read_core
 from pipeline.route.programs.solution import StepSequence, solve_steps
 from pipeline.route.programs.travel_program import Tangents

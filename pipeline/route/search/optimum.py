@@ -6,21 +6,23 @@ the threshold. The threshold starts just above the best bound and is raised unti
 
 import numpy as np
 
-from pipeline.arrays import IntArray
 from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves
+from pipeline.route.core.build import Core, build_core, core_bytes
 from pipeline.route.deadline import OutOfTimeError
 from pipeline.route.memory import require_memory
 from pipeline.route.moves.candidates import Moves
+from pipeline.route.moves.screen import Screening, keep_all
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import build_core, core_bytes
 from pipeline.route.programs.exclusions import excluded_pairs
-from pipeline.route.programs.solution import solve_steps
+from pipeline.route.programs.solution import StepSequence, solve_steps
 from pipeline.route.programs.travel_program import Tangents
 from pipeline.route.programs.whole import WHOLE_PROGRAMS
 from pipeline.route.search.best_so_far import BestSoFar, Optimum, in_table
 from pipeline.route.search.core_optimum import solve_core
-from pipeline.route.search.first_route import Screening, offer_first_routes
+from pipeline.route.search.first_route import offer_first_route
+from pipeline.route.search.outer_approximation import CLOSED
 from pipeline.route.search.states import StateGraph
+from pipeline.route.search.tightening import tighten_core
 from pipeline.status import Status
 
 _GROWTH = 3.0
@@ -30,11 +32,6 @@ _SCREENED_EARLY = 20_000
 """Cores of at most this many arcs are screened before their threshold is lowered, larger ones just before the solve."""
 
 _NO_MOVES = Moves(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
-
-
-def keep_all(core: Moves, moves: Moves, base: IntArray) -> Moves:
-    """Screen nothing: all moves are admissible."""
-    return moves
 
 
 def find_optimum(
@@ -126,50 +123,86 @@ def prove_on_core(
 
 
 def _raise_threshold(
-    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: "BestSoFar"
+    problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: BestSoFar
 ) -> Optimum | None:
-    options, regions, moves = problem.options, graph.regions, graph.moves
+    options = problem.options
     # No route within the step budget can cost more than this.
-    ceiling = options.step_budget * problem.cost.most(regions)
+    ceiling = options.step_budget * problem.cost.most(graph.regions)
     # Costs of zero are possible: a least cost of zero has no relative margin.
     unit = ceiling / options.step_budget**2
     margin = options.threshold_margin
     if problem.cost.counts_x:
-        offer_first_routes(problem, graph, bounds, screen, best)
-    threshold, reach, part = (
-        min(best.excluded + margin * max(best.excluded, unit), best.objective, ceiling),
-        -np.inf,
-        moves,
-    )
-    tangents = Tangents(regions, problem.cost, bounds.prices.travel)
+        offer_first_route(problem, graph, bounds, screen, best)
+        if best.sequence is not None and best.objective <= best.excluded * (1.0 + CLOSED):
+            return best.proven(best.excluded)
+    cores = _Cores(problem, graph, bounds, screen, best)
+    threshold = min(best.excluded + margin * max(best.excluded, unit), best.objective, ceiling)
     while True:
-        problem.deadline.require()
-        if threshold > reach:
-            reach = _AHEAD * threshold
-            part = screen(_NO_MOVES, cheap_moves(moves, bounds, reach), graph.base)
-        what, needed = f"a core below {threshold:.2f}", core_bytes(bounds, threshold, options.step_budget)
-        require_memory(options, needed, what, "lower route.step_budget, or coarsen route.grid")
-        core = build_core(problem, regions, part, bounds, threshold)
-        problem.monitor.progress(
-            f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}"
-        )
-        # The core's own bound takes x and the step budget into account: a lower threshold, and a smaller core, may do.
-        lower = core.bound * (1.0 + options.threshold_margin)
-        lowered = not core.empty and core.bound > best.excluded and lower < min(threshold, best.objective)
-        if not lowered or len(core.tail) <= _SCREENED_EARLY:
-            left = screen(core.moves, part, graph.base)
-            if len(left) < len(part):
-                part = left
-                continue
-        if lowered:
-            threshold, margin = lower, options.threshold_margin
+        core, lower = cores.below(threshold)
+        if lower < threshold:
+            threshold = lower
             continue
         if not core.empty:
-            found = solve_core(problem, core, bounds, tangents, best.sequence)
+            found = solve_core(problem, core, bounds, cores.tangents, best.sequence)
             if best.decided_by(found, core, problem.deadline):
                 return best.proven(found.outcome.bound)
+        elif best.objective <= threshold:
+            return best.proven(best.objective)
         if threshold >= ceiling:
             return None
         best.excluded = threshold
         margin *= _GROWTH
         threshold = min(threshold + margin * max(threshold, unit), best.objective, ceiling)
+
+
+class _Cores:
+    """Cores of admissible moves; the tangents found in one serve the next."""
+
+    def __init__(
+        self, problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: BestSoFar
+    ) -> None:
+        self.tangents = Tangents(graph.regions, problem.cost, bounds.prices.travel)
+        self._problem = problem
+        self._graph = graph
+        self._bounds = bounds
+        self._screen = screen
+        self._best = best
+        self._reach = -np.inf
+        self._part = graph.moves
+
+    def below(self, threshold: float) -> tuple[Core, float]:
+        """Build the core of all routes of at most this cost, or of one that is known; also a threshold that may do.
+
+        The core's own bound takes x and the step budget into account: a lower threshold, and a smaller core, may do.
+        A large core that is not the last has moves that were not followed.
+        """
+        problem, graph = self._problem, self._graph
+        if threshold > self._reach:
+            self._reach = _AHEAD * threshold
+            part = cheap_moves(graph.moves, self._bounds, self._reach)
+            self._part = self._screen(_NO_MOVES, part, graph.base)
+        while True:
+            problem.deadline.require()
+            core, route = self._expand(threshold)
+            lower = core.bound * (1.0 + problem.options.threshold_margin)
+            if core.empty or core.bound <= self._best.excluded or lower >= core.threshold:
+                lower = threshold
+            if lower < threshold and len(core.tail) > _SCREENED_EARLY:
+                return core, lower
+            left = self._screen(core.moves, self._part, graph.base)
+            if len(left) == len(self._part):
+                self._best.offer(route, core)
+                return core, lower
+            self._part = left
+
+    def _expand(self, threshold: float) -> tuple[Core, StepSequence | None]:
+        problem, bounds, regions = self._problem, self._bounds, self._graph.regions
+        what, needed = f"a core below {threshold:.2f}", core_bytes(bounds, threshold, problem.options.step_budget)
+        require_memory(problem.options, needed, what, "lower route.step_budget, or coarsen route.grid")
+        core = build_core(problem, regions, self._part, bounds, threshold)
+        problem.monitor.progress(
+            f"route: core of {core.regions:,} regions, {len(core.tail):,} arcs, threshold {threshold:.2f}"
+        )
+        if core.empty or not problem.cost.counts_x:
+            return core, None
+        return tighten_core(problem, core, bounds, self.tangents, self._best.objective)

@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.route.core.build import Core
 from pipeline.route.cost.objectives import route_cost
 from pipeline.route.metric import ROUNDING
 from pipeline.route.problem import RouteProblem
-from pipeline.route.programs.core import Core
 from pipeline.route.programs.solution import StepSequence, solve_steps
 from pipeline.route.programs.travel_program import Tangents, build_travel_program
 from pipeline.route.search.x_positions import cheapest_x

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.route.bounds.shortest_paths import cheap_moves, shortest_paths
+from pipeline.route.core.build import core_bytes
 from pipeline.route.cost.kappa_sum import KappaSum
-from pipeline.route.programs.core import core_bytes
 
 
 def _cheapest_in(core, step_budget):

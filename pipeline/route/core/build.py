@@ -8,11 +8,11 @@ every budget; what cannot belong to a route of cost at most T within the budgets
 program over the core is exact whenever its optimum is at most T.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.arrays import FloatArray, IntArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.route.bounds.budgets import Budget
 from pipeline.route.bounds.shortest_paths import Bounds
 from pipeline.route.cost.interface import MoveCost
@@ -38,15 +38,17 @@ class Core:
     tail, head : (m,)
         Nodes an arc leaves and reaches.
     cost : (m,)
-        What an arc costs at least, whatever its dx.
+        What an arc costs at least, whatever its dx, less the price of its travel along X in the bounds.
     used : (budgets, m)
         What an arc uses of each budget, its x left out.
     threshold : float
         T.
     bound : float
         No route of cost at most T costs less, whatever its x; infinite when there is none.
-    step_budget, x_step_m, budgets : int, float, tuple
-        N, the largest move along X, and the budgets it was built for.
+    reach_m : (N - 1,)
+        How far x can travel from each step to the next, with the waits before it.
+    x_step_m, budgets : float, tuple
+        The largest move along X, and the budgets it was built for.
     """
 
     step: IntArray
@@ -58,14 +60,49 @@ class Core:
     used: FloatArray
     threshold: float
     bound: float
-    step_budget: int
+    reach_m: FloatArray
     x_step_m: float
     budgets: tuple[Budget, ...]
+
+    @property
+    def step_budget(self) -> int:
+        """N."""
+        return len(self.reach_m) + 1
 
     @property
     def empty(self) -> bool:
         """True when no route costs at most T."""
         return len(self.tail) == 0
+
+    @property
+    def reversed(self) -> "Core":
+        """The same routes from the goal to the start; nodes in reverse order, arcs in the same."""
+        last = len(self.step) - 1
+        return replace(
+            self,
+            step=self.step_budget - 1 - self.step[::-1],
+            region=self.region[::-1],
+            window_m=self.window_m[::-1],
+            tail=last - self.head,
+            head=last - self.tail,
+            reach_m=self.reach_m[::-1],
+        )
+
+    def restricted(self, arcs: BoolArray) -> "Core":
+        """Keep only these arcs (m,), with their nodes, start and goal."""
+        kept = np.zeros(len(self.step), dtype=bool)
+        kept[self.tail[arcs]] = kept[self.head[arcs]] = kept[0] = kept[-1] = True
+        number = np.cumsum(kept) - 1
+        return replace(
+            self,
+            step=self.step[kept],
+            region=self.region[kept],
+            window_m=self.window_m[kept],
+            tail=number[self.tail[arcs]],
+            head=number[self.head[arcs]],
+            cost=self.cost[arcs],
+            used=self.used[:, arcs],
+        )
 
     @property
     def regions(self) -> int:
@@ -131,7 +168,7 @@ def build_core(problem: RouteProblem, regions: RegionTable, moves: Moves, bounds
         used=arcs.used[:, use],
         threshold=threshold,
         bound=float(backward.cost[0, arcs.start]) - bounds.credit,
-        step_budget=step_budget,
+        reach_m=reach_m,
         x_step_m=x_step_m,
         budgets=bounds.prices.budgets,
     )
@@ -174,13 +211,14 @@ class _Arcs:
         head = np.concatenate([local[moves.target[use]], waits])
         ends = (regions, region[tail], region[head])
         used = [budget.used(*ends) for budget in bounds.prices.budgets]
+        least = cost.least(*ends, bounds.prices.travel)
         return cls(
             region=region,
             window_m=regions.x_window_m[region],
             tail=tail,
             head=head,
-            cost=cost.least(*ends, 0.0),
-            priced=bounds.prices.cost(cost, *ends),
+            cost=least,
+            priced=least + bounds.prices.penalty(*ends),
             used=np.array(used).reshape(-1, len(tail)),
             start=int(local[regions.start]),
             goal=int(local[regions.goal]),
