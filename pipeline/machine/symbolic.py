@@ -126,12 +126,9 @@ def _wrench(machine: Machine, masses: Masses, motion: tuple[ca.SX, ca.SX, ca.SX]
     """Write (F, M / L) of the platform by Newton's and Euler's equations about the TCP."""
     z, z1, z2 = motion
     body = lumped_platform(masses, machine.platform_points_m)
-    angles, rates = z[3:6], z1[3:6]
-    R = _rotation(angles[0], angles[1], angles[2])
-    # omega = e_x rx' + (Rx e_z) rz' + y_platform ry', and alpha by the chain rule.
-    omega = ca.vertcat(rates[0], 0.0, 0.0) + R[:, 1] * rates[1]
-    omega += ca.vertcat(0.0, -ca.sin(angles[0]), ca.cos(angles[0])) * rates[2]
-    alpha = ca.jtimes(omega, angles, rates) + ca.jtimes(omega, rates, z2[3:6])
+    rates, R = z1[3:6], rotation_matrix(z[3], z[4], z[5])
+    axes = rotation_axes(z)
+    omega, alpha = axes @ rates, axes @ z2[3:6] + axes_rate(axes, z, z1) @ rates
     r, inertia = R @ ca.DM(body.centre_m), R @ ca.DM(body.inertia_kgm2) @ R.T
     acceleration = z2[:3] + ca.cross(alpha, r) + ca.cross(omega, ca.cross(omega, r))
     F = body.mass_kg * (acceleration - ca.DM(masses.gravity_mps2))
@@ -158,6 +155,18 @@ def rotation_matrix(rx: ca.SX, ry: ca.SX, rz: ca.SX) -> ca.SX:
         ca.horzcat(cx * sz * cy + sx * sy, cx * cz, cx * sz * sy - sx * cy),
         ca.horzcat(sx * sz * cy - cx * sy, sx * cz, sx * sz * sy + cx * cy),
     )
+
+
+def rotation_axes(pose: ca.SX) -> ca.SX:
+    """Stack the axes e_x, y_platform and Rx e_z that rx, ry and rz turn about, (3, 3)."""
+    rx, ry, rz = pose[3], pose[4], pose[5]
+    z_axis = ca.vertcat(0.0, -ca.sin(rx), ca.cos(rx))
+    return ca.horzcat(ca.DM([1.0, 0.0, 0.0]), rotation_matrix(rx, ry, rz)[:, 1], z_axis)
+
+
+def axes_rate(axes: ca.SX, pose: ca.SX, rate: ca.SX) -> ca.SX:
+    """Differentiate `rotation_axes` (3, 3) by time, at a rate of the pose."""
+    return ca.reshape(ca.jtimes(ca.vec(axes), pose, rate), 3, 3)
 
 
 def _platform_joints(machine: Machine, pose: ca.SX) -> tuple[ca.SX, ca.SX]:

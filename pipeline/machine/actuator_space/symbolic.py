@@ -11,7 +11,13 @@ import casadi as ca
 from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import Machine
 from pipeline.machine.masses import lumped_platform
-from pipeline.machine.symbolic import closure_function, closure_terms_function, rotation_matrix
+from pipeline.machine.symbolic import (
+    axes_rate,
+    closure_function,
+    closure_terms_function,
+    rotation_axes,
+    rotation_matrix,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,12 +113,12 @@ def _equations(machine: Machine) -> _Equations:
     pose_by_q = ca.solve(F_z[:, :6], -F_z[:, 6:])
     rate = pose_by_q @ qd
     acceleration = ca.solve(F_z[:, :6], -ca.substitute(twice, v, ca.vertcat(rate, qd)))
-    R, axes = rotation_matrix(pose[3], pose[4], pose[5]), _rotation_axes(pose)
+    R, axes = rotation_matrix(pose[3], pose[4], pose[5]), rotation_axes(pose)
     centre, inertia = R @ ca.DM(body.centre_m), R @ ca.DM(body.inertia_kgm2) @ R.T
     weight = ca.DM(-body.mass_kg * masses.gravity_mps2)
     twist = ca.vertcat(pose_by_q[:3, :], axes @ pose_by_q[3:, :])
     omega = axes @ rate[3:]
-    turning = axes @ acceleration[3:] + _axes_rate(axes, pose, rate) @ rate[3:]
+    turning = axes @ acceleration[3:] + axes_rate(axes, pose, rate) @ rate[3:]
     skew = ca.skew(centre)
     upper = ca.horzcat(body.mass_kg * ca.SX.eye(3), -body.mass_kg * skew)
     M_p = ca.vertcat(upper, ca.horzcat(body.mass_kg * skew, inertia - body.mass_kg * skew @ skew))
@@ -127,14 +133,3 @@ def _equations(machine: Machine) -> _Equations:
         velocity=twist.T @ (M_p @ ca.vertcat(acceleration[:3], turning) + bias),
         gravity=twist.T @ ca.vertcat(weight, ca.cross(centre, weight)),
     )
-
-
-def _rotation_axes(pose: ca.SX) -> ca.SX:
-    """Stack the axes e_x, y_platform and Rx e_z that rx, ry and rz turn about, (3, 3)."""
-    rx, ry, rz = pose[3], pose[4], pose[5]
-    z_axis = ca.vertcat(0.0, -ca.sin(rx), ca.cos(rx))
-    return ca.horzcat(ca.DM([1.0, 0.0, 0.0]), rotation_matrix(rx, ry, rz)[:, 1], z_axis)
-
-
-def _axes_rate(axes: ca.SX, pose: ca.SX, rate: ca.SX) -> ca.SX:
-    return ca.reshape(ca.jtimes(ca.vec(axes), pose, rate), 3, 3)
