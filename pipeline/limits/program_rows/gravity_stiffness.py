@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from pipeline.limits.interface.rows import Nodes, ProgramPart, Row
 from pipeline.machine.actuator_space import actuator_rates, gravity_stiffness
@@ -17,8 +18,9 @@ from pipeline.machine.geometry import ACTUATORS, Machine
 if TYPE_CHECKING:
     from pipeline.limits.gravity_stiffness import GravityStiffness
 
-_NEAR = 0.5
-"""Nodes whose stiffness comes within this part of the scale get rows."""
+_NEAR, _BESIDE = 0.9, 0.1
+"""Nodes whose stiffness comes within this part of the scale get rows, and those beside them, up to this part of all:
+stiffness changes steeply, and where rows end the path would go round them."""
 
 
 def stiffness_part(limit: "GravityStiffness", margin: float, nodes: Nodes) -> ProgramPart:
@@ -27,8 +29,9 @@ def stiffness_part(limit: "GravityStiffness", margin: float, nodes: Nodes) -> Pr
     What is within the margin at the start or the goal, which are given, keeps what it has there.
     """
     values = limit.values(nodes.guess)[:, 0]
+    near = binary_dilation(values < _NEAR, iterations=max(1, round(_BESIDE * len(values))))
     # Start and goal are given.
-    rows = np.flatnonzero(values[1:-1] < _NEAR) + 1
+    rows = np.flatnonzero(near[1:-1]) + 1
     if len(rows) == 0:
         return ProgramPart(unknowns=(), rows=())
     kept = float(np.clip(values[[0, -1]].min(), 0.0, margin))

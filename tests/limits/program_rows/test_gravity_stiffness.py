@@ -29,10 +29,11 @@ def test_rows_hold_exactly_where_the_values_do(machine: Machine, draw_poses: Cal
     """At the guess, and a little off it, where the directions of the guess are not those of the eigenvectors."""
     drawn = draw_poses(machine, seed, 60, 40.0)
     samples = PoseSamples(machine, drawn.pose, drawn.q_m).take(slice(0, 12))
-    least = float(np.median(samples.gravity_stiffness_npm)) - 1.0
+    # So small a limit is near everywhere.
+    least = max(float(np.median(samples.gravity_stiffness_npm)) - 1.0, -800.0)
     part, pose, q = _part(samples, least)
-    if not part.rows:
-        assert len(samples) < 3 or (samples.gravity_stiffness_npm[1:-1] > 0.5 * least).all()
+    if len(samples) < 3:
+        assert part.rows == ()
         return
     (row,) = part.rows
     limit = stiffness_limit(replace(machine, gravity_stiffness_npm=least))
@@ -40,11 +41,10 @@ def test_rows_hold_exactly_where_the_values_do(machine: Machine, draw_poses: Cal
     ends = limit.values(samples)[[0, -1]].min()
     margin = float(np.clip(ends, 0.0, limit.node_margin(0.0)))
     evaluate = ca.Function("row", [pose, q], [row.expression])
-    near = np.flatnonzero(limit.values(samples)[1:-1, 0] < 0.5) + 1
     for off in (0.0, 1e-3):
         beside = PoseSamples(machine, samples.pose + off, samples.q_m)
         found = np.array(evaluate(beside.pose.T, beside.q_m.T)).reshape(-1, 5)
-        expected = limit.values(beside)[near, 0] >= margin
+        expected = limit.values(beside)[1:-1, 0] >= margin
         np.testing.assert_array_equal((found >= row.low - 1e-9).all(axis=1), expected)
 
 
@@ -54,6 +54,6 @@ def test_nodes_far_from_the_limit_have_no_rows(machine: Machine, draw_poses: Cal
     """A machine whose drives bear a lot is planned as without the limit."""
     drawn = draw_poses(machine, seed, 60, 40.0)
     samples = PoseSamples(machine, drawn.pose, drawn.q_m)
-    part, _, _ = _part(samples, 3.0 * float(samples.gravity_stiffness_npm.min()) - 1_000.0)
+    part, _, _ = _part(samples, 20.0 * float(samples.gravity_stiffness_npm.min()) - 1_000.0)
     assert part.rows == ()
     assert part.unknowns == ()
