@@ -1,5 +1,8 @@
 """Fixtures of the command line: those of runs, a way to call it, and a configuration as a file."""
 
+import signal
+import sys
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -10,6 +13,18 @@ from pipeline.config.file import dump_config
 from tests.cli.calls import Call, invoke
 from tests.run.conftest import *  # noqa: F403  # fixtures are found by their names here
 from tests.run.fake_stages import FakeStages
+
+
+@pytest.fixture(autouse=True)
+def interrupts_as_before() -> Iterator[None]:
+    """Restore what becomes of interrupts, which the command line changes for the process it runs in."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGALRM)}
+    hook = sys.unraisablehook
+    yield
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+    sys.unraisablehook = hook
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
 @pytest.fixture(autouse=True)

@@ -3,7 +3,6 @@
 import signal
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -20,15 +19,9 @@ whole = True
 
 
 @pytest.fixture(autouse=True)
-def raised() -> Iterator[None]:
-    """Raise interrupts, and restore how the tests handle them."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGALRM)}
-    hook = sys.unraisablehook
+def raised(interrupts_as_before: None) -> None:
+    """Raise interrupts."""
     raise_interrupts()
-    yield
-    sys.unraisablehook = hook
-    for number, handler in before.items():
-        signal.signal(number, handler)
 
 
 def test_it_is_raised_once() -> None:

@@ -14,11 +14,13 @@ from tests.cli.calls import edit
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Run the coarse configuration once, with the real stages."""
+def folder(tmp_path_factory: pytest.TempPathFactory, quick_config: Config) -> Path:
+    """Run the coarse configuration once, with the real stages and few pieces of jerk."""
     folder = tmp_path_factory.mktemp("quick")
-    config = Path(__file__).parents[2] / "configs" / "quick.yaml"
-    result = CliRunner().invoke(app, ["run", str(config), "--out", str(folder)])
+    file = tmp_path_factory.mktemp("configuration") / "quick.yaml"
+    retime = quick_config.retime.model_copy(update={"jerk_pieces": 100})
+    file.write_text(dump_config(quick_config.model_copy(update={"retime": retime})))
+    result = CliRunner().invoke(app, ["run", str(file), "--out", str(folder)])
     assert result.exit_code == 0, result.output
     return folder
 

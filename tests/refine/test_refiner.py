@@ -204,9 +204,9 @@ def test_other_limits_are_kept_as_well(light_config: Config, section: str, chang
     assert fine.det_sign_constant
 
 
-def test_a_short_task_is_refined_quickly(quick_config: Config, machine: Machine) -> None:
+def test_a_short_task_is_refined_quickly(light_config: Config, machine: Machine) -> None:
     """Two moves in one working mode: nothing but a nearly straight line, found in a few iterations."""
-    document = quick_config.model_dump(mode="json")
+    document = light_config.model_dump(mode="json")
     document["task"]["goal"].update(mode="LLL", y_m=0.5)
     config = Config.model_validate(document)
     route = plan_route(config, machine, build_regions(config, machine))
