@@ -38,7 +38,8 @@ reference: $(READY)
 	mkdir -p $(REFERENCE)/figures
 	cp results/agder/route.csv results/agder/trajectory.csv results/agder/summary.json $(REFERENCE)/
 	cp results/agder/figures/*.png $(REFERENCE)/figures/
-	$(BIN)/gantry-tau workspace configs/agder.yaml --picture-3d $(REFERENCE)/figures/workspace_3d.png
+	$(BIN)/gantry-tau workspace configs/agder.yaml --picture-3d results/workspace_3d.png
+	mv results/workspace_3d.png $(REFERENCE)/figures/
 	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
 
 # The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.

@@ -16,7 +16,7 @@ from pipeline.simulate.forces import forces_of
 from pipeline.simulate.period import start_state
 from pipeline.simulate.plant_step import plant_step_function, split_state
 
-AT = 0.45
+AT = 0.3
 """Where along the motion the machine is set moving, as a part of it."""
 
 
