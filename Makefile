@@ -75,7 +75,7 @@ bench-simulate: $(DEV)
 
 # The source distribution, and the wheel built from it.
 .PHONY: dist
-dist: $(VENV)/.release.ready
+dist: $(DEV)
 	rm -rf build/dist
 	$(BIN)/python -m build --outdir build/dist
 
