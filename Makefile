@@ -99,7 +99,13 @@ define install
 	$(BIN)/python -m pip --python $(1) install --quiet --disable-pip-version-check --constraint constraints.txt $(2)
 endef
 
-# A marker says that something was installed to its end: what was interrupted is done again.
+# A marker says that a set was installed to its end. An installation that was not may have left half a package, which
+# installers take for a whole one: everything is then begun again.
+PART := $(VENV)/.installing
+ifneq ($(wildcard $(PART)),)
+$(shell rm -f $(VENV)/.*.ready)
+endif
+
 $(VENV)/.venv.ready:
 	$(PYTHON) -m venv --clear $(VENV)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt uv || \
@@ -107,12 +113,16 @@ $(VENV)/.venv.ready:
 	@touch $@
 
 $(RUN): pyproject.toml constraints.txt | $(VENV)/.venv.ready
+	@touch $(PART)
 	$(call install,$(BIN)/python,--editable .)
+	@rm $(PART)
 	@touch $@
 
 # Sets for other work bring what a run needs.
 $(VENV)/.%.ready: pyproject.toml constraints.txt | $(VENV)/.venv.ready
+	@touch $(PART)
 	$(call install,$(BIN)/python,--editable ".[$*]")
+	@rm $(PART)
 	@touch $(RUN) $@
 
 clean:

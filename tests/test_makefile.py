@@ -82,10 +82,13 @@ def test_without_uv_pip_does_it(checkout: Checkout) -> None:
     assert checkout.make("run", fail="uv pip") == ["venv", "get uv", "uv .", "pip ."]
 
 
-def test_what_was_interrupted_is_done_again(checkout: Checkout) -> None:
-    """A set that was not installed to its end has no marker."""
+def test_what_was_interrupted_is_begun_again(checkout: Checkout) -> None:
+    """Half a package is not taken for a whole one, whichever set it is of."""
     assert checkout.make("run", fail="--editable", succeeds=False) == ["venv", "get uv", "uv .", "pip ."]
-    assert checkout.make("run") == ["uv ."]
+    assert checkout.make("run") == ["venv", "get uv", "uv ."]
+    checkout.make(".venv/.dev.ready", fail="--editable", succeeds=False)
+    assert checkout.make("run") == ["venv", "get uv", "uv ."]
+    assert checkout.make(".venv/.dev.ready") == ["uv .[dev]"]
     shutil.rmtree(checkout.folder / ".venv")
     assert checkout.make("run", fail="-m venv", succeeds=False) == ["venv"]
     assert checkout.make("run") == ["venv", "get uv", "uv ."]
