@@ -1,31 +1,34 @@
-# Two commands do everything: `make run` and `make test`. Both set up .venv by themselves.
+# Two commands do everything: `make run` and `make test`. Both set up .venv by themselves, each with what it needs.
 PYTHON ?= python3
 CONFIG ?= configs/agder.yaml
 VENV   := .venv
 BIN    := $(VENV)/bin
-READY  := $(VENV)/.ready
+RUN    := $(VENV)/.run.ready
+DEV    := $(VENV)/.dev.ready
 
 # A file of tests runs in one process, which makes what its tests share once; files go in the order of tests/conftest.py.
 WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 
 .PHONY: run test quick-test lint reference clean
+# Two installations at a time into one environment would break it.
+.NOTPARALLEL:
 
-run: $(READY)
+run: $(RUN)
 	$(BIN)/gantry-tau run $(CONFIG) $(ARGS)
 
 test: lint
 	$(BIN)/pytest $(WORKERS) --cov --cov-report=term --cov-fail-under=90
 
-quick-test: $(READY)
+quick-test: $(DEV)
 	$(BIN)/pytest $(WORKERS) -m "not slow"
 
 # Random input for everything that reads a file, a hundred times what `make test` tries; shows how many cases.
 FUZZ ?= 100
 .PHONY: fuzz
-fuzz: $(READY)
+fuzz: $(DEV)
 	FUZZ=$(FUZZ) $(BIN)/pytest -m fuzz -n 2 --hypothesis-show-statistics
 
-lint: $(READY)
+lint: $(DEV)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
@@ -33,7 +36,7 @@ lint: $(READY)
 
 # The small files of a run of the reference machine, kept in git.
 REFERENCE := results/reference/agder
-reference: $(READY)
+reference: $(DEV)
 	$(BIN)/gantry-tau run configs/agder.yaml --out results/agder --force
 	mkdir -p $(REFERENCE)/figures
 	cp results/agder/route.csv results/agder/trajectory.csv results/agder/summary.json $(REFERENCE)/
@@ -44,43 +47,87 @@ reference: $(READY)
 
 # The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.
 .PHONY: notebooks
-notebooks: $(READY)
+notebooks: $(DEV)
 	$(BIN)/jupytext --quiet --to ipynb notebooks/*.py
 	$(BIN)/jupyter execute --inplace notebooks/*.ipynb
 
 # Seconds and memory of stage one, alone and beside other solvers: about a quarter of an hour on a quiet machine.
 .PHONY: bench
-bench: $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
+bench: $(DEV) $(VENV)/.bench.ready
 	$(BIN)/python -m tests.benchmarks $(ARGS)
 
 # Stage two: meshes, other solvers and formulations, random tasks and machines: ten minutes. Then the motions of the
 # defaults before and after, on fixed tasks and random machines: twenty.
 .PHONY: bench-refine
-bench-refine: $(READY)
+bench-refine: $(DEV)
 	$(BIN)/python -m tests.benchmarks.refining $(ARGS)
 	$(BIN)/python -m tests.benchmarks.refining_motion
 
 # Stage three: grids, lower bound, limited jerk, and what one would use instead: a minute.
 .PHONY: bench-retime
-bench-retime: $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
+bench-retime: $(DEV) $(VENV)/.bench.ready
 	$(BIN)/python -m tests.benchmarks.retiming $(ARGS)
 
 # Programs that read what is exported, for the tests of exports; LinuxCNC comes with apt-get install linuxcnc-uspace.
 .PHONY: consumers
-consumers: $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[consumers]"
+consumers: $(VENV)/.consumers.ready
 
 # The twin: its speed, MuJoCo beside it, stiffness against gravity, and 25 random machines and tasks: twenty minutes.
 .PHONY: bench-simulate
-bench-simulate: $(READY)
+bench-simulate: $(DEV)
 	$(BIN)/python -m tests.benchmarks.simulating $(ARGS)
 
-$(READY): pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"
-	touch $@
+# The source distribution, and the wheel built from it.
+.PHONY: dist
+dist: $(DEV)
+	rm -rf build/dist
+	$(BIN)/python -m build --outdir build/dist
+
+# A software bill of materials (CycloneDX) of what a run needs, from an environment that holds nothing else.
+.PHONY: sbom
+sbom: $(VENV)/.release.ready
+	rm -rf build/sbom
+	$(PYTHON) -m venv --without-pip build/sbom/venv
+	$(call install,build/sbom/venv/bin/python,.)
+	$(BIN)/cyclonedx-py environment --pyproject pyproject.toml --mc-type application --output-reproducible \
+		--output-file build/sbom/gantry-tau.cdx.json build/sbom/venv/bin/python
+
+# How the repository compares with what the Scientific Python community advises; answers are in pyproject.toml.
+.PHONY: review
+review: $(VENV)/.release.ready
+	$(BIN)/sp-repo-review .
+
+# Installs for the Python $(1) what $(2) says: with uv, in a third of the time; with pip where uv cannot be had, or fails.
+define install
+	@( [ -x $(BIN)/uv ] && $(BIN)/uv pip install --quiet --compile-bytecode --python $(1) --constraint constraints.txt $(2) ) || \
+	$(BIN)/python -m pip --python $(1) install --quiet --disable-pip-version-check --constraint constraints.txt $(2)
+endef
+
+# A marker says that a set was installed to its end. An installation that was not may have left half a package, which
+# installers take for a whole one: everything is then begun again.
+PART := $(VENV)/.installing
+ifneq ($(wildcard $(PART)),)
+$(shell rm -f $(VENV)/.*.ready)
+endif
+
+$(VENV)/.venv.ready:
+	$(PYTHON) -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt uv || \
+		echo "uv could not be had: pip installs the rest, which takes longer" >&2
+	@touch $@
+
+$(RUN): pyproject.toml constraints.txt | $(VENV)/.venv.ready
+	@touch $(PART)
+	$(call install,$(BIN)/python,--editable .)
+	@rm $(PART)
+	@touch $@
+
+# Sets for other work bring what a run needs.
+$(VENV)/.%.ready: pyproject.toml constraints.txt | $(VENV)/.venv.ready
+	@touch $(PART)
+	$(call install,$(BIN)/python,--editable ".[$*]")
+	@rm $(PART)
+	@touch $(RUN) $@
 
 clean:
-	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage*
+	rm -rf $(VENV) build .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage*

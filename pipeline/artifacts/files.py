@@ -40,6 +40,25 @@ def write_whole(path: Path, content: bytes) -> None:
         place()
 
 
+def write_new(path: Path, content: bytes) -> None:
+    """Write a file that is not there yet, completely or not at all; folders are made as needed.
+
+    Raises
+    ------
+    FileExistsError
+        When there is something of that name; names it.
+    OSError
+        When it cannot be written; names it.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.open("xb").close()
+    try:
+        write_whole(path, content)
+    except BaseException:
+        path.unlink()
+        raise
+
+
 @contextlib.contextmanager
 def staged(folder: Path, files: Mapping[str, bytes]) -> Iterator[Callable[[], None]]:
     """Write files under temporary names in their own folders; call the function yielded to rename them into place.

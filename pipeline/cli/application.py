@@ -16,6 +16,7 @@ from pipeline.cli.commands import (
     check,
     compare,
     export,
+    init,
     measured,
     report,
     run,
@@ -46,6 +47,7 @@ Exit codes: 0 done; 1 no solution, with the reason and what to change;
 """
 
 _BEGIN = (
+    "gantry-tau init my-cell    (a configuration with every key explained, to change)",
     "gantry-tau check configs/agder.yaml    (the machine, and whether it can be at start and goal)",
     "gantry-tau run configs/agder.yaml    (everything, into results/agder)",
     "gantry-tau compare results/agder    (the smooth path against the route it came from)",
@@ -181,6 +183,6 @@ def _root(
     pass
 
 
-for _group in (run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune):
+for _group in (init, run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune):
     for _command, _examples in _group.COMMANDS:
         app.command(cls=_Command, epilog=_epilog(_examples))(_command)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
+from typing_extensions import deprecated
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
@@ -85,8 +86,9 @@ class ExportOptions:
             raise UsageError(f"--tolerance is {self.tolerance_m:g}; allowed are metres from 0")
 
 
-CsvOptions = ExportOptions
-"""The name of the options while only CSV had any."""
+@deprecated("CsvOptions is now called ExportOptions")
+class CsvOptions(ExportOptions):
+    """The options while only CSV had any, by their name of then."""
 
 
 @dataclass(frozen=True, eq=False)

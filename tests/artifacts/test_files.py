@@ -22,7 +22,7 @@ from pipeline.artifacts import (
     sha256,
     write_whole,
 )
-from pipeline.artifacts.files import staged
+from pipeline.artifacts.files import staged, write_new
 from pipeline.stage import Stage
 from pipeline.status import Status
 from tests.artifacts.saved import put
@@ -36,6 +36,17 @@ class TestWriting:
         write_whole(tmp_path / "a.txt", b"new")
         assert (tmp_path / "a.txt").read_bytes() == b"new"
         assert [entry.name for entry in tmp_path.iterdir()] == ["a.txt"]
+
+    def test_new_files_replace_nothing(self, tmp_path: Path) -> None:
+        """A new file comes with its folders; what is there already, whatever it is, stays as it is."""
+        write_new(tmp_path / "b" / "a.txt", b"new")
+        (tmp_path / "link").symlink_to("nowhere")
+        for path in (tmp_path / "b" / "a.txt", tmp_path / "link", tmp_path / "b"):
+            with pytest.raises(FileExistsError) as caught:
+                write_new(path, b"newer")
+            assert str(caught.value.filename) == str(path)
+        assert (tmp_path / "b" / "a.txt").read_bytes() == b"new"
+        assert not (tmp_path / "nowhere").exists()
 
     @pytest.mark.parametrize("moment", ["write_bytes", "replace"])
     def test_crash_leaves_old_file(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str) -> None:

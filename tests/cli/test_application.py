@@ -21,7 +21,9 @@ from tests.cli.calls import ESCAPE, Call, subprocess_env
 class TestHelp:
     """Help texts."""
 
-    @pytest.mark.parametrize("command", ["run", "route", "refine", "certify", "retime", "check", "compare", "export"])
+    @pytest.mark.parametrize(
+        "command", ["init", "run", "route", "refine", "certify", "retime", "check", "compare", "export"]
+    )
     def test_examples(self, call: Call, command: str) -> None:
         """The help of every command has an example that names it."""
         result = call(command, "--help")

@@ -13,7 +13,6 @@ import yaml
 
 from pipeline.errors import UsageError
 from pipeline.export import (
-    CsvOptions,
     ExportOptions,
     ExportRequest,
     Motion,
@@ -175,7 +174,7 @@ def test_no_more_decimals_than_numbers_have() -> None:
 def test_csv_options(make_samples) -> None:
     """Separator, columns in the order asked for, units in the names, decimals as many as wanted."""
     samples = make_samples(0.01)
-    options = CsvOptions(
+    options = ExportOptions(
         Separator.SEMICOLON,
         14,
         ("t_s", "q2_m", "qd1_mps", "qdd1_mps2", "ry_rad", "kappa"),
@@ -190,18 +189,18 @@ def test_csv_options(make_samples) -> None:
     assert columns["ry_deg"] == pytest.approx(np.rad2deg(samples.pose[:, 4]), abs=1e-11)
     assert columns["t_s"] == pytest.approx(samples.t_s, abs=1e-13)
     assert re.match(r"0\.\d{14};", text.splitlines()[1])
-    assert "\t" in format_samples(Format.CSV, samples, LIMITS, ACTUATORS, CsvOptions(Separator.TAB))
+    assert "\t" in format_samples(Format.CSV, samples, LIMITS, ACTUATORS, ExportOptions(Separator.TAB))
 
 
 @pytest.mark.parametrize(
     ("kind", "options", "message"),
     [
-        (Format.CSV, CsvOptions(columns=("q9_m",)), "no column q9_m; choose from t_s"),
-        (Format.CSV, CsvOptions(columns=("t_s", "t_s")), "twice"),
-        (Format.CSV, CsvOptions(columns=()), "names no column; choose from t_s"),
-        (Format.CSV, CsvOptions(decimals=6), "6 decimals are too few.*\n.*at least 11"),
-        (Format.CSV, CsvOptions(decimals=7, length=LengthUnit.MM), "at least 8"),
-        (Format.ROS2, CsvOptions(decimals=14), "--decimals goes with --format csv only, not with ros2"),
+        (Format.CSV, ExportOptions(columns=("q9_m",)), "no column q9_m; choose from t_s"),
+        (Format.CSV, ExportOptions(columns=("t_s", "t_s")), "twice"),
+        (Format.CSV, ExportOptions(columns=()), "names no column; choose from t_s"),
+        (Format.CSV, ExportOptions(decimals=6), "6 decimals are too few.*\n.*at least 11"),
+        (Format.CSV, ExportOptions(decimals=7, length=LengthUnit.MM), "at least 8"),
+        (Format.ROS2, ExportOptions(decimals=14), "--decimals goes with --format csv only, not with ros2"),
         (Format.PVT, ExportOptions(decimals=14), "--decimals goes with --format csv only"),
         (Format.CSV, ExportOptions(times=Times.RELATIVE), "--times goes with --format pvt only"),
         (Format.CSV, ExportOptions(lead_in_s=1.0), "--lead-in goes with --format ros2, ros2-json, mcap only"),
@@ -215,7 +214,9 @@ def test_csv_options(make_samples) -> None:
         (Format.MJCF, ExportOptions(), "give ExportRequest its `machine`"),
     ],
 )
-def test_options_that_cannot_be_kept_are_refused(make_samples, kind: Format, options: CsvOptions, message: str) -> None:
+def test_options_that_cannot_be_kept_are_refused(
+    make_samples, kind: Format, options: ExportOptions, message: str
+) -> None:
     """Fewer decimals than the period needs, unknown columns, options of another format."""
     with pytest.raises(UsageError, match=message):
         format_samples(kind, make_samples(0.001), LIMITS, ACTUATORS, options)
