@@ -30,6 +30,7 @@ from pipeline.run.config_parts import (
     certify_part,
     refine_part,
     regions_part,
+    retime_part,
     route_part,
     whole_config,
     with_sufficient_proofs,
@@ -195,7 +196,7 @@ SPECS: Specs = (
     StageSpec(
         stage=Stage.RETIME,
         upstream=(Stage.REFINE,),
-        config_part=whole_config,
+        config_part=retime_part,
         make=Deferred("pipeline.run.makers.trajectory", "make_trajectory"),
         load=Deferred("pipeline.artifacts.results.trajectory", "load_trajectory"),
         result=TRAJECTORY_NPZ,

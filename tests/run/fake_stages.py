@@ -124,7 +124,9 @@ class FakeStages:
     def _figures(self, results: Results, monitor: Monitor) -> Product:
         assert results.trajectory.duration_s == 2.0
         self._enter("figures", monitor)
-        return figures_product({"route": Figure((1, 1)), "kappa": Figure((1, 1))}, b"<!doctype html>")
+        return figures_product(
+            {"route": Figure((1, 1)), "kappa": Figure((1, 1))}, b"<!doctype html>", results.config.figures.pdf
+        )
 
     def _page(self, *_: object) -> bytes:
         return b"<!doctype html>"

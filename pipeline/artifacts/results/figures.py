@@ -1,4 +1,4 @@
-"""Figures as files: each as pixels and as vectors."""
+"""Figures as files: each as pixels and, on request, as vectors."""
 
 import io
 from collections.abc import Mapping
@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def figure_files(figures: Mapping[str, "Figure"]) -> dict[str, bytes]:
-    """Write every figure under its own name, as pixels and as vectors."""
+def figure_files(figures: Mapping[str, "Figure"], pdf: bool = False) -> dict[str, bytes]:
+    """Write every figure under its own name, as pixels and, on request, as vectors (PDF)."""
     files = {}
     for title, figure in figures.items():
-        for kind, name in figure_names(title).items():
+        for kind, name in figure_names(title, pdf).items():
             files[name] = picture_bytes(figure, kind)
             # The layout is fixed after the first: laying it out again takes as long as drawing.
             figure.set_layout_engine("none")

@@ -41,9 +41,9 @@ def make_figures(results: "Results", monitor: Monitor) -> Product:
     )
     monitor.progress("writing the report")
     page = report_page(results, read_state(results.folder) or State())
-    return figures_product(figures, page)
+    return figures_product(figures, page, results.config.figures.pdf)
 
 
-def figures_product(figures: "Mapping[str, Figure]", page: bytes) -> Product:
+def figures_product(figures: "Mapping[str, Figure]", page: bytes, pdf: bool) -> Product:
     """Make the files and the summary of the figures and the report."""
-    return Product({**figure_files(figures), REPORT: page}, figures_section(len(figures)))
+    return Product({**figure_files(figures, pdf), REPORT: page}, figures_section(len(figures)))
