@@ -107,6 +107,8 @@ class StageSpec:
         Finds out why there is no solution, where that is proven.
     report : callable or None
         Makes a report from the results so far.
+    beside : tuple of Stage
+        The stages beside which a second process already makes a part of it.
     """
 
     stage: Stage
@@ -126,6 +128,7 @@ class StageSpec:
     withheld: "Callable[[Section], NoSolutionError | None]" = _nothing
     explain: "Callable[[Results, Monitor], Diagnosis] | None" = None
     report: "Callable[[Results, State], bytes] | None" = None
+    beside: tuple[Stage, ...] = ()
 
     @property
     def patterns(self) -> tuple[str, ...]:
@@ -226,6 +229,7 @@ SPECS: Specs = (
         next_step="open {report} in a browser, then gantry-tau compare {folder}",
         quotes_upstream=True,
         report=Deferred("pipeline.run.makers.report_page", "report_page"),
+        beside=(Stage.CERTIFY, Stage.RETIME, Stage.FIGURES),
     ),
 )
 """The stages in the order in which they run."""
