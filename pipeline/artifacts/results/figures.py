@@ -14,11 +14,17 @@ def figure_files(figures: Mapping[str, "Figure"], pdf: bool = False) -> dict[str
     """Write every figure under its own name, as pixels and, on request, as vectors (PDF)."""
     files = {}
     for title, figure in figures.items():
-        for kind, name in figure_names(title, pdf).items():
-            files[name] = picture_bytes(figure, kind)
-            # The layout is fixed after the first: laying it out again takes as long as drawing.
-            figure.set_layout_engine("none")
+        _lay_out(figure)
+        files.update({name: picture_bytes(figure, kind) for kind, name in figure_names(title, pdf).items()})
     return files
+
+
+def _lay_out(figure: "Figure") -> None:
+    """Lay a figure out for good: saving lays it out for every file, and draws all of it once in vain for that."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def picture_bytes(figure: "Figure", kind: str) -> bytes:
