@@ -28,15 +28,15 @@ BACK_JSON = "trajectory_back.json"
 REPORT = "report.html"
 FIGURES = "figures"
 
-_FIGURE_KINDS = ("png", "pdf")
-FIGURE_PATTERNS = tuple(f"{FIGURES}/*.{kind}" for kind in _FIGURE_KINDS)
+_PIXELS, _VECTORS = "png", "pdf"
+FIGURE_PATTERNS = tuple(f"{FIGURES}/*.{kind}" for kind in (_PIXELS, _VECTORS))
 """What the names of figures match."""
 _FAILED = "failed"
 
 
-def figure_names(title: str) -> dict[str, str]:
-    """Name the files of a figure by their kind: as pixels and as vectors."""
-    return {kind: f"{FIGURES}/{title}.{kind}" for kind in _FIGURE_KINDS}
+def figure_names(title: str, pdf: bool) -> dict[str, str]:
+    """Name the files of a figure by their kind: as pixels and, on request, as vectors."""
+    return {kind: f"{FIGURES}/{title}.{kind}" for kind in (_PIXELS, *((_VECTORS,) if pdf else ()))}
 
 
 def failure_names(stage: Stage) -> tuple[str, str]:

@@ -1,6 +1,3 @@
-from .certify import (
-    CertifyConfig as CertifyConfig,
-)
 from .config import (
     Config as Config,
 )
@@ -49,24 +46,6 @@ from .machine.masses import (
 from .machine.masses import (
     PlatformMassConfig as PlatformMassConfig,
 )
-from .refine import (
-    RefineConfig as RefineConfig,
-)
-from .retime import (
-    RetimeConfig as RetimeConfig,
-)
-from .route import (
-    AxisConfig as AxisConfig,
-)
-from .route import (
-    FollowConfig as FollowConfig,
-)
-from .route import (
-    GridConfig as GridConfig,
-)
-from .route import (
-    RouteConfig as RouteConfig,
-)
 from .section import (
     MODE_PATTERN as MODE_PATTERN,
 )
@@ -75,6 +54,30 @@ from .section import (
 )
 from .section import (
     Section as Section,
+)
+from .stages.certify import (
+    CertifyConfig as CertifyConfig,
+)
+from .stages.figures import (
+    FiguresConfig as FiguresConfig,
+)
+from .stages.refine import (
+    RefineConfig as RefineConfig,
+)
+from .stages.retime import (
+    RetimeConfig as RetimeConfig,
+)
+from .stages.route import (
+    AxisConfig as AxisConfig,
+)
+from .stages.route import (
+    FollowConfig as FollowConfig,
+)
+from .stages.route import (
+    GridConfig as GridConfig,
+)
+from .stages.route import (
+    RouteConfig as RouteConfig,
 )
 from .task import (
     BoxConfig as BoxConfig,

@@ -5,14 +5,15 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from pipeline.config.certify import CertifyConfig
 from pipeline.config.drives import DrivesConfig
 from pipeline.config.export import ExportConfig
 from pipeline.config.machine.machine import MachineConfig
-from pipeline.config.refine import RefineConfig
-from pipeline.config.retime import RetimeConfig
-from pipeline.config.route import RouteConfig
 from pipeline.config.section import MOST_NAME, NAME_PATTERN, Section, wrong
+from pipeline.config.stages.certify import CertifyConfig
+from pipeline.config.stages.figures import FiguresConfig
+from pipeline.config.stages.refine import RefineConfig
+from pipeline.config.stages.retime import RetimeConfig
+from pipeline.config.stages.route import RouteConfig
 from pipeline.config.task import TaskConfig
 
 
@@ -28,6 +29,7 @@ class Config(Section):
     refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
     certify: CertifyConfig = Field(default_factory=lambda: CertifyConfig())
     retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
+    figures: FiguresConfig = Field(default_factory=lambda: FiguresConfig())
     export: ExportConfig = Field(default_factory=lambda: ExportConfig())
     drives: DrivesConfig = Field(default_factory=lambda: DrivesConfig())
 

@@ -66,8 +66,12 @@ def dump_config(config: Config) -> str:
 
 
 def config_sha256(config: BaseModel | object) -> str:
-    """Hash a configuration (or a part of one) by content, independent of formatting and comments."""
-    plain = config.model_dump(mode="json") if isinstance(config, BaseModel) else config
+    """Hash a configuration (or a part of one) by content, independent of formatting and comments.
+
+    Of a whole one, how results are drawn does not count: they are the same.
+    """
+    drawn = {"figures"} if isinstance(config, Config) else set[str]()
+    plain = config.model_dump(mode="json", exclude=drawn) if isinstance(config, BaseModel) else config
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 
 

@@ -1,20 +1,19 @@
 """From the results of a run to the content of its report: no files, no clocks, no HTML."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck import KappaProfile
-from pipeline.compare.blend import TOLERANCE_M, blended
 from pipeline.compare.criteria import MeasuredPath
 from pipeline.compare.metrics import compare_paths
-from pipeline.compare.motion import MotionFigures, common_retiming, measure_motion, retimed
-from pipeline.config import Config, RetimeConfig
+from pipeline.compare.motion import common_retiming, measure_motion, retimed
+from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config
-from pipeline.errors import NoSolutionError, PipelineError
 from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples, measure_path
-from pipeline.refine.result import Path, Refinement
+from pipeline.refine.result import Refinement
+from pipeline.report.coarse import CoarseMotion, Retime, drive_coarse
 from pipeline.report.data import Motion, Proof, Report, Table
 from pipeline.report.motion import build_motion, build_scene
 from pipeline.report.tables import (
@@ -31,8 +30,6 @@ from pipeline.retime.result import Trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
 from pipeline.summary.section import DRIVES, QUALITY
-
-Retime = Callable[[Config, RetimeConfig, Path], Trajectory]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +48,8 @@ class RunResults:
         What the certificate proves, and its bound of kappa over each box.
     trajectory
         The refined path in time.
+    coarse, workspace
+        The coarse path in motion, and the table and picture of the workspace, where they were made beforehand.
     """
 
     config: Config
@@ -62,6 +61,8 @@ class RunResults:
     bounds: Bounds | None = None
     profile: KappaProfile | None = None
     trajectory: Trajectory | None = None
+    coarse: CoarseMotion | None = None
+    workspace: tuple[Table, str] | None = None
 
 
 def build_report(run: RunResults, retime: Retime = retimed) -> Report:
@@ -78,8 +79,8 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         Where a pose along a path cannot be found.
     """
     config, machine = run.config, run.machine
-    coarse = _drive_coarse(run, retime)
-    workspace, picture = workspace_part(machine)
+    coarse = _coarse(run, retime)
+    workspace, picture = run.workspace or workspace_part(machine)
     timing = run.facts.get(Stage.RETIME)
     return Report(
         name=config.name,
@@ -104,33 +105,13 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Driven:
-    """A path in motion, if it can be timed; the note explains how, or why not."""
-
-    note: str
-    motion: Motion | None = None
-    figures: MotionFigures | None = None
-
-
-def _drive_coarse(run: RunResults, retime: Retime) -> _Driven:
-    """Drive the coarse path as a controller would; if that is impossible, the run has not failed."""
+def _coarse(run: RunResults, retime: Retime) -> CoarseMotion:
     if run.refinement is None or run.trajectory is None:
-        return _Driven("")
-    try:
-        trajectory = retime(run.config, common_retiming(run.config), blended(run.refinement.coarse))
-        motion = build_motion(run.config, trajectory, "coarse")
-    except PipelineError as error:
-        reason = error.reason if isinstance(error, NoSolutionError) else str(error)
-        return _Driven(f"The coarse path is not shown in motion: {reason}.")
-    note = (
-        "The coarse path joins the steps of the route by straight moves in actuator space; it is timed like the "
-        f"refined one, at full speed, with its corners rounded by at most {1e3 * TOLERANCE_M:g} mm of actuator travel."
-    )
-    return _Driven(note, motion, measure_motion(trajectory))
+        return CoarseMotion("")
+    return run.coarse or drive_coarse(run.config, run.refinement.coarse, retime)
 
 
-def _motions(run: RunResults, coarse: _Driven) -> tuple[Motion, ...]:
+def _motions(run: RunResults, coarse: CoarseMotion) -> tuple[Motion, ...]:
     if run.trajectory is None:
         return ()
     refined = build_motion(run.config, run.trajectory, "refined")
@@ -145,7 +126,7 @@ def _why_still(facts: Facts) -> str:
     return "There is no motion to show."
 
 
-def _comparison(run: RunResults, coarse: _Driven, retime: Retime) -> Table | None:
+def _comparison(run: RunResults, coarse: CoarseMotion, retime: Retime) -> Table | None:
     """Compare the paths, and their motions if there are both: at full speed, without waiting at the ends."""
     if run.samples is None:
         return None

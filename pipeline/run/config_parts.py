@@ -4,7 +4,7 @@ Regions and route depend on limits and masses only as far as forces have to hold
 velocity limits, too), and the path on velocity limits beside them, in whose units it is smooth: other limits of motion
 only cost a new trajectory. Where path and time law are found together, stage two depends on all limits and masses, and
 on whether jerk is limited. The files of the last stages quote the configuration with its name and hash, so that these
-depend on all of it.
+depend on all of it; how results are drawn is no part of the hash, and costs new figures alone.
 """
 
 from typing import Any
@@ -77,6 +77,11 @@ def certify_part(config: Config) -> Part:
     """Give the keys that the certificate depends on."""
     not_read = () if config.certify.what == Proof.TOLERANCES else _TOLERANCES_ONLY
     return {**refine_part(config), "certify": _without(whole_config(config)["certify"], *not_read)}
+
+
+def retime_part(config: Config) -> Part:
+    """Give the keys that the trajectory, and what it quotes, depends on."""
+    return _without(whole_config(config), "figures")
 
 
 def with_proof(config: Config, what: Proof) -> Config:

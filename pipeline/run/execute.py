@@ -15,6 +15,7 @@ from pipeline.machine.geometry import build_machine
 from pipeline.progress import Monitor
 from pipeline.route.regions.counting import require_possible_task
 from pipeline.route.regions.size import require_grid_fits
+from pipeline.run.beside.process import SecondProcess
 from pipeline.run.diagnosis import Diagnosis
 from pipeline.run.failure import failure_product, is_proven_infeasible
 from pipeline.run.options import RunOptions
@@ -68,9 +69,10 @@ def run_pipeline(
     require_grid_fits(config)
     require_possible_task(config, machine)
     _check_range(out, options.first, options.last)
-    with open_run_folder(out, [pattern for spec in specs for pattern in spec.patterns]) as folder:
+    patterns = [pattern for spec in specs for pattern in spec.patterns]
+    with open_run_folder(out, patterns) as folder, SecondProcess(out) as beside:
         recompute = Stage.REGIONS in options.forced
-        results = Results(config, machine, out, specs, recompute, options.tolerances)
+        results = Results(config, machine, out, specs, recompute, options.tolerances, beside)
         run = _Run(folder, results, options, reporter or Quiet())
         if options.first is not None:
             run.require_earlier(options.first)
@@ -145,6 +147,7 @@ class _Run:
         expected = expected_fingerprint(self._specs, stage, self._results.config_to_prove, self._records)
         monitor = Monitor(self._reporter.begin(stage), self._options.verbose)
         began = time.perf_counter()
+        self._begin_beside(stage)
         try:
             product = spec_of(self._specs, stage).make(self._results, monitor)
         except (ConfigError, UsageError):
@@ -158,6 +161,14 @@ class _Run:
         self._replace(stage, record, product.files)
         self._reporter.end(stage, "done", seconds)
         return record
+
+    def _begin_beside(self, stage: Stage) -> None:
+        """Begin with a later stage in a second process, which knows no stages but the usual ones."""
+        beside, wanted = self._results.beside, (*self._options.last.earlier, self._options.last)
+        if beside is None or self._specs is not SPECS:
+            return
+        if any(stage in spec.beside for spec in SPECS if spec.stage in wanted):
+            beside.begin(self._config)
 
     def _fail(
         self, stage: Stage, error: PipelineError, expected: str, seconds: float, monitor: Monitor

@@ -66,3 +66,8 @@ def with_retime(config: Config, period_s: float | None = None, speed: float | No
     data["retime"].update(changes)
     words = {"period_s": "a period of {:g} s", "speed": "a speed of {:g}"}
     return parse_config(data, source=" and ".join(words[key].format(value) for key, value in changes.items()))
+
+
+def with_pdf(config: Config) -> Config:
+    """Give the configuration with figures as PDF, too."""
+    return config.model_copy(update={"figures": config.figures.model_copy(update={"pdf": True})})

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pipeline.retime.result import Trajectory
     from pipeline.route.regions.table import RegionTable
     from pipeline.route.result import Route
+    from pipeline.run.beside.process import SecondProcess
 
 _T = TypeVar("_T")
 
@@ -41,6 +42,8 @@ class Results:
         Nothing that other runs computed is used.
     tolerances : bool
         The proof also searches calibration tolerances, whatever the configuration says.
+    beside : SecondProcess or None
+        Makes a part of the figures and the report, once it is begun.
     """
 
     config: Config
@@ -49,6 +52,7 @@ class Results:
     specs: Specs = SPECS
     recompute: bool = False
     tolerances: bool = False
+    beside: "SecondProcess | None" = None
     _known: dict[Stage, Any] = field(default_factory=dict, init=False, repr=False)
     _derived: dict[Callable[["Results"], Any], Any] = field(default_factory=dict, init=False, repr=False)
 

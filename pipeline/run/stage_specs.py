@@ -30,6 +30,7 @@ from pipeline.run.config_parts import (
     certify_part,
     refine_part,
     regions_part,
+    retime_part,
     route_part,
     whole_config,
     with_sufficient_proofs,
@@ -106,6 +107,8 @@ class StageSpec:
         Finds out why there is no solution, where that is proven.
     report : callable or None
         Makes a report from the results so far.
+    beside : tuple of Stage
+        The stages beside which a second process already makes a part of it.
     """
 
     stage: Stage
@@ -125,6 +128,7 @@ class StageSpec:
     withheld: "Callable[[Section], NoSolutionError | None]" = _nothing
     explain: "Callable[[Results, Monitor], Diagnosis] | None" = None
     report: "Callable[[Results, State], bytes] | None" = None
+    beside: tuple[Stage, ...] = ()
 
     @property
     def patterns(self) -> tuple[str, ...]:
@@ -195,7 +199,7 @@ SPECS: Specs = (
     StageSpec(
         stage=Stage.RETIME,
         upstream=(Stage.REFINE,),
-        config_part=whole_config,
+        config_part=retime_part,
         make=Deferred("pipeline.run.makers.trajectory", "make_trajectory"),
         load=Deferred("pipeline.artifacts.results.trajectory", "load_trajectory"),
         result=TRAJECTORY_NPZ,
@@ -225,6 +229,7 @@ SPECS: Specs = (
         next_step="open {report} in a browser, then gantry-tau compare {folder}",
         quotes_upstream=True,
         report=Deferred("pipeline.run.makers.report_page", "report_page"),
+        beside=(Stage.CERTIFY, Stage.RETIME, Stage.FIGURES),
     ),
 )
 """The stages in the order in which they run."""

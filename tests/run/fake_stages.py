@@ -7,6 +7,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from pipeline.artifacts.results.figures import figure_files
 from pipeline.certify import path_sha256
 from pipeline.config import Config
 from pipeline.config.choices import Proof
@@ -137,7 +138,8 @@ class FakeStages:
     def _figures(self, results: Results, monitor: Monitor) -> Product:
         assert results.trajectory.duration_s == 2.0
         self._enter("figures", monitor)
-        return figures_product({"route": Figure((1, 1)), "kappa": Figure((1, 1))}, b"<!doctype html>")
+        pictures = figure_files({"route": Figure((1, 1)), "kappa": Figure((1, 1))}, results.config.figures.pdf)
+        return figures_product(pictures, b"<!doctype html>")
 
     def _page(self, *_: object) -> bytes:
         return b"<!doctype html>"

@@ -19,9 +19,7 @@ RESULT_FILES = {
     "trajectory_back.json",
     "report.html",
     "figures/route.png",
-    "figures/route.pdf",
     "figures/kappa.png",
-    "figures/kappa.pdf",
 }
 BOOKS = {"config.yaml", "summary.json", "state.json", ".lock"}
 

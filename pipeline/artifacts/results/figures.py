@@ -1,4 +1,4 @@
-"""Figures as files: each as pixels and as vectors."""
+"""Figures as files: each as pixels and, on request, as vectors."""
 
 import io
 from collections.abc import Mapping
@@ -10,15 +10,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def figure_files(figures: Mapping[str, "Figure"]) -> dict[str, bytes]:
-    """Write every figure under its own name, as pixels and as vectors."""
+def figure_files(figures: Mapping[str, "Figure"], pdf: bool = False) -> dict[str, bytes]:
+    """Write every figure under its own name, as pixels and, on request, as vectors (PDF)."""
     files = {}
     for title, figure in figures.items():
-        for kind, name in figure_names(title).items():
-            files[name] = picture_bytes(figure, kind)
-            # The layout is fixed after the first: laying it out again takes as long as drawing.
-            figure.set_layout_engine("none")
+        _lay_out(figure)
+        files.update({name: picture_bytes(figure, kind) for kind, name in figure_names(title, pdf).items()})
     return files
+
+
+def _lay_out(figure: "Figure") -> None:
+    """Lay a figure out for good: saving lays it out for every file, and draws all of it once in vain for that."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def picture_bytes(figure: "Figure", kind: str) -> bytes:

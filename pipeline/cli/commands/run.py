@@ -43,6 +43,9 @@ def run(
     verbose: VerboseOption = False,
     no_why_not: NoWhyNotOption = False,
     unproven: UnprovenOption = False,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="Write the figures as PDF, too, as figures.pdf of CONFIG does.")
+    ] = False,
 ) -> None:
     """Run everything: regions, route, path, certificate, trajectory, figures and report.
 
@@ -54,7 +57,7 @@ def run(
     from pipeline.run import RunOptions
 
     options = RunOptions(first, last or STAGES[-1], force, verbose, not no_why_not, unproven)
-    _run(context, config, out, options, speed)
+    _run(context, config, out, options, speed, pdf)
 
 
 def route(
@@ -148,11 +151,17 @@ def retime(
 
 
 def _run(
-    context: typer.Context, path: Path, out: Path | None, options: "RunOptions", speed: float | None = None
+    context: typer.Context,
+    path: Path,
+    out: Path | None,
+    options: "RunOptions",
+    speed: float | None = None,
+    pdf: bool = False,
 ) -> None:
-    from pipeline.run.reading import with_retime
+    from pipeline.run.reading import with_pdf, with_retime
 
-    run_stages(path, with_retime(load_task(path), speed=speed), out, options, specs_of(context))
+    config = with_retime(load_task(path), speed=speed)
+    run_stages(path, with_pdf(config) if pdf else config, out, options, specs_of(context))
 
 
 def _with_formulation(config: "Config", formulation: Formulation | None) -> "Config":

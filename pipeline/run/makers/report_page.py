@@ -7,6 +7,7 @@ from pipeline.config.choices import Proof
 from pipeline.report import RunResults, StageFacts, build_report, render_page
 from pipeline.run.makers.path_samples import sample_paths
 from pipeline.run.makers.proven_profile import proven_profile
+from pipeline.run.makers.report_parts import coarse_motion, workspace
 from pipeline.run.stage_specs import Specs, spec_of
 from pipeline.stage import Stage
 from pipeline.summary.versions import versions
@@ -33,6 +34,8 @@ def report_page(results: "Results", state: State) -> bytes:
         bounds=results.certificate.bounds if proven else None,
         profile=results.derive(proven_profile) if proven else None,
         trajectory=results.trajectory if Stage.RETIME in done else None,
+        coarse=results.derive(coarse_motion) if {Stage.REFINE, Stage.RETIME} <= done else None,
+        workspace=results.derive(workspace),
     )
     return render_page(build_report(run)).encode()
 

@@ -55,7 +55,7 @@ class TestCertify:
         kept = {file: content for file, content in before.items() if file.exists()}
         changed = {file.name for file, content in kept.items() if file.read_bytes() != content}
         assert changed == {"certificate.json", "summary.json", "state.json"}
-        assert {file.suffix for file in before.keys() - kept.keys()} == {".png", ".pdf", ".html"}
+        assert {file.suffix for file in before.keys() - kept.keys()} == {".png", ".html"}
         assert not list((out / "superseded").rglob("trajectory.*"))
         call("run", config_file, "--out", out)
         assert stages.taken() == ["figures"]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.config.file import load_config
 from pipeline.errors import NoSolutionError
 from tests.cli.calls import ESCAPE, Call, edit
 from tests.run.fake_stages import FakeStages
@@ -46,6 +47,19 @@ class TestRun:
         assert stages.calls == []
         assert "optimal, unchanged" in result.stdout
         assert "route: unchanged" in result.stderr
+
+    def test_pdf(self, call: Call, config_file: Path, stages: FakeStages, tmp_path: Path) -> None:
+        """Figures are PDFs only on request, which costs nothing but the figures; all else stays to the byte."""
+        out = tmp_path / "out"
+        call("run", config_file, "--out", out)
+        assert not list(out.glob("figures/*.pdf"))
+        trajectory = (out / "trajectory.json").read_bytes()
+        stages.taken()
+        assert call("run", config_file, "--pdf", "--out", out).exit_code == 0
+        assert stages.taken() == ["figures"]
+        assert [file.stem for file in out.glob("figures/*.pdf")] == [file.stem for file in out.glob("figures/*.png")]
+        assert (out / "trajectory.json").read_bytes() == trajectory
+        assert load_config(out / "config.yaml").figures.pdf
 
     @pytest.mark.parametrize(
         ("command", "expected"),

@@ -57,7 +57,7 @@ def test_a_copy_has_the_same_code(copy: Path) -> None:
         ("figures/style.py", "import", "import  ", ["figures"]),
         ("cli/application.py", "import", "import  ", []),
         ("run/execute.py", "import", "import  ", []),
-        ("config/retime.py", "import", "import  ", []),
+        ("config/stages/retime.py", "import", "import  ", []),
     ],
 )
 def test_a_change_counts_for_the_stages_that_run_it(
@@ -126,7 +126,7 @@ def test_names_count_as_the_modules_that_define_them(tmp_path: Path) -> None:
 
 def test_what_only_decides_what_runs_is_left_out() -> None:
     """Sections of the configuration count by their values, and the makers are all of `run` that shapes results."""
-    assert not shapes_results("pipeline.config.refine")
+    assert not shapes_results("pipeline.config.stages.refine")
     assert not shapes_results("pipeline.config")
     assert not shapes_results("pipeline.run.execute")
     assert shapes_results("pipeline.run.makers.route")

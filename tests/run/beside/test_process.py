@@ -1,0 +1,99 @@
+"""The second process beside a run."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import pipeline
+from pipeline.artifacts import State, read_run_folder, read_state
+from pipeline.config import Config
+from pipeline.machine import build_machine
+from pipeline.run import Results
+from pipeline.run.beside.process import SecondProcess
+from pipeline.run.makers.pictures import early_pictures
+from pipeline.run.makers.report_page import report_page
+from pipeline.stage import Stage
+from tests.run.fake_stages import FakeStages
+
+needs_two = pytest.mark.skipif(
+    not hasattr(os, "sched_getaffinity") or len(os.sched_getaffinity(0)) < 2, reason="there is one processor"
+)
+
+
+@pytest.fixture
+def folder(fast_config: Config, change: Callable[..., Config], stages: FakeStages, tmp_path: Path) -> Path:
+    """Make a run folder that lacks nothing but figures, with a time law that needs no solver."""
+    stages.run(change(fast_config, retime__jerk=False), tmp_path / "run", last=Stage.RETIME)
+    return tmp_path / "run"
+
+
+@needs_two
+def test_figures_and_report_are_the_same(folder: Path) -> None:
+    """Made in two processes or in one: the same files, to the byte, in the same order, and none is written."""
+    config, _ = read_run_folder(folder)
+    before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+    with SecondProcess(folder) as beside:
+        beside.begin(config)
+        beside.ask()
+        made = beside.answer()
+    assert made is not None
+    results = Results(config, build_machine(config.machine), folder)
+    alone = {**early_pictures(results), "report.html": report_page(results, read_state(folder) or State())}
+    assert list(made) == list(alone)
+    assert {name: alone[name] == content for name, content in made.items()} == dict.fromkeys(made, True)
+    assert {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()} == before
+
+
+@needs_two
+def test_a_failure_is_no_answer(quick_config: Config, tmp_path: Path) -> None:
+    """Where there is nothing to draw, the run is left to find out and to say so."""
+    with SecondProcess(tmp_path / "missing") as beside:
+        beside.begin(quick_config)
+        beside.ask()
+        assert beside.answer() is None
+
+
+def test_without_one_there_is_no_answer(tmp_path: Path) -> None:
+    """A run that began none, or could not, draws by itself."""
+    with SecondProcess(tmp_path) as beside:
+        beside.ask()
+        assert beside.answer() is None
+
+
+@needs_two
+def test_it_ends_with_the_run(quick_config: Config, tmp_path: Path) -> None:
+    """Interrupted or failed: no process is left, nor waited for."""
+
+    def interrupted() -> None:
+        with SecondProcess(tmp_path) as beside:
+            beside.begin(quick_config)
+            assert _children() > before
+            raise KeyboardInterrupt
+
+    before = _children()
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert _children() <= before
+
+
+def _children() -> set[str]:
+    """Number the processes that this one has begun, those included that nobody waited for."""
+    return {number for file in Path("/proc/self/task").glob("*/children") for number in file.read_text().split()}
+
+
+def test_it_ends_when_the_run_is_killed(tmp_path: Path) -> None:
+    """Its input ends with the run, however that ends."""
+    package = Path(pipeline.__file__).parents[1]
+    ended = subprocess.run(
+        [sys.executable, "-P", "-m", "pipeline.run.beside", str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": str(package)},
+        input=b"",
+        capture_output=True,
+        timeout=300,
+        check=False,
+    )
+    assert (ended.returncode, ended.stdout) == (1, b"")
