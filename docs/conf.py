@@ -5,11 +5,11 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
-from pipeline.summary.versions import package_version
+from pipeline.summary.versions import package_version  # noqa: E402  # found by the line above
 
 project = "Gantry-Tau"
 author = "the Gantry-Tau developers"
-copyright = author
+copyright = author  # noqa: A001  # Sphinx's own name
 release = version = package_version()
 
 extensions = [

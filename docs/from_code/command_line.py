@@ -5,8 +5,8 @@ from enum import Enum
 from typing import Any
 
 import typer
-from from_code.markdown import literal, plain, table
 
+from from_code.markdown import literal, plain, table
 from pipeline.cli.application import app
 
 _MARKUP = re.compile(r"\[/?bold\]")

@@ -5,14 +5,18 @@ from pathlib import Path
 from typing import Any
 
 from from_code.markdown import literal, plain, table
-
 from pipeline.config import Config
 from pipeline.config.commented import commented_yaml
 from pipeline.config.file import load_config
 
 Schema = Mapping[str, Any]
 _REFERENCE_MACHINE = Path(__file__).parents[2] / "configs" / "agder.yaml"
-_BOUNDS = (("minimum", "at least"), ("exclusiveMinimum", "above"), ("maximum", "at most"), ("exclusiveMaximum", "below"))
+_BOUNDS = (
+    ("minimum", "at least"),
+    ("exclusiveMinimum", "above"),
+    ("maximum", "at most"),
+    ("exclusiveMaximum", "below"),
+)
 
 
 def configuration_yaml() -> str:

@@ -1,7 +1,6 @@
 """The columns and figures of a run, as the tables in the program list them."""
 
 from from_code.markdown import literal, plain, table
-
 from pipeline.export.trajectory_columns import TRAJECTORY_COLUMNS
 from pipeline.figures.run_figures import FIGURES
 

@@ -3,10 +3,10 @@
 from typing import Any
 
 from docutils import nodes
-from from_code.parts import fill_in
 from sphinx.application import Sphinx
 
 import pipeline
+from from_code.parts import fill_in
 
 
 def _fill_in(app: Sphinx, name: str, content: list[str]) -> None:
