@@ -8,8 +8,8 @@ sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 from pipeline.summary.versions import package_version  # noqa: E402  # found by the line above
 
 project = "Gantry-Tau"
-author = "the Gantry-Tau developers"
-copyright = author  # noqa: A001  # Sphinx's own name
+author = "The Gantry-Tau pipeline authors"
+copyright = f"2026 {author}"  # noqa: A001  # Sphinx's own name
 release = version = package_version()
 
 extensions = [
@@ -28,6 +28,7 @@ myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.strikethrough"]
 
+default_role = "literal"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
@@ -46,5 +47,3 @@ html_css_files = ["wide_tables.css"]
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
-pygments_style = "sphinx"
-pygments_dark_style = "monokai"

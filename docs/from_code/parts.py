@@ -8,6 +8,7 @@ from from_code.configuration import configuration_reference, configuration_yaml
 from from_code.files import figure_list, trajectory_columns
 from from_code.notebooks import notebook_page
 from from_code.python_interface import python_reference
+from from_code.reference_run import reference_run
 
 PARTS: dict[str, Callable[..., str]] = {
     "commands": command_reference,
@@ -16,6 +17,7 @@ PARTS: dict[str, Callable[..., str]] = {
     "figures": figure_list,
     "notebook": notebook_page,
     "python interface": python_reference,
+    "reference run": reference_run,
     "trajectory columns": trajectory_columns,
 }
 _MARK = re.compile(r"^<!-- from code: ([a-z ]+?)(?: \[(\S+)\])? -->$", re.MULTILINE)

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from pydantic import BaseModel
+
 import pipeline
 
 _STUB = Path(pipeline.__file__).with_suffix(".pyi")
@@ -31,6 +33,8 @@ def python_reference() -> str:
 
 def _directive(name: str) -> str:
     thing = getattr(pipeline, name)
+    if inspect.isclass(thing) and issubclass(thing, BaseModel):
+        return f".. autoclass:: pipeline.{name}()\n\n   See the :doc:`configuration </reference/configuration>`.\n"
     if inspect.isclass(thing):
         kind = "exception" if issubclass(thing, BaseException) else "class"
         plain = issubclass(thing, enum.Enum) or kind == "exception"

@@ -15,8 +15,9 @@ def _fill_in(app: Sphinx, name: str, content: list[str]) -> None:
 
 def _public_name(app: Sphinx, env: Any, node: Any, shown: nodes.TextElement) -> nodes.Node | None:
     """Refer to a class by its public name, wherever the code has it from."""
-    name = str(node.get("reftarget", "")).rsplit(".", 1)[-1]
-    if node.get("refdomain") != "py" or name not in pipeline.__all__:
+    package, _, name = str(node.get("reftarget", "")).rpartition(".")
+    ours = package.split(".")[0] in ("", "pipeline")
+    if node.get("refdomain") != "py" or not ours or name not in pipeline.__all__:
         return None
     domain = env.get_domain("py")
     return domain.resolve_xref(env, node["refdoc"], app.builder, "obj", f"pipeline.{name}", node, shown)

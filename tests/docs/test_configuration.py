@@ -39,8 +39,8 @@ def keys(schema: dict[str, Any], named: dict[str, Any], path: str = "") -> set[s
 
 
 def merged(data: Any, changes: Any) -> Any:
-    """Put changes into nested dictionaries."""
-    if not (isinstance(data, dict) and isinstance(changes, dict)):
+    """Put changes into nested dictionaries; a section with other keys altogether is another one in its place."""
+    if not (isinstance(data, dict) and isinstance(changes, dict) and data.keys() & changes.keys()):
         return changes
     return {**data, **{key: merged(data.get(key), value) for key, value in changes.items()}}
 

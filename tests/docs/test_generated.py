@@ -28,8 +28,9 @@ def test_every_key_is_described() -> None:
 def test_links_between_sections_lead_to_headings() -> None:
     """A key that is a section links to where that section is described."""
     text = fill_in("<!-- from code: configuration keys -->")
-    headings = {re.sub(r"[^\w-]", "", line.split(" ", 1)[1].lower()) for line in re.findall(r"^#+ .*$", text, re.M)}
-    assert set(re.findall(r"\]\(#([^)]+)\)", text)) <= headings
+    headings = [heading.lower().replace(" ", "-") for heading in re.findall(r"^#+ (.*)$", text, re.MULTILINE)]
+    assert len(set(headings)) == len(headings)
+    assert set(re.findall(r"\]\(#([^)]+)\)", text)) <= {re.sub(r"[^\w-]", "", heading) for heading in headings}
 
 
 def test_the_reference_configuration_is_shown(agder_config: Config) -> None:
@@ -58,7 +59,21 @@ def test_every_column_and_figure_is_described() -> None:
 def test_every_public_name_is_described() -> None:
     """Autodoc is asked for all names of the stub, each once."""
     text = fill_in("<!-- from code: python interface -->")
-    assert sorted(re.findall(r"^\.\. auto\w+:: pipeline\.(\w+)$", text, re.MULTILINE)) == sorted(pipeline.__all__)
+    assert sorted(re.findall(r"^\.\. auto\w+:: pipeline\.(\w+)(?:\(\))?$", text, re.MULTILINE)) == sorted(
+        pipeline.__all__
+    )
+
+
+def test_the_reference_run_is_shown() -> None:
+    """Every stage has its figures."""
+    text = fill_in("<!-- from code: reference run -->")
+    assert re.findall(r"^\| (\w+) \|", text, re.MULTILINE)[1:] == [
+        "regions",
+        "route",
+        "path",
+        "certificate",
+        "trajectory",
+    ]
 
 
 def test_notebooks_are_pages() -> None:

@@ -1,5 +1,6 @@
-"""Python in README and documentation: it runs, page by page, in a folder with configurations and a finished run."""
+"""README and documentation beside a finished run: Python runs, page by page, and every figure is described."""
 
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pipeline import Config, RunOptions, Stage, dump_config, load_config, run_pipeline
-from tests.docs.pages import PAGES, PROJECT, blocks, page_name
+from tests.docs.pages import PAGES, PROJECT, blocks, inline_code, page_name
 
 COARSE = {
     "name": "quick",
@@ -15,7 +16,6 @@ COARSE = {
     "refine.coefficients": 16,
     "refine.max_meshes": 1,
     "refine.check_points": 1000,
-    "certify.what": "nothing",
     "retime.jerk": False,
     "retime.grid_points": 100,
     "retime.bound_points": 100,
@@ -45,3 +45,15 @@ def test_it_runs(page: Path, finished_run: Path, tmp_path: Path, monkeypatch: py
     names: dict[str, object] = {}
     for code in blocks(page, "python"):
         exec(compile(code, page_name(page), "exec"), names)
+
+
+@pytest.mark.slow
+def test_the_summary_is_described(finished_run: Path) -> None:
+    """Every figure of `summary.json` is in its page, whatever the section it is in."""
+    summary = json.loads((finished_run / "results" / "quick" / "summary.json").read_text())
+    described = set(inline_code(PROJECT / "docs" / "reference" / "summary.md"))
+    sections = {name: section for name, section in summary.items() if isinstance(section, dict) and name != "versions"}
+    figures = {key for section in sections.values() for key in section}
+    figures |= {key for name in ("usage", "back") for key in sections["trajectory"][name]}
+    figures |= set(sections["path"]["quality"])
+    assert set(summary) | figures <= described | set(sections)
