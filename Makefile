@@ -51,6 +51,16 @@ notebooks: $(DEV)
 	$(BIN)/jupytext --quiet --to ipynb notebooks/*.py
 	$(BIN)/jupyter execute --inplace notebooks/*.ipynb
 
+# The documentation as HTML in build/docs: half a minute. Every warning is an error, internal links included.
+.PHONY: docs docs-tools
+docs: $(VENV)/.docs
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --nitpicky --quiet --fresh-env docs build/docs
+
+docs-tools: $(VENV)/.docs
+$(VENV)/.docs: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[docs]"
+	touch $@
+
 # Seconds and memory of stage one, alone and beside other solvers: about a quarter of an hour on a quiet machine.
 .PHONY: bench
 bench: $(DEV) $(VENV)/.bench.ready

@@ -1,15 +1,10 @@
 """The configuration written with every key and its meaning."""
 
-from pathlib import Path
-
 import yaml
 
 from pipeline.config import Config
 from pipeline.config.commented import commented_yaml
 from pipeline.config.file import parse_config
-
-README = Path(__file__).parents[2] / "README.md"
-BEGIN, END = "<!-- configuration: gantry-tau check configs/agder.yaml --yaml -->\n```yaml\n", "```\n"
 
 
 def test_it_is_read_back(agder_config: Config, vary):
@@ -32,10 +27,3 @@ def test_every_key_is_there_with_its_description(agder_config: Config):
 def test_lines_are_short(agder_config: Config):
     """They fit on a page."""
     assert max(map(len, commented_yaml(agder_config).splitlines())) <= 118
-
-
-def test_the_readme_shows_it(agder_config: Config):
-    """The block in the README is what the command prints."""
-    text = README.read_text(encoding="utf-8")
-    assert text.count(BEGIN) == 1
-    assert text.split(BEGIN)[1].split(END)[0] == commented_yaml(agder_config)
