@@ -53,13 +53,10 @@ notebooks: $(DEV)
 
 # The documentation as HTML in build/docs: half a minute. Every warning is an error, internal links included.
 .PHONY: docs docs-tools
-docs: $(VENV)/.docs
+docs: $(VENV)/.docs.ready
 	$(BIN)/sphinx-build --fail-on-warning --keep-going --nitpicky --quiet --fresh-env docs build/docs
 
-docs-tools: $(VENV)/.docs
-$(VENV)/.docs: $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[docs]"
-	touch $@
+docs-tools: $(VENV)/.docs.ready
 
 # Seconds and memory of stage one, alone and beside other solvers: about a quarter of an hour on a quiet machine.
 .PHONY: bench
