@@ -1,4 +1,6 @@
-"""The columns and figures of a run, as the tables in the program list them."""
+"""Columns and figures of a run, as the tables in the program list them, and the benchmarks that are kept in git."""
+
+from pathlib import Path
 
 from from_code.markdown import literal, plain, table
 from pipeline.export.trajectory_columns import TRAJECTORY_COLUMNS
@@ -18,3 +20,11 @@ def figure_list() -> str:
         about = " ".join((one.draw.__doc__ or "").split("\n\n")[0].split())
         rows.append((literal(one.name), plain(about)))
     return table(("figure", "what it shows"), rows)
+
+
+def benchmark_pages() -> str:
+    """Include what every benchmark measured last, in the order of their names."""
+    pages = sorted((Path(__file__).parents[2] / "results" / "benchmarks").glob("*.md"))
+    return "\n".join(
+        f"```{{include}} ../../results/benchmarks/{page.name}\n:heading-offset: 1\n```\n" for page in pages
+    )

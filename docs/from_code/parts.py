@@ -5,12 +5,13 @@ from collections.abc import Callable
 
 from from_code.command_line import command_reference
 from from_code.configuration import configuration_reference, configuration_yaml
-from from_code.files import figure_list, trajectory_columns
+from from_code.files import benchmark_pages, figure_list, trajectory_columns
 from from_code.notebooks import notebook_page
 from from_code.python_interface import python_reference
 from from_code.reference_run import reference_run
 
 PARTS: dict[str, Callable[..., str]] = {
+    "benchmarks": benchmark_pages,
     "commands": command_reference,
     "configuration keys": configuration_reference,
     "configuration yaml": configuration_yaml,
