@@ -101,6 +101,7 @@ class _Run:
         self._reporter = reporter
         self._specs = results.specs
         self._config = results.config
+        self._config_yaml = dump_config(results.config)
 
     @property
     def _records(self) -> Mapping[Stage, Record]:
@@ -238,7 +239,7 @@ class _Run:
         sections = {spec.section: spec.in_summary(_section(kept, spec.stage)) for spec in self._specs}
         summary = summarise(self._config, sections)
         state = State(config_sha256=config_sha256(self._config), stages=kept)
-        self._folder.change(state, files, superseded, dump_config(self._config), summary)
+        self._folder.change(state, files, superseded, self._config_yaml, summary)
         return summary
 
 
