@@ -171,6 +171,12 @@ CASES: dict[str, tuple[Callable[[Given], object], str]] = {
         lambda g: pipeline.compare_measurement(_measurement(), np.zeros((3, 6)), None),
         "commanded poses: .*2, 6",
     ),
+    "Deviations: geometry": (lambda g: pipeline.Deviations(geometry_std_m=NAN), "geometry_std_m: "),
+    "Deviations: mass": (lambda g: pipeline.Deviations(mass_error=-1.0), "mass_error: .*more than -1"),
+    "Deviations: seed": (lambda g: pipeline.Deviations(seed=-1), "seed: "),
+    "plan_motion: period": (lambda g: pipeline.plan_motion(_moving(g), 0.0), "period_s: "),
+    "simulate_motion: standing": (lambda g: _simulated(g, standing_s=-1.0), "standing_s: "),
+    "tune_drives: damping": (lambda g: pipeline.tune_drives(*_driven(g), None, 1.5), "damping: .*at most 1"),
     "kappa_map: mode": (lambda g: pipeline.kappa_map(g.machine, [0.0], [0.5], (0.0, 0.0), len(MODES)), "mode: "),
     "kappa_map: tilt": (lambda g: pipeline.kappa_map(g.machine, [0.0], [0.5], (0.0, NAN), 0), "tilt_rad: "),
     "kappa_map: grid": (lambda g: pipeline.kappa_map(g.machine, 0.0, [0.5], (0.0, 0.0), 0), "y_m: "),
@@ -182,6 +188,24 @@ CASES: dict[str, tuple[Callable[[Given], object], str]] = {
 
 def _samples(g: Given, count: int) -> Any:
     return pipeline.sample_path(g.path, np.linspace(0.0, 1.0, count))
+
+
+def _moving(g: Given) -> Trajectory:
+    """Move the machine of the configuration, which has masses."""
+    path = dataclasses.replace(g.path, machine=pipeline.build_machine(g.config.machine))
+    return dataclasses.replace(g.trajectory, path=path)
+
+
+def _driven(g: Given) -> tuple[Machine, Any]:
+    machine = pipeline.build_machine(g.config.machine)
+    return machine, pipeline.build_drives(g.config.drives, machine)
+
+
+def _simulated(g: Given, standing_s: float) -> object:
+    machine, drives = _driven(g)
+    return pipeline.simulate_motion(
+        machine, pipeline.build_plant(machine, pipeline.Deviations()), drives, None, standing_s
+    )
 
 
 def _prove_changed(g: Given) -> object:
@@ -205,6 +229,7 @@ def test_what_a_docstring_excludes_is_refused(given_: Given, case: str) -> None:
 
 CHECKED_OTHERWISE = {
     "load_config parse_config dump_config build_machine step_sizes": "configurations are checked when they are read",
+    "build_drives build_plant": "configurations, and deviations that are checked when made",
     "build_regions plan_route refine_path certify_path retime_path way_back": "configurations and results of stages",
     "run_pipeline open_results load_path save_path": "files and folders, with errors of their own",
     "kappa_profile measure_trajectory measure_motion compare_paths usable_workspace": "results, checked when made",

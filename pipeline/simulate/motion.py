@@ -5,9 +5,11 @@ from math import ceil
 
 import numpy as np
 
+from pipeline.arguments import require_number
 from pipeline.arrays import FloatArray
 from pipeline.retime import Trajectory, sample_trajectory, whole_periods
 from pipeline.retime.path_dynamics import TABLE_POINTS, dynamics_table
+from pipeline.simulate.plant import require_masses
 
 LONGEST_PERIOD_S = 1e-3
 """Controllers run at least this often, and the machine is integrated in steps of at most this."""
@@ -66,11 +68,17 @@ def plan_motion(trajectory: Trajectory, period_s: float) -> Motion:
 
     Raises
     ------
+    ArgumentError
+        For a period that is not finite and more than 0.
+    UsageError
+        For a machine without masses.
     UnfitConfigError
         When it has more periods than a table may have rows.
     ForwardKinematicsError
         Where the closure equations have no solution near the path's known poses.
     """
+    require_masses(trajectory.path.machine)
+    period_s = require_number("period_s", period_s, above=0.0)
     trajectory = whole_periods(trajectory, period_s)
     samples = sample_trajectory(trajectory, period_s)
     middle = (samples.t_s + period_s / 2.0).clip(max=samples.duration_s)

@@ -5,6 +5,7 @@ from time import perf_counter
 import casadi as ca
 import numpy as np
 
+from pipeline.arguments import require_number
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.errors import ForwardKinematicsError, NoSolutionError
 from pipeline.machine.dynamics import holding_forces
@@ -18,7 +19,7 @@ from pipeline.simulate.ending import Watch, arrival, determinants
 from pipeline.simulate.forces import forces_of
 from pipeline.simulate.motion import Motion
 from pipeline.simulate.period import Looped, Records, block_function, start_state
-from pipeline.simulate.plant import Plant
+from pipeline.simulate.plant import Plant, require_masses
 from pipeline.simulate.result import Simulation, Verdict
 
 STANDING_S = 1.0
@@ -42,12 +43,15 @@ def simulate_motion(
 
     Raises
     ------
+    ArgumentError
+        For a time to stand that is not finite or below 0.
     NoSolutionError
         When the real machine cannot be assembled with the actuators as commanded at the start.
-    ValueError
+    UsageError
         For a machine without masses.
     """
-    assert plant.machine.masses is not None
+    require_masses(plant.machine)
+    standing_s = require_number("standing_s", standing_s, least=0.0)
     block = block_function(plant.machine, drives, motion.period_s, _BLOCK)
     standing = round(standing_s / motion.period_s)
     rows = np.arange(-standing, len(motion) + standing)

@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.arguments import require_number
 from pipeline.arrays import IntArray
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.simulate.drives import Drives
 from pipeline.simulate.motion import Motion
+from pipeline.simulate.plant import require_masses
 from pipeline.simulate.tuning.poles import Linearised, Poles, SampledMachine, linearised, loop_poles, sampled_machine
 
 _TRIED, _SEARCHED, _CHECKED = 8, 60, 400
@@ -83,9 +85,13 @@ def tune_drives(machine: Machine, drives: Drives, motion: Motion, damping: float
 
     Raises
     ------
-    ValueError
+    ArgumentError
+        For a damping ratio that is not between 0 and 1.
+    UsageError
         For a machine without masses.
     """
+    require_masses(machine)
+    damping = require_number("damping", damping, above=0.0, largest=1.0)
     checked = linearised(machine, motion, _instants(motion, _CHECKED)).both_ways()
     searched = linearised(machine, motion, _instants(motion, _SEARCHED)).both_ways()
     fine = sampled_machine(checked, drives, motion.period_s)
