@@ -36,8 +36,10 @@ _FOLLOWED = 8_192
 
 _FINE = 1.01
 """Ratio of neighbouring caps at which the least largest kappa is looked for."""
+
 _MOST_ROUTES = 1_000
 """More routes than a search could give."""
+
 Follow = Callable[[RouteProblem, PlacedRoute], list[tuple[int, Rejection]]]
 """Follows the moves of a route; gives the first step of each inadmissible one, and why it is."""
 

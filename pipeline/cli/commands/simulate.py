@@ -54,13 +54,17 @@ def simulate(
         float, typer.Option("--load", metavar="KG", min=0.0, max=10_000.0, help="A load at the TCP besides the plan's.")
     ] = 0.0,
     output: Annotated[
-        Path | None, typer.Option("--output", metavar="FILE", help="Write the motion as CSV, which `measured` reads.")
+        Path | None,
+        typer.Option(
+            "--output", metavar="FILE", readable=False, help="Write the motion as CSV, which `measured` reads."
+        ),
     ] = None,
     picture: Annotated[
         Path | None,
         typer.Option(
             "--picture",
             metavar="FILE",
+            readable=False,
             help="Draw errors (FILE), following errors (FILE_following) and forces (FILE_forces): .png, .pdf or .svg.",
         ),
     ] = None,

@@ -53,7 +53,7 @@ class RouteConfig(Section):
 
     grid: GridConfig
     x_step_m: PositiveLength = Field(0.1, description="largest move along X per step, (13)")
-    step_budget: int = Field(25, ge=2, le=500, description="most positions of a route: N in the paper")
+    step_budget: int = Field(40, ge=2, le=500, description="most positions of a route: N in the paper")
     objective: RouteObjective = Field(
         RouteObjective.INTEGRAL,
         description="integral: kappa integrated over the length of the moves, which stage two minimises; sum: the sum "

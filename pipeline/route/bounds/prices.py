@@ -8,12 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse.csgraph import dijkstra
 
 from pipeline.arrays import FloatArray
 from pipeline.progress import Progress, silent
 from pipeline.route.bounds.budgets import Budget, Prices
-from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves, path_to, priced_graph, shortest_paths
+from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves, cheapest_path, shortest_paths
 from pipeline.route.cost.interface import MoveCost
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.regions.table import RegionTable
@@ -71,8 +70,8 @@ def _best_prices(
 
 def _plane(regions: RegionTable, moves: Moves, cost: MoveCost, prices: Prices) -> tuple[float, FloatArray]:
     """Cost of the path that is shortest at these prices, and by how much it exceeds each budget and the travel."""
-    _, previous = dijkstra(priced_graph(regions, moves, cost, prices), indices=regions.start, return_predecessors=True)
-    path = path_to(previous, regions.start, regions.goal)
+    path = cheapest_path(regions, moves, cost, prices)
+    assert path is not None
     ends = regions, path[:-1], path[1:]
     travel = cost.best_travel(*ends, prices.travel)
     own = cost.offset_m(regions)

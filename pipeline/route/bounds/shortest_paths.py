@@ -106,9 +106,16 @@ def least_use(regions: RegionTable, moves: Moves, budget: Budget, block_size: in
 def shortest_route(regions: RegionTable, moves: Moves, cost: MoveCost, bounds: Bounds) -> IntArray:
     """Give the rows of a shortest path from start to goal, which must exist, at the prices of its bounds."""
     tight = cheap_moves(moves, bounds, bounds.optimum + ROUNDING * (1.0 + abs(bounds.optimum)))
-    graph = priced_graph(regions, tight, cost, bounds.prices)
-    _, previous = dijkstra(graph, indices=regions.start, return_predecessors=True)
-    return path_to(previous, regions.start, regions.goal)
+    path = cheapest_path(regions, tight, cost, bounds.prices)
+    assert path is not None
+    return path
+
+
+def cheapest_path(regions: RegionTable, moves: Moves, cost: MoveCost, prices: Prices) -> IntArray | None:
+    """Give the rows of a path from start to goal that costs least at the prices; None where there is none."""
+    graph = priced_graph(regions, moves, cost, prices)
+    least, previous = dijkstra(graph, indices=regions.start, return_predecessors=True)
+    return path_to(previous, regions.start, regions.goal) if np.isfinite(least[regions.goal]) else None
 
 
 def path_to(previous: IntArray, start: int, goal: int) -> IntArray:

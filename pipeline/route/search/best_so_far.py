@@ -12,6 +12,9 @@ from pipeline.route.programs.solution import StepSequence
 from pipeline.route.search.states import StateGraph
 from pipeline.status import Status
 
+CLOSED = 1e-7
+"""Relative distance of the bounds at which they count as met."""
+
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
@@ -95,6 +98,10 @@ class BestSoFar:
             self.excluded = max(self.excluded, min(outcome.bound, core.threshold))
             raise deadline.error(self.excluded)
         return outcome.objective <= core.threshold * (1.0 + ROUNDING)
+
+    def meets(self, bound: float) -> bool:
+        """Tell whether it costs no more than a lower bound."""
+        return self._found is not None and self.objective <= bound + CLOSED * abs(bound)
 
     def proven(self, bound: float) -> Optimum:
         """Give it as the optimum."""

@@ -5,7 +5,7 @@ It goes along a shortest path at the prices of the bounds, with the best x.
 
 import numpy as np
 
-from pipeline.route.bounds.shortest_paths import Bounds, shortest_paths, shortest_route
+from pipeline.route.bounds.shortest_paths import Bounds, cheap_moves, cheapest_path
 from pipeline.route.core.build import build_core
 from pipeline.route.moves.candidates import Moves
 from pipeline.route.moves.screen import Screening
@@ -15,24 +15,27 @@ from pipeline.route.search.best_so_far import BestSoFar
 from pipeline.route.search.states import StateGraph
 from pipeline.route.search.tightening import tighten_core
 
+_NEAR = 1.1
+"""Paths up to this much more costly than the bound, as a factor, are followed until one has admissible moves."""
+
 
 def offer_first_route(
     problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: BestSoFar
 ) -> None:
     """Offer a route along a shortest path of admissible moves, if step budget, windows and budgets allow one there."""
-    moves, tangents = graph.moves, Tangents(graph.regions, problem.cost, bounds.prices.travel)
-    least = bounds
-    while np.isfinite(least.optimum):
-        path = shortest_route(graph.regions, moves, problem.cost, least)
+    regions, cost = graph.regions, problem.cost
+    moves = cheap_moves(graph.moves, bounds, _NEAR * max(best.excluded, bounds.optimum))
+    while (path := cheapest_path(regions, moves, cost, bounds.prices)) is not None:
         along = Moves(path[:-1], path[1:])
         along = along.take(np.argsort(along.source, kind="stable"))
         left = screen(along, moves, graph.base)
-        if len(left) == len(moves):
-            ceiling = problem.options.step_budget * problem.cost.most(graph.regions)
-            core = build_core(problem, graph.regions, along, bounds, ceiling)
-            if not core.empty:
-                core, route = tighten_core(problem, core, bounds, tangents, ceiling)
-                best.offer(route, core)
-            return
-        moves = left
-        least = shortest_paths(graph.regions, moves, problem.cost, bounds.prices)
+        if len(left) < len(moves):
+            moves = left
+            continue
+        ceiling = problem.options.step_budget * cost.most(regions)
+        core = build_core(problem, regions, along, bounds, ceiling)
+        if not core.empty:
+            tangents = Tangents(regions, cost, bounds.prices.travel)
+            core, route = tighten_core(problem, core, bounds, tangents, ceiling)
+            best.offer(route, core)
+        return

@@ -20,7 +20,6 @@ from pipeline.route.programs.whole import WHOLE_PROGRAMS
 from pipeline.route.search.best_so_far import BestSoFar, Optimum, in_table
 from pipeline.route.search.core_optimum import solve_core
 from pipeline.route.search.first_route import offer_first_route
-from pipeline.route.search.outer_approximation import CLOSED
 from pipeline.route.search.states import StateGraph
 from pipeline.route.search.tightening import tighten_core
 from pipeline.status import Status
@@ -133,7 +132,7 @@ def _raise_threshold(
     margin = options.threshold_margin
     if problem.cost.counts_x:
         offer_first_route(problem, graph, bounds, screen, best)
-        if best.sequence is not None and best.objective <= best.excluded * (1.0 + CLOSED):
+        if best.meets(best.excluded):
             return best.proven(best.excluded)
     cores = _Cores(problem, graph, bounds, screen, best)
     threshold = min(best.excluded + margin * max(best.excluded, unit), best.objective, ceiling)
@@ -142,12 +141,13 @@ def _raise_threshold(
         if lower < threshold:
             threshold = lower
             continue
+        # No route below the threshold costs less than the core's bound.
+        if best.meets(least := threshold if core.empty else min(core.bound, threshold)):
+            return best.proven(min(least, best.objective))
         if not core.empty:
             found = solve_core(problem, core, bounds, cores.tangents, best.sequence)
             if best.decided_by(found, core, problem.deadline):
                 return best.proven(found.outcome.bound)
-        elif best.objective <= threshold:
-            return best.proven(best.objective)
         if threshold >= ceiling:
             return None
         best.excluded = threshold

@@ -15,12 +15,11 @@ from pipeline.route.metric import ROUNDING
 from pipeline.route.problem import RouteProblem
 from pipeline.route.programs.solution import StepSequence, solve_steps
 from pipeline.route.programs.travel_program import Tangents, build_travel_program
+from pipeline.route.search.best_so_far import CLOSED
 from pipeline.route.search.x_positions import cheapest_x
 from pipeline.solvers.highs import solve_program
 from pipeline.status import Status
 
-CLOSED = 1e-7
-"""Relative distance of the bounds at which they count as met."""
 _TIGHT = 1e-5
 """Relative gain of the relaxation below which no more tangents are added before the first program."""
 _PATIENCE = 5

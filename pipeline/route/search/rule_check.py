@@ -16,7 +16,6 @@ from pipeline.route.regions.table import RegionTable
 _ARMS = ((4, 1), (2, 2), (1, 3))
 """Bit in the number of a working mode, and number, of each arm."""
 
-
 _PARTS = np.linspace(0.0, 1.0, 41)[:, None, None]
 """Where along a move it is checked against the boxes to avoid."""
 
