@@ -16,9 +16,10 @@ from pipeline.config import Config
 from pipeline.machine import build_machine
 from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.symbolic import statics_function
+from pipeline.refine.collocation.program import Program
 from pipeline.refine.corridor.cells import visit_parameters
 from pipeline.refine.integral.minimise import guess_from, program_data
-from pipeline.refine.integral.program import Program, build_program
+from pipeline.refine.integral.program import build_program
 from pipeline.refine.mesh import even_mesh
 from pipeline.refine.peak.constraints import Constraint, by_unknowns
 from pipeline.refine.peak.iterate import Iterate, iterate_at

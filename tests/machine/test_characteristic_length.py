@@ -12,7 +12,7 @@ from pipeline.machine import Machine, build_machine, inverse_kinematics
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.statics import moment_unit
 from pipeline.machine.symbolic import holding_function
-from pipeline.refine.integral.node_kappa import NodeKappa
+from pipeline.refine.collocation.node_kappa import NodeKappa
 from tests.scaling import scaled
 
 sizes = st.floats(0.05, 8.0)

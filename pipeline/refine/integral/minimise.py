@@ -5,11 +5,10 @@ from dataclasses import replace
 from scipy.interpolate import BSpline
 
 from pipeline.errors import NoSolutionError
-from pipeline.limits import node_limits
-from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.machine.samples import PoseSamples
+from pipeline.refine.collocation.data import node_data
+from pipeline.refine.collocation.ipopt import IpoptOptions, ipopt_failure, solve_program
 from pipeline.refine.corridor.cells import corridor
-from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
 from pipeline.refine.integral.program import InitialGuess, ProgramData, build_program
 from pipeline.refine.problem import FROBENIUS, SCHATTEN, MeshSolution, Problem, first_mesh, transfer_to
 from pipeline.refine.result import Path
@@ -22,8 +21,6 @@ _ROUGH_ITERATIONS = 150
 """Most iterations of the rough solve: where IPOPT needs more it is lost, and the fallback start is faster."""
 _FEW_NODES, _FEW_ITERATIONS = 0.7, 60
 """Share of the nodes that the rough solve takes, and most of its iterations with that many."""
-_NAMED, _VIOLATED = 3, 1e-9
-"""How many groups of violated constraints a failure names at most, and from which violation on."""
 
 
 def minimise_integral(problem: Problem, initial: MeshSolution) -> MeshSolution:
@@ -81,41 +78,12 @@ def solve_on_mesh(
 
 def program_data(problem: Problem, initial: MeshSolution, exponent: float, evenness: float) -> ProgramData:
     """Collect what the program of a mesh is written for."""
-    config = problem.config
-    return ProgramData(
-        mesh=initial.mesh,
-        corridor=corridor(config, problem.route, problem.coarse, initial.mesh.s),
-        limits=node_limits(config, problem.machine),
-        clearance_margin_m=config.refine.clearance_margin_m,
-        reach_m=float(problem.steps[:3].max()),
-        steps=problem.steps,
-        directions=problem.directions,
-        actuator_range_m=planned_range_m(config, problem.machine),
-        exponent=exponent,
-        evenness=evenness,
-        smoothness=problem.smoothness.form(initial.mesh.knots),
-    )
+    mesh = initial.mesh
+    bounds = corridor(problem.config, problem.route, problem.coarse, mesh.s)
+    return ProgramData(node_data(problem, mesh, bounds), exponent, evenness, problem.smoothness.form(mesh.knots))
 
 
 def guess_from(initial: MeshSolution) -> InitialGuess:
     """Take poses, actuators and coefficients of a path as initial guess."""
     path = initial.path
     return InitialGuess(PoseSamples(path.machine, path.node_pose, path.q(initial.mesh.s)), path.spline.c)
-
-
-def ipopt_failure(result: IpoptResult, arrays: dict[str, object]) -> NoSolutionError:
-    """Say how IPOPT failed, and what is violated; `arrays` are those of the last path."""
-    worst = sorted(result.violations.items(), key=lambda item: -item[1])[:_NAMED]
-    broken = ", ".join(f"{name} by {value:.2e}" for name, value in worst if value > _VIOLATED)
-    state = f"most violated: {broken}" if broken else "all constraints hold, but kappa can still be lowered"
-    return NoSolutionError(
-        "refine",
-        f"IPOPT ended with {result.message} after {result.iterations} iterations; {state}",
-        result.status.advice,
-        {
-            "status": result.status.value,
-            "message": result.message,
-            "violations": result.violations,
-            **arrays,
-        },
-    )

@@ -20,7 +20,8 @@ from pipeline.limits.interface.rows import ProgramPart, Row, Unknowns
 from pipeline.machine.geometry import ACTUATORS, LINKS
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.symbolic import dynamics_function, rates_function
-from pipeline.refine.integral.rows import sparse
+from pipeline.refine.collocation.program import Symbols
+from pipeline.refine.collocation.rows import sparse
 from pipeline.refine.motion import pose_derivatives
 from pipeline.refine.result import Path, directions_of
 from pipeline.refine.timed.loads import limits_loads, load_shares
@@ -34,37 +35,51 @@ _AT_NODES = 0.998
 
 
 @dataclass(frozen=True, eq=False)
-class TimedSymbols:
-    """Unknowns of the program: pose (6, k), q (5, k), coefficients (5, n), T relative to its guess (1, 1)."""
+class Motion:
+    """A motion as unknowns, and its guess.
 
-    pose: ca.MX
-    q: ca.MX
-    coefficients: ca.MX
+    Attributes
+    ----------
+    x : Symbols
+        Nodes and coefficients.
+    time : (1, 1)
+        T relative to its guess.
+    guess : Path
+        The motion that the program starts from, with its duration.
+    """
+
+    x: Symbols
     time: ca.MX
+    guess: Path
+
+    @property
+    def guess_s(self) -> float:
+        """T of the guess, seconds."""
+        return float(self.guess.motion_s or np.nan)
 
 
-def load_part(path: Path, tau: FloatArray, x: TimedSymbols) -> ProgramPart:
-    """Write the rows of the nodes tau (k,) near a limit of loads; `path` is the guess, with its duration."""
+def load_part(motion: Motion, tau: FloatArray) -> ProgramPart:
+    """Write the rows of the nodes tau (k,) near a limit of loads."""
     none = ProgramPart(unknowns=(), rows=())
-    if not limits_loads(path.machine):
+    if not limits_loads(motion.guess.machine):
         return none
-    shares = load_shares(path, tau, float(path.motion_s or np.nan))
+    shares = load_shares(motion.guess, tau, motion.guess_s)
     forces = shares[:, :_FORCES].max(axis=1) > _NEAR_FORCE
     near = forces | (shares[:, _FORCES:].max() > _NEAR_TCP)
     # Start and goal are at rest.
     near[[0, -1]] = False
-    return _part_at(path, tau, (np.flatnonzero(near), forces[near]), x) if near.any() else none
+    return _part_at(motion, tau, (np.flatnonzero(near), forces[near])) if near.any() else none
 
 
-def _part_at(path: Path, tau: FloatArray, nodes: tuple[IntArray, BoolArray], x: TimedSymbols) -> ProgramPart:
+def _part_at(motion: Motion, tau: FloatArray, nodes: tuple[IntArray, BoolArray]) -> ProgramPart:
     """Write the rows of some nodes (m,), and which of them are near a limit of forces (m,)."""
     near, with_forces = nodes
-    machine, motion_s, m = path.machine, float(path.motion_s or np.nan), len(near)
-    at = near.tolist()
+    path, x, motion_s = motion.guess, motion.x, motion.guess_s
+    machine, at, m = path.machine, near.tolist(), len(near)
     pose, first, second, _ = pose_derivatives(path, tau[near])
     rate, acceleration = ca.MX.sym("pose_rate", 6, m), ca.MX.sym("pose_acceleration", 6, m)
     q_rate, q_acceleration = (
-        x.coefficients @ _derivatives(path.spline, tau[near], order).T / (motion_s * x.time) ** order
+        x.coefficients @ _derivatives(path.spline, tau[near], order).T / (motion_s * motion.time) ** order
         for order in (1, 2)
     )
     z = ca.vertcat(x.pose[:, at], x.q[:, at]), ca.vertcat(rate, q_rate), ca.vertcat(acceleration, q_acceleration)
@@ -83,8 +98,8 @@ def _part_at(path: Path, tau: FloatArray, nodes: tuple[IntArray, BoolArray], x: 
         f = ca.MX.sym("link_forces", len(LINKS), len(samples))
         unknowns.append(_free(f, samples.holding_forces_n[:, len(ACTUATORS) :] / scale))
         columns = np.flatnonzero(with_forces).tolist()
-        motion = [part[:, columns] for part in z]
-        missed, drives = dynamics_function(machine).map(len(samples))(*motion, scale * f)
+        taken = [part[:, columns] for part in z]
+        missed, drives = dynamics_function(machine).map(len(samples))(*taken, scale * f)
         rows.append(Row("equilibrium in motion", ca.vec(missed) / scale, 0.0, 0.0))
         rows += _force_rows(path, tau, near[with_forces], (drives, scale * f))
     return ProgramPart(tuple(unknowns), tuple(rows))

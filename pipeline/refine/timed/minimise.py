@@ -8,15 +8,13 @@ from scipy.interpolate import BSpline
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import ForwardKinematicsError, NoSolutionError
-from pipeline.limits import node_limits
-from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.check import Violation, find_violations
+from pipeline.refine.collocation.data import node_data
+from pipeline.refine.collocation.ipopt import IpoptOptions, IpoptResult, ipopt_failure, solve_program
 from pipeline.refine.corridor.cells import open_corridor
 from pipeline.refine.corridor.cone import StraightEnd, straight_ends
-from pipeline.refine.integral.ipopt import IpoptOptions, IpoptResult, solve_program
-from pipeline.refine.integral.minimise import ipopt_failure
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.refine.mesh import Mesh, midpoints
 from pipeline.refine.problem import SCHATTEN, Problem
@@ -145,15 +143,9 @@ def timed_data(problem: Problem, guess: TimedGuess, start: MotionSolution, weigh
     ends = max(kappa[0], kappa[-1])
     log_cap = np.full(len(mesh.s), np.log(max(_BELOW_CAP * path_cap(config), ends)))
     log_cap[[0, -1]] = np.inf
+    bounds = open_corridor(config, problem.route, start.coarse, mesh.s)
     return TimedData(
-        mesh=mesh,
-        corridor=open_corridor(config, problem.route, start.coarse, mesh.s),
-        limits=node_limits(config, problem.machine),
-        clearance_margin_m=config.refine.clearance_margin_m,
-        reach_m=float(problem.steps[:3].max()),
-        steps=problem.steps,
-        directions=problem.directions,
-        actuator_range_m=planned_range_m(config, problem.machine),
+        nodes=node_data(problem, mesh, bounds),
         exponent=SCHATTEN,
         log_cap=log_cap,
         visit_bounds=visit_bounds(config, problem.route, start.coarse),

@@ -13,36 +13,28 @@ Unknowns are those of the program over s, with T relative to its guess instead o
 nothing is left open that evenness would have to settle.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import casadi as ca
 import numpy as np
 from scipy.interpolate import BSpline
 
 from pipeline.arrays import FloatArray
-from pipeline.limits import NodeLimit
-from pipeline.limits.interface.rows import Nodes, Row, Unknowns
+from pipeline.limits.interface.rows import ProgramPart, Row, Unknowns
 from pipeline.machine.geometry import Machine
-from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.samples import PoseSamples
-from pipeline.refine.corridor.cells import Corridor
-from pipeline.refine.integral.derivatives import derivative_options
-from pipeline.refine.integral.node_kappa import NodeKappa
-from pipeline.refine.integral.program import Block, Program
-from pipeline.refine.integral.rows import direction_rows, node_rows, one_way_rows, side_rows, sparse
-from pipeline.refine.integral.wall_rows import wall_rows
+from pipeline.refine.collocation.data import NodeData
+from pipeline.refine.collocation.node_kappa import NodeKappa
+from pipeline.refine.collocation.program import Program, Symbols, assemble, distances, node_part, node_unknowns
+from pipeline.refine.collocation.rows import direction_rows, sparse
 from pipeline.refine.mesh import Mesh
-from pipeline.refine.one_way import one_way_legs
-from pipeline.refine.result import Path, directions_of
+from pipeline.refine.result import Path
 from pipeline.refine.splines import DEGREE
 from pipeline.refine.timed.first_motion import AT_REST, locked
 from pipeline.refine.timed.hull import derivative_matrix, rate_limits
-from pipeline.refine.timed.load_rows import TimedSymbols, load_part
+from pipeline.refine.timed.load_rows import Motion, load_part
 from pipeline.refine.timed.visits import VisitBounds, VisitNodes, VisitPart, visit_part
-from pipeline.route.metric import arc_length
 
 _SMOOTHING = 1e-3
 """Share of the mean distance between nodes, added in quadrature: near rest nodes hardly differ."""
@@ -56,10 +48,14 @@ _LEAST_TIME, _MOST_TIME = 0.2, 5.0
 
 @dataclass(frozen=True, eq=False)
 class TimedData:
-    """What a program is written for; attributes that `ProgramData` has, too, are explained there.
+    """What a program is written for.
 
     Attributes
     ----------
+    nodes : NodeData
+        What its nodes have to keep.
+    exponent : float
+        Exponent of the smooth kappa, a Schatten condition number.
     log_cap : (k,)
         Logarithm of the largest kappa of every node; infinite where kappa is given.
     visit_bounds : VisitBounds
@@ -68,14 +64,7 @@ class TimedData:
         1 / T_ref in 1/s, and w / K_ref.
     """
 
-    mesh: Mesh
-    corridor: Corridor
-    limits: Sequence[NodeLimit]
-    clearance_margin_m: float
-    reach_m: float
-    steps: FloatArray
-    directions: FloatArray
-    actuator_range_m: FloatArray
+    nodes: NodeData
     exponent: float
     log_cap: FloatArray
     visit_bounds: VisitBounds
@@ -130,101 +119,73 @@ class TimedProgram:
 
 def build_timed_program(data: TimedData, guess: TimedGuess) -> TimedProgram:
     """Write the program of a mesh, to be started from a guess."""
-    machine, k, n = guess.path.machine, len(data.mesh.s), data.mesh.coefficients
-    x = TimedSymbols(ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k), ca.MX.sym("c", 5, n), ca.MX.sym("time"))
-    directions = directions_of(guess.spline(data.mesh.s, nu=1))
-    at_nodes = Nodes(x.pose, x.q, guess.nodes, directions, data.clearance_margin_m, data.reach_m)
-    parts = [limit.program_part(at_nodes) for limit in data.limits]
+    nodes, machine, mesh = data.nodes, guess.path.machine, data.nodes.mesh
+    x, time = Symbols.of(nodes), ca.MX.sym("time")
+    motion = Motion(x, time, guess.path)
+    between = distances(nodes, guess.nodes, x, _SMOOTHING)
     visits = visit_part(machine, guess.visits, data.visit_bounds, guess.spline, x.coefficients)
-    parts.append(load_part(guess.path, data.mesh.s, x))
-    own = [unknown for part in parts for unknown in part.unknowns]
-    unknowns = [*_unknowns(data, guess, x), *own, *visits.unknowns, _time(x)]
+    parts = [
+        node_part(nodes, guess.nodes, guess.spline, x),
+        load_part(motion, mesh.s),
+        ProgramPart(visits.unknowns, visits.rows),
+    ]
     c = x.coefficients
     legs = c[:, AT_REST] - c[:, AT_REST - 1], c[:, -AT_REST] - c[:, -AT_REST - 1]
-    rows = [
-        *node_rows(machine, data.mesh, x.pose, x.q, c),
-        *_rate_rows(machine, data.mesh, x, guess.motion_s),
-        *(row for part in parts for row in part.rows),
-        *side_rows(machine, data.corridor, x.pose, x.q),
-        *wall_rows(data.corridor.walls, x.pose),
-        *direction_rows(data.directions, legs),
-        *one_way_rows(one_way_legs(data.limits, guess.nodes, data.mesh.s, data.mesh.knots), c),
-        *visits.rows,
+    unknowns = [
+        *node_unknowns(nodes, guess.nodes, _coefficients(nodes, guess), x),
+        *(own for part in parts for own in part.unknowns),
+        Unknowns(time, np.ones(1), np.array([_LEAST_TIME]), np.array([_MOST_TIME])),
     ]
-    vector, g = ca.veccat(*(part.symbol for part in unknowns)), ca.vertcat(*(row.expression for row in rows))
-    nodes, kappa = ca.vertcat(x.pose, x.q[:3, :]), NodeKappa(machine, k, data.exponent)
-    distance = _distances(data.steps, x.pose, guess.nodes.pose)
-    trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
+    rows = [
+        *(row for part in parts for row in part.rows),
+        *_rate_rows(machine, mesh, motion),
+        *direction_rows(nodes.directions, legs),
+    ]
     capped = np.flatnonzero(np.isfinite(data.log_cap)).tolist()
     by_time, by_kappa = data.weights
-    rest = by_time * guess.motion_s * x.time + _JERK * _mean_square_jerk(machine, data.mesh, x, guess)
+    rest = by_time * guess.motion_s * time + _JERK * _mean_square_jerk(machine, mesh, x, guess)
 
-    def written(kappas: ca.MX) -> tuple[ca.MX, ca.MX]:
+    def written(kappas: ca.MX, integral: ca.MX) -> tuple[ca.MX, list[Row]]:
         below_cap = ca.log(kappas[capped]) - ca.DM(data.log_cap[capped]).T
-        return by_kappa * ca.dot(kappas, trapezoids) + rest, ca.vertcat(g, ca.vec(below_cap))
+        return by_kappa * integral + rest, [Row("kappa above its cap", ca.vec(below_cap), -np.inf, 0.0)]
 
-    kappas = kappa(nodes)[0]
-    f, g_whole = written(kappas)
-    rows = [*rows, Row("kappa above its cap", ca.MX(len(capped), 1), -np.inf, 0.0)]
-    program = Program(
-        problem={"x": vector, "f": f, "g": g_whole},
-        derivatives=derivative_options(kappa, nodes, vector, written),
-        integral=ca.Function("integral", [vector], [ca.dot(kappas, trapezoids)]),
-        variable_bounds=(_joined([part.low for part in unknowns]), _joined([part.high for part in unknowns])),
-        constraint_bounds=(
-            _joined([np.full(row.expression.numel(), row.low) for row in rows]),
-            _joined([np.full(row.expression.numel(), row.high) for row in rows]),
-        ),
-        guess=_joined([part.guess for part in unknowns]),
-        blocks=_blocks(rows),
-        nodes=k,
-        coefficients=n,
-        kappa=kappa,
-    )
+    program = assemble(unknowns, rows, x, NodeKappa(machine, len(mesh.s), data.exponent), between.smooth, written)
+    vector = program.problem["x"]
     return TimedProgram(
         program,
-        ca.Function("motion", [vector], [guess.motion_s * x.time]),
+        ca.Function("motion", [vector], [guess.motion_s * time]),
         ca.Function("shares", [vector], [_symbol(visits, -1, 1)]),
         ca.Function("poses", [vector], [_symbol(visits, 0, 6)]),
         visits.spans,
     )
 
 
-def _unknowns(data: TimedData, guess: TimedGuess, x: TimedSymbols) -> list[Unknowns]:
-    """List nodes and coefficients; those at rest are given, and so are those of actuators that must not move."""
-    nodes, c = guess.nodes, guess.spline.c
+def _coefficients(data: NodeData, guess: TimedGuess) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Give guess and bounds of the coefficients: those at rest are given, and those of actuators that must not move."""
+    c = guess.spline.c
     low, high = (np.tile(bound, (len(c), 1)) for bound in data.actuator_range_m.T)
     given = np.zeros(c.shape, dtype=bool)
     given[:AT_REST] = given[-AT_REST:] = True
     low[given] = high[given] = c[given]
-    still = locked(nodes.machine) & (np.ptp(c, axis=0) < _STILL_M)
+    still = locked(guess.path.machine) & (np.ptp(c, axis=0) < _STILL_M)
     low[:, still] = high[:, still] = c[0, still]
-    free = np.full_like(nodes.q_m, np.inf)
-    return [
-        Unknowns(x.pose, nodes.pose, data.corridor.low, data.corridor.high),
-        Unknowns(x.q, nodes.q_m, -free, free),
-        Unknowns(x.coefficients, c, low, high),
-    ]
+    return c, low, high
 
 
-def _time(x: TimedSymbols) -> Unknowns:
-    return Unknowns(x.time, np.ones(1), np.array([_LEAST_TIME]), np.array([_MOST_TIME]))
-
-
-def _rate_rows(machine: Machine, mesh: Mesh, x: TimedSymbols, motion_s: float) -> list[Row]:
+def _rate_rows(machine: Machine, mesh: Mesh, motion: Motion) -> list[Row]:
     """Write the control coefficients of q', q'' and q''' relative to their limits at T, within -1 and 1."""
     rows = []
     for limit in rate_limits(machine):
         kept = np.flatnonzero(np.isfinite(limit.largest))
         if len(kept):
-            scale = ca.DM(np.diag(1.0 / (limit.largest[kept] * motion_s**limit.order)))
+            scale = ca.DM(np.diag(1.0 / (limit.largest[kept] * motion.guess_s**limit.order)))
             matrix = sparse(derivative_matrix(mesh.knots, DEGREE, limit.order))
-            rates = scale @ x.coefficients[kept.tolist(), :] @ matrix.T
-            rows.append(Row(limit.name, ca.vec(rates) / x.time**limit.order, -1.0, 1.0))
+            rates = scale @ motion.x.coefficients[kept.tolist(), :] @ matrix.T
+            rows.append(Row(limit.name, ca.vec(rates) / motion.time**limit.order, -1.0, 1.0))
     return rows
 
 
-def _mean_square_jerk(machine: Machine, mesh: Mesh, x: TimedSymbols, guess: TimedGuess) -> ca.MX:
+def _mean_square_jerk(machine: Machine, mesh: Mesh, x: Symbols, guess: TimedGuess) -> ca.MX:
     """Write the mean square of the control coefficients of jerk at the guess's T, relative to the limits.
 
     Where there is no limit, to the largest of the guess.
@@ -236,21 +197,5 @@ def _mean_square_jerk(machine: Machine, mesh: Mesh, x: TimedSymbols, guess: Time
     return ca.sumsqr(jerk) / jerk.numel()
 
 
-def _distances(steps: FloatArray, pose: ca.MX, guess: FloatArray) -> ca.MX:
-    """Write the distances between neighbouring nodes in the metric of the route. Shape (1, k - 1)."""
-    moves = (pose[list(CONTROLLED), 1:] - pose[list(CONTROLLED), :-1]) / ca.DM(steps)
-    mean = float(arc_length(guess, steps)[-1]) / len(guess)
-    return ca.sqrt(ca.sum1(moves**2) + (_SMOOTHING * mean) ** 2)
-
-
 def _symbol(visits: VisitPart, number: int, rows: int) -> ca.MX:
     return visits.unknowns[number].symbol if visits.unknowns else ca.MX(rows, 0)
-
-
-def _blocks(rows: Sequence[Row]) -> tuple[Block, ...]:
-    ends = np.cumsum([row.expression.numel() for row in rows]).tolist()
-    return tuple(Block(row.name, *span) for row, span in zip(rows, pairwise([0, *ends]), strict=True))
-
-
-def _joined(parts: Sequence[FloatArray]) -> FloatArray:
-    return np.concatenate([np.ravel(part) for part in parts])

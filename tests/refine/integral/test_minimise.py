@@ -7,7 +7,7 @@ from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.limits import node_limits
 from pipeline.machine import Machine
-from pipeline.refine.integral.ipopt import IpoptOptions
+from pipeline.refine.collocation.ipopt import IpoptOptions
 from pipeline.refine.integral.minimise import guess_from, minimise_integral, program_data, solve_on_mesh
 from pipeline.refine.mesh import even_mesh
 from pipeline.refine.problem import FROBENIUS, MeshSolution, Problem, build_problem, figures_of, fit_coarse
@@ -44,7 +44,7 @@ def test_the_program_gets_the_limits_of_nodes(problem: Problem, initial: MeshSol
     """Those that have rows; the guess is the initial path at its nodes."""
     data, guess = program_data(problem, initial, FROBENIUS, 1.0), guess_from(initial)
     kept = node_limits(problem.config, problem.machine)
-    assert [limit.wording.name for limit in data.limits] == [limit.wording.name for limit in kept]
+    assert [limit.wording.name for limit in data.nodes.limits] == [limit.wording.name for limit in kept]
     np.testing.assert_array_equal(guess.nodes.pose, initial.path.node_pose)
     np.testing.assert_array_equal(guess.coefficients, initial.path.spline.c)
 

@@ -15,9 +15,11 @@ from pipeline.machine import Machine, condition_number
 from pipeline.machine.kinematics import newton
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
+from pipeline.refine.collocation.data import NodeData
+from pipeline.refine.collocation.program import Program
 from pipeline.refine.corridor.cells import corridor
 from pipeline.refine.corridor.cone import Walls
-from pipeline.refine.integral.program import InitialGuess, Program, ProgramData, build_program
+from pipeline.refine.integral.program import InitialGuess, ProgramData, build_program
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.smoothness import Smoothness
 from pipeline.refine.splines import DEGREE, clamped_knots, fit
@@ -32,14 +34,16 @@ def data(quick_config: Config, machine: Machine, route: Route, coarse: Path, ste
     """Give the data of a small program."""
     s = np.linspace(0.0, 1.0, 12)
     return ProgramData(
-        mesh=Mesh(s, clamped_knots(9)),
-        corridor=corridor(quick_config, route, coarse, s),
-        limits=node_limits(quick_config, machine),
-        clearance_margin_m=0.001,
-        reach_m=0.2,
-        steps=steps,
-        directions=FREE,
-        actuator_range_m=planned_range_m(quick_config, machine),
+        nodes=NodeData(
+            mesh=Mesh(s, clamped_knots(9)),
+            corridor=corridor(quick_config, route, coarse, s),
+            limits=node_limits(quick_config, machine),
+            clearance_margin_m=0.001,
+            reach_m=0.2,
+            steps=steps,
+            directions=FREE,
+            actuator_range_m=planned_range_m(quick_config, machine),
+        ),
         exponent=2.0,
         evenness=3.0,
         smoothness=Smoothness(2.0, machine.velocity_mps).form(clamped_knots(9)),
@@ -49,7 +53,7 @@ def data(quick_config: Config, machine: Machine, route: Route, coarse: Path, ste
 @pytest.fixture(scope="module")
 def guess(machine: Machine, coarse: Path, data: ProgramData) -> InitialGuess:
     """Fit the coarse path, and close all links at the nodes."""
-    s, knots = data.mesh.s, data.mesh.knots
+    s, knots = data.nodes.mesh.s, data.nodes.mesh.knots
     coefficients = fit(knots, coarse.node_s, coarse.q(coarse.node_s))
     q = BSpline(knots, coefficients, DEGREE)(s)
     near = np.stack([np.interp(s, coarse.node_s, column) for column in coarse.node_pose.T], axis=1)
@@ -63,6 +67,11 @@ def program(data: ProgramData, guess: InitialGuess) -> Program:
     return build_program(data, guess)
 
 
+def _keeping(data: ProgramData, **values: object) -> ProgramData:
+    """Change what the nodes have to keep."""
+    return replace(data, nodes=replace(data.nodes, **values))
+
+
 def _values(program: Program, name: str, x: np.ndarray) -> np.ndarray:
     """Evaluate the objective "f" or the constraints "g"."""
     return np.array(ca.Function(name, [program.problem["x"]], [program.problem[name]])(x)).ravel()
@@ -73,7 +82,7 @@ def test_the_integral_is_the_trapezoidal_one_of_kappa(data: ProgramData, guess: 
     H = guess.nodes.H
     kappa = np.linalg.norm(H, axis=(1, 2)) * np.linalg.norm(np.linalg.inv(H), axis=(1, 2))
     assert (kappa >= condition_number(H)).all()
-    expected = np.trapezoid(kappa, arc_length(guess.nodes.pose, data.steps))
+    expected = np.trapezoid(kappa, arc_length(guess.nodes.pose, data.nodes.steps))
     assert float(program.integral(program.guess)) == pytest.approx(expected, rel=1e-8)
 
 
@@ -81,7 +90,7 @@ def test_uneven_speed_and_roughness_are_what_the_objective_adds(
     data: ProgramData, guess: InitialGuess, program: Program
 ) -> None:
     """Beyond the integral there is the weighted variance of the speed along s, and what is not smooth."""
-    length, ds = arc_length(guess.nodes.pose, data.steps), np.diff(data.mesh.s)
+    length, ds = arc_length(guess.nodes.pose, data.nodes.steps), np.diff(data.nodes.mesh.s)
     speed = np.diff(length) / ds / length[-1]
     expected = 3.0 * length[-1] * np.sum(ds * (speed - 1.0) ** 2)
     c = guess.coefficients.ravel()
@@ -107,7 +116,7 @@ def test_rows_and_unknowns_of_every_limit_are_in_the_program(
     limits = node_limits(quick_config, machine)
     assert len(limits) == 2 + checks_rails
     guess = replace(guess, nodes=replace(guess.nodes, machine=machine))
-    program = build_program(replace(data, limits=limits, reach_m=10.0), guess)
+    program = build_program(_keeping(data, limits=limits, reach_m=10.0), guess)
     g, first = _values(program, "g", program.guess), 11 * 12 + 5 * 9
     distances = [limit for limit in limits if isinstance(limit, AxisDistance)]
     for limit, (pairs, rows_of_a_pair) in zip(distances, ((14, 4), (12, 2)), strict=False):
@@ -135,7 +144,7 @@ def test_a_direction_bounds_a_leg_of_the_control_polygon(data: ProgramData, gues
     leg = guess.coefficients[-1] - guess.coefficients[-2]
     directions = FREE.copy()
     directions[1] = leg / np.linalg.norm(leg)
-    program = build_program(replace(data, directions=directions), guess)
+    program = build_program(_keeping(data, directions=directions), guess)
     across, along = program.blocks[-2:]
     g = _values(program, "g", program.guess)
     np.testing.assert_allclose(g[across.begin : across.end], np.zeros(4), atol=1e-12)
@@ -147,7 +156,7 @@ def test_the_walls_of_straight_ends_are_rows(data: ProgramData, guess: InitialGu
     """How far the TCP at their nodes is in front of them."""
     rng = np.random.default_rng(4)
     walls = Walls(np.array([2, 5, 5]), rng.normal(size=(3, 3)), rng.normal(size=3))
-    program = build_program(replace(data, corridor=replace(data.corridor, walls=walls)), guess)
+    program = build_program(_keeping(data, corridor=replace(data.nodes.corridor, walls=walls)), guess)
     block = next(block for block in program.blocks if block.name == "cones of straight ends")
     expected = (walls.normal * guess.nodes.pose[walls.node, :3]).sum(axis=1) - walls.offset
     np.testing.assert_allclose(_values(program, "g", program.guess)[block.begin : block.end], expected, atol=1e-12)

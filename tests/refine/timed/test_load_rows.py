@@ -8,14 +8,17 @@ import pytest
 
 from pipeline.machine import Machine
 from pipeline.refine import Path
-from pipeline.refine.timed.load_rows import TimedSymbols, load_part
+from pipeline.refine.collocation.program import Symbols
+from pipeline.refine.timed.load_rows import Motion, load_part
 from pipeline.refine.timed.loads import load_shares
 
 COUNT = 20
 
 
-def _symbols(nodes: int) -> TimedSymbols:
-    return TimedSymbols(ca.MX.sym("pose", 6, nodes), ca.MX.sym("q", 5, nodes), ca.MX.sym("c", 5, COUNT), ca.MX.sym("t"))
+def _unknown(path: Path) -> Motion:
+    nodes = len(path.node_s)
+    x = Symbols(ca.MX.sym("pose", 6, nodes), ca.MX.sym("q", 5, nodes), ca.MX.sym("c", 5, COUNT))
+    return Motion(x, ca.MX.sym("time"), path)
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +33,8 @@ def motion(straight_motion) -> Path:
 
 def test_rows_are_the_loads_of_the_guess(motion: Path) -> None:
     """At the guess its velocities and accelerations solve the equations, and the largest row is the largest share."""
-    x = _symbols(len(motion.node_s))
-    part = load_part(motion, motion.node_s, x)
+    unknown = _unknown(motion)
+    part, x = load_part(unknown, motion.node_s), unknown.x
     names = {row.name for row in part.rows}
     assert {
         "velocity of the platform",
@@ -40,7 +43,7 @@ def test_rows_are_the_loads_of_the_guess(motion: Path) -> None:
         "TCP acceleration",
         "force of c1",
     } <= names
-    known = [x.pose, x.q, x.coefficients, x.time, *(own.symbol for own in part.unknowns)]
+    known = [x.pose, x.q, x.coefficients, unknown.time, *(own.symbol for own in part.unknowns)]
     guess = [motion.node_pose.T, motion.q(motion.node_s).T, motion.spline.c.T, 1.0]
     guess += [own.guess.T for own in part.unknowns]
     for row in part.rows[:2]:
@@ -55,6 +58,5 @@ def test_rows_are_the_loads_of_the_guess(motion: Path) -> None:
 def test_nothing_is_added_far_from_all_limits(machine: Machine, straight_motion) -> None:
     """The motion is slow, or there are no limits."""
     slow = replace(straight_motion(COUNT), motion_s=20.0)
-    x = _symbols(len(slow.node_s))
     for path in (slow, replace(slow, machine=replace(machine, masses=None), motion_s=1.0)):
-        assert load_part(path, path.node_s, x).rows == ()
+        assert load_part(_unknown(path), path.node_s).rows == ()

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from pipeline.refine.integral.node_kappa import UNKNOWNS, NodeKappa
+from pipeline.refine.collocation.node_kappa import UNKNOWNS, NodeKappa
 
 Written = Callable[[ca.MX], tuple[ca.MX, ca.MX]]
 """Writes objective and constraints (m,) with given kappa of the nodes (1, k)."""

@@ -6,8 +6,9 @@ from typing import Any, Literal
 import numpy as np
 
 from pipeline.arrays import FloatArray
+from pipeline.errors import NoSolutionError
 from pipeline.progress import QUIET, Monitor
-from pipeline.refine.integral.program import Program
+from pipeline.refine.collocation.program import Program
 from pipeline.solvers import run_ipopt
 from pipeline.status import Status
 
@@ -19,6 +20,8 @@ _STATUS = {
 Accuracy = Literal["rough", "timed", "resumed", "precise"]
 """Good enough to start another solve from, to a millionth (the same from a solution on another mesh), or as good as it
 gets."""
+# Starts are near, and bounds that they keep need not be left first.
+_NEAR_BOUNDS: dict[str, float | str] = {"bound_push": 1e-4, "bound_frac": 1e-4}
 _TIMED: dict[str, float | str] = {
     "tol": 1e-6,
     "constr_viol_tol": 1e-9,
@@ -28,15 +31,18 @@ _TIMED: dict[str, float | str] = {
     # It starts from a motion that nearly keeps all limits, and must not be driven far away from them.
     "mu_strategy": "monotone",
     "mu_init": 1e-4,
-    "bound_push": 1e-4,
-    "bound_frac": 1e-4,
+    **_NEAR_BOUNDS,
 }
 _TOLERANCES: dict[Accuracy, dict[str, float | str]] = {
-    "rough": {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1},
+    "rough": {"tol": 0.1, "constr_viol_tol": 1e-2, "dual_inf_tol": 1e3, "compl_inf_tol": 0.1, **_NEAR_BOUNDS},
     "timed": _TIMED,
     "resumed": {**_TIMED, "mu_init": 1e-5},
     "precise": {"tol": 1e-7, "constr_viol_tol": 1e-9, "acceptable_constr_viol_tol": 1e-9},
 }
+
+
+_NAMED, _VIOLATED = 3, 1e-9
+"""How many groups of violated constraints a failure names at most, and from which violation on."""
 
 
 @dataclass(frozen=True)
@@ -106,3 +112,21 @@ def _violations(program: Program, g: FloatArray) -> dict[str, float]:
     low, high = program.constraint_bounds
     excess = np.maximum(np.maximum(low - g, g - high), 0.0)
     return {block.name: float(excess[block.begin : block.end].max(initial=0.0)) for block in program.blocks}
+
+
+def ipopt_failure(result: IpoptResult, arrays: dict[str, object]) -> NoSolutionError:
+    """Say how IPOPT failed, and what is violated; `arrays` are those of the last path."""
+    worst = sorted(result.violations.items(), key=lambda item: -item[1])[:_NAMED]
+    broken = ", ".join(f"{name} by {value:.2e}" for name, value in worst if value > _VIOLATED)
+    state = f"most violated: {broken}" if broken else "all constraints hold, but kappa can still be lowered"
+    return NoSolutionError(
+        "refine",
+        f"IPOPT ended with {result.message} after {result.iterations} iterations; {state}",
+        result.status.advice,
+        {
+            "status": result.status.value,
+            "message": result.message,
+            "violations": result.violations,
+            **arrays,
+        },
+    )

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from pipeline.progress import Monitor
-from pipeline.refine.integral.ipopt import Accuracy, IpoptOptions, IpoptResult, solve_program
-from pipeline.refine.integral.program import Block, Program
+from pipeline.refine.collocation.ipopt import Accuracy, IpoptOptions, IpoptResult, solve_program
+from pipeline.refine.collocation.program import Block, Program
 from pipeline.status import Status
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.machine import Machine, condition_number, statics_matrix
 from pipeline.refine import Path
-from pipeline.refine.integral.node_kappa import UNKNOWNS, NodeKappa
+from pipeline.refine.collocation.node_kappa import UNKNOWNS, NodeKappa
 
 _STEP = 1e-5
 

@@ -1,4 +1,4 @@
-"""Rows that the programs of stage two share: closure, splines, sides of the carts, and what holds at both ends."""
+"""Rows that the programs of stage two share: closure, splines, sides of the carts, straight ends, directions."""
 
 from collections.abc import Sequence
 
@@ -12,6 +12,7 @@ from pipeline.limits.interface.rows import Row
 from pipeline.machine.geometry import PRIMARY, Machine
 from pipeline.machine.symbolic import closure_function, joints_function
 from pipeline.refine.corridor.cells import Corridor
+from pipeline.refine.corridor.cone import Walls
 from pipeline.refine.mesh import Mesh
 from pipeline.refine.one_way import OneWayLeg
 from pipeline.refine.splines import basis
@@ -35,6 +36,14 @@ def side_rows(machine: Machine, corridor: Corridor, pose: ca.MX, q: ca.MX) -> li
     rows = (18 * nodes + PRIMARY[arms]).tolist()
     reach = ca.DM(corridor.sides[nodes, arms]) * (cart[rows] - platform[rows])
     return [Row("sides of the carts", reach, corridor.side_margin_m, np.inf)]
+
+
+def wall_rows(walls: Walls, pose: ca.MX) -> list[Row]:
+    """Write that the TCP of nodes is behind walls: normal . (x, y, z) - offset <= 0; pose (6, k)."""
+    if len(walls) == 0:
+        return []
+    distance = ca.sum1(ca.DM(walls.normal.T) * pose[:3, walls.node.tolist()]).T - ca.DM(walls.offset)
+    return [Row("cones of straight ends", distance, -np.inf, 0.0)]
 
 
 def direction_rows(directions: FloatArray, legs: tuple[ca.MX, ca.MX]) -> list[Row]:

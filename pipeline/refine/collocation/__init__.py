@@ -1,0 +1,1 @@
+"""What the programs over collocation nodes share: data, rows, the smooth kappa, derivatives, and IPOPT."""
