@@ -20,6 +20,7 @@ Read = Callable[[Path, int], bytes]
 """Reads a file of at most so many bytes."""
 
 
+_IN_RUN_FOLDERS = "config.yaml"
 _MOST_ISSUES = 100
 """Faults that are explained: a file of another kind has thousands."""
 
@@ -86,7 +87,9 @@ def read_yaml(path: Path, read: Read = read_named_file) -> object:
     try:
         return parse_yaml(read(path, MOST_BYTES).decode())
     except OSError as error:
-        raise _unreadable(path, f"cannot be read: {error.strerror}") from None
+        inside = path / _IN_RUN_FOLDERS
+        hint = f"; the configuration in it is {inside}" if inside.is_file() else ""
+        raise _unreadable(path, f"cannot be read: {error.strerror}{hint}") from None
     except UnicodeDecodeError:
         raise _unreadable(path, "is not a UTF-8 text file") from None
     except YamlError as error:

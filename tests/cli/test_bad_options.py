@@ -117,6 +117,7 @@ WRONG: tuple[tuple[tuple[Any, ...], str], ...] = (
     (("tradeoff", "c.yaml", "--weights", ""), "--weights"),
     (("tradeoff", "c.yaml", "--weights", "3,fast"), "--weights"),
     (("tradeoff", "c.yaml", "--weights", "3,0"), "--weights"),
+    (("tradeoff", "c.yaml", "--weights", "0", "--weights", "3"), "--weights"),
     (("tradeoff", "c.yaml", "--weights", "nan"), "--weights"),
     (("tradeoff", "c.yaml", "--weights", "1001"), "--weights"),
     (("tradeoff", "c.yaml", "--routes", "11"), "--routes"),

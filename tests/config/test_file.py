@@ -100,6 +100,9 @@ def test_a_missing_file_is_reported(tmp_path: Path):
     """Neither a missing file nor a folder is a configuration."""
     assert problem(tmp_path / "none.yaml") == "(file): cannot be read: No such file or directory"
     assert problem(tmp_path) == "(file): cannot be read: Is a directory"
+    inside = tmp_path / "config.yaml"
+    inside.touch()
+    assert problem(tmp_path) == f"(file): cannot be read: Is a directory; the configuration in it is {inside}"
 
 
 @pytest.mark.parametrize(

@@ -21,8 +21,9 @@ _LARGEST = 1_000.0
 def tradeoff(
     config: ConfigArgument,
     weights: Annotated[
-        str, typer.Option("--weights", metavar="W,W,...", help="Weights of the integral of kappa: less is faster.")
-    ] = "10,3,1,0.3,0.1",
+        list[str],
+        typer.Option("--weights", metavar="W,W,...", help="Weights of the integral of kappa: less is faster."),
+    ] = ["10,3,1,0.3,0.1"],  # noqa: B006  # typer copies it
     routes: Annotated[
         int, typer.Option("--routes", metavar="K", min=1, max=10, help="The K best routes, a curve each.")
     ] = 1,
@@ -42,7 +43,7 @@ def tradeoff(
     about a quarter of a minute for every point. Nothing is written but the
     picture.
     """
-    chosen = _weights(weights)
+    chosen = _weights(",".join(weights))
     check_picture(picture)
     loaded = load_task(config)
     found = _trade_off(loaded, chosen, routes, verbose)
