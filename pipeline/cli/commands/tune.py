@@ -52,7 +52,7 @@ def tune(
         motion = plan_motion(trajectory, period_s)
         tuning = tune_drives(machine, build_drives(config.drives, machine), motion, damping, Monitor(progress))
     rows = [_cells("as configured", tuning.before), _cells("tuned", tuning.after)]
-    header = ("gains", "least damping", "way", "at s", "rightmost pole 1/s", "unstable instants")
+    header = ("gains", "least damping", "driven", "at s of the way there", "rightmost pole 1/s", "unstable instants")
     messages_console().print(text_table(f"{run}: frozen-time poles, controllers at {period_s:g} s", header, rows))
     _require_found(tuning)
     data = config.drives.with_gains(tuning.gains.keys("carts"), tuning.gains.keys("telescopes"))
@@ -60,22 +60,27 @@ def tune(
 
 
 def _cells(name: str, poles: "Poles") -> tuple[str, ...]:
-    worst, half = int(poles.damping.argmin()), len(poles.t_s) // 2
+    worst = int(poles.damping.argmin())
     return (
         name,
         f"{poles.damping[worst]:.3f}",
-        "there" if worst < half else "back",
+        _way(poles, worst),
         f"{poles.t_s[worst]:.3f}",
         f"{poles.rightmost_per_s.max():+.2f}",
         f"{int((poles.rightmost_per_s > 0.0).sum())} of {len(poles.t_s)}",
     )
 
 
+def _way(poles: "Poles", row: int) -> str:
+    """Name the way of a row: those of the way back follow those of the way there."""
+    return "there" if row < len(poles.t_s) // 2 else "back"
+
+
 def _comment(tuning: "Tuning") -> str:
     worst = int(tuning.after.damping.argmin())
     return (
         f"# damping of all frozen poles at least {tuning.after.damping[worst]:.3f} (asked for: {tuning.wanted:g}), "
-        f"least where the way there is after {tuning.after.t_s[worst]:.3f} s\n"
+        f"least at {tuning.after.t_s[worst]:.3f} s of the way there, driven {_way(tuning.after, worst)}\n"
     )
 
 
