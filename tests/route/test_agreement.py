@@ -218,7 +218,7 @@ def _expected(case: Case, objective: str, cost: MoveCost) -> tuple[float, float]
 
 
 @pytest.mark.parametrize("objective", [RouteObjective.SUM, RouteObjective.BOTTLENECK])
-@settings(max_examples=100)
+@settings(max_examples=115)
 @given(seed=SEED, asked=ASKED, margin=MARGIN)
 def test_the_core_finds_the_optimum_of_brute_force(draw, vary, machine, objective, seed, asked, margin):
     """Whatever is asked of the route and whatever the first threshold; what it finds keeps all rules."""
@@ -226,7 +226,7 @@ def test_the_core_finds_the_optimum_of_brute_force(draw, vary, machine, objectiv
 
 
 @pytest.mark.parametrize("objective", [RouteObjective.INTEGRAL, RouteObjective.TIME])
-@settings(max_examples=50)
+@settings(max_examples=35)
 @given(seed=SEED, asked=ASKED, margin=MARGIN)
 def test_so_it_does_where_travel_along_x_costs(draw, vary, machine, objective, seed, asked, margin):
     """The best x of every sequence is part of the brute force, which takes longer."""

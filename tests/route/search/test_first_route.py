@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import pytest
-
 from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.deadline import Deadline
 from pipeline.route.problem import RouteProblem
@@ -11,10 +9,9 @@ from pipeline.route.search.optimum import prove_on_core
 from pipeline.route.search.states import unexpanded_graph
 
 
-@pytest.mark.parametrize("objective", ["integral", "time"])
-def test_a_route_found_in_time_is_kept_with_its_gap(small, pose_problem, vary, objective):
+def test_a_route_found_in_time_is_kept_with_its_gap(small, pose_problem, vary):
     """The clock stops the search once the first route is there: not proven, and the bound says how far off."""
-    config = vary(small.config, {"route.objective": objective, "task.start.x_m": 1.3, "task.goal.x_m": 0.2})
+    config = vary(small.config, {"route.objective": "integral", "task.start.x_m": 1.3, "task.goal.x_m": 0.9})
     posed = pose_problem(config)
     problem = RouteProblem.of(config, posed.machine, posed.regions, posed.moves)
     bounds = priced_bounds(posed.regions, posed.moves, problem.cost, ())
