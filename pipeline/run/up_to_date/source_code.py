@@ -89,6 +89,10 @@ def _read_imports(tree: ast.Module) -> Iterator[Import]:
             yield from ((module, None if alias.name == "*" else alias.name) for alias in node.names)
 
 
+_TO_START_FROM = "configs"
+"""The folder of configurations that `init` copies: no stage reads it."""
+
+
 @functools.cache
 def _needed(module: str, package: Path) -> frozenset[str]:
     """Find the modules that define what a module imports."""
@@ -133,8 +137,9 @@ def _files(package: Path) -> _Files:
     modules: dict[str, str] = {}
     assets: dict[str, list[str]] = {}
     owners: dict[str, str] = {}
-    for path, _, names in os.walk(package):
+    for path, folders, names in os.walk(package):
         folder = path.removeprefix(str(package)).strip("/")
+        folders[:] = [name for name in folders if f"{folder}/{name}".lstrip("/") != _TO_START_FROM]
         owner = owners[folder] = folder if "__init__.py" in names else owners[folder.rpartition("/")[0]]
         for name in names:
             file = f"{folder}/{name}".lstrip("/")
