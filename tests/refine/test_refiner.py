@@ -57,8 +57,9 @@ def test_it_begins_and_ends_exactly_where_the_route_does(refinement: Refinement,
     ("refine", "close"),
     [
         ({"corridor_cells": 1.0}, 1e-6),
-        ({"corridor": "free"}, 1e-6),
-        # In the wide corridor of the default IPOPT finds two optima, 0.03 % apart, in the two directions.
+        # With room IPOPT finds two optima of the first mesh, one in each direction, and meshes differ by some nodes:
+        # integrals are 0.02 % apart without a corridor, 0.03 % in the default's.
+        ({"corridor": "free"}, 1e-3),
         ({}, 1e-3),
     ],
     ids=["narrow", "free", "default"],
