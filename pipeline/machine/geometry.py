@@ -89,6 +89,19 @@ class Machine:
     masses: Masses | None = None
 
     @property
+    def known_masses(self) -> Masses:
+        """The masses, for what needs them.
+
+        Raises
+        ------
+        ValueError
+            For a machine without masses.
+        """
+        if self.masses is None:
+            raise ValueError("without masses there are no forces")
+        return self.masses
+
+    @property
     def actuator_limits_m(self) -> FloatArray:
         """Least and largest value of each actuator, shape (5, 2)."""
         return np.vstack([self.travel_m, self.strokes_m])

@@ -95,10 +95,7 @@ class PoseSamples:
         ValueError
             For a machine without masses.
         """
-        masses = self.machine.masses
-        if masses is None:
-            raise ValueError("without masses there are no forces")
-        forces = holding_forces(self.machine, masses, self.pose, self.H)
+        forces = holding_forces(self.machine, self.machine.known_masses, self.pose, self.H)
         return np.concatenate([forces.drive_n, forces.link_n], axis=1)
 
     @cached_property

@@ -77,12 +77,11 @@ def holding_function(machine: Machine) -> ca.Function:
     ValueError
         For a machine without masses.
     """
-    if machine.masses is None:
-        raise ValueError("without masses there are no forces")
-    body = lumped_platform(machine.masses, machine.platform_points_m)
+    masses = machine.known_masses
+    body = lumped_platform(masses, machine.platform_points_m)
     pose, q = _variables()
     f = ca.SX.sym("f", 6)
-    F = ca.DM(-body.mass_kg * machine.masses.gravity_mps2)
+    F = ca.DM(-body.mass_kg * masses.gravity_mps2)
     r = rotation_matrix(pose[3], pose[4], pose[5]) @ ca.DM(body.centre_m)
     H = _statics(machine, pose, q)
     drives = _drives(H, f)
@@ -112,13 +111,12 @@ def dynamics_function(machine: Machine) -> ca.Function:
     ValueError
         For a machine without masses.
     """
-    if machine.masses is None:
-        raise ValueError("without masses there are no forces")
+    masses = machine.known_masses
     z, z1, z2 = (ca.SX.sym(name, 11) for name in ("z", "z1", "z2"))
     f = ca.SX.sym("f", 6)
     H = _statics(machine, z[:6], z[6:])
-    drives = _drives(H, f) + ca.vertcat(ca.DM(carried_cart_masses(machine.masses)) * z2[6:9], 0.0, 0.0)
-    residual = H @ f - _wrench(machine, machine.masses, (z, z1, z2))
+    drives = _drives(H, f) + ca.vertcat(ca.DM(carried_cart_masses(masses)) * z2[6:9], 0.0, 0.0)
+    residual = H @ f - _wrench(machine, masses, (z, z1, z2))
     return ca.Function("dynamics", [z, z1, z2, f], [residual, drives])
 
 

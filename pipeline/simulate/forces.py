@@ -20,15 +20,19 @@ def forces_of(machine: Machine, pose: FloatArray, q_m: FloatArray, qd_mps: Float
     ----------
     pose, q_m, qd_mps, qdd_mps2 : (n, 6), (n, 5), (n, 5), (n, 5)
         Poses, actuators, their velocities and accelerations.
+
+    Raises
+    ------
+    ValueError
+        For a machine without masses.
     """
-    assert machine.masses is not None
     rate = np.einsum("nij,nj->ni", pose_jacobian(machine, pose, q_m), qd_mps)
     z, v = np.hstack([pose, q_m]), np.hstack([rate, qd_mps])
     first, twice = _closure_function(machine).map(len(z))(z.T, v.T)
     by_z = np.asarray(first, dtype=float).reshape(6, len(z), 11).transpose(1, 0, 2)
     right = np.einsum("nij,nj->ni", by_z[:, :, 6:], qdd_mps2) + np.asarray(twice, dtype=float).T
     acceleration = np.linalg.solve(by_z[:, :, :6], -right[..., None])[..., 0]
-    return inverse_dynamics(machine, machine.masses, pose, q_m[:, :3], rate, acceleration, qdd_mps2[:, :3])
+    return inverse_dynamics(machine, machine.known_masses, pose, q_m[:, :3], rate, acceleration, qdd_mps2[:, :3])
 
 
 def _closure_function(machine: Machine) -> ca.Function:

@@ -66,12 +66,11 @@ def build_plant(machine: Machine, deviations: Deviations) -> Plant:
     UsageError
         For a machine without masses: nothing moves it.
     """
-    masses = require_masses(machine).masses
-    assert masses is not None
+    require_masses(machine)
     # The draw is the one of a simulated measurement with the same seed.
     geometry, _ = (np.random.default_rng(seed) for seed in np.random.SeedSequence(deviations.seed).spawn(2))
     real, zeros_m = perturbed(machine, deviations.geometry_std_m, geometry)
-    return Plant(replace(real, masses=_heavier(masses, deviations)), zeros_m)
+    return Plant(replace(real, masses=_heavier(machine.known_masses, deviations)), zeros_m)
 
 
 def _heavier(masses: Masses, deviations: Deviations) -> Masses:

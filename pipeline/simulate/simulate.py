@@ -102,9 +102,8 @@ def _references(machine: Machine, drives: Drives, motion: Motion, rows: IntArray
 
 def _holding(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
     """Forces of the drives (5,) that hold a machine in a pose (6,)."""
-    assert machine.masses is not None
     H = statics_matrix(machine, pose[None], q_m[None, :3])
-    held: FloatArray = holding_forces(machine, machine.masses, pose[None], H).drive_n[0]
+    held: FloatArray = holding_forces(machine, machine.known_masses, pose[None], H).drive_n[0]
     return held
 
 

@@ -70,11 +70,10 @@ def least_stiffness(K: FloatArray) -> FloatArray:
 
 def _weight(machine: Machine, rates: ActuatorRates) -> tuple[FloatArray, FloatArray]:
     """F0 = -m g and the centre of mass from the TCP, both (n, 3)."""
-    if machine.masses is None:
-        raise ValueError("without masses there are no forces")
-    body = lumped_platform(machine.masses, machine.platform_points_m)
+    masses = machine.known_masses
+    body = lumped_platform(masses, machine.platform_points_m)
     centre = rates.rotation @ body.centre_m
-    return np.broadcast_to(-body.mass_kg * machine.masses.gravity_mps2, centre.shape), centre
+    return np.broadcast_to(-body.mass_kg * masses.gravity_mps2, centre.shape), centre
 
 
 def _turning(a: FloatArray, b: FloatArray) -> FloatArray:

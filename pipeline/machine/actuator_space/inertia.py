@@ -6,7 +6,7 @@ from pipeline.arrays import FloatArray
 from pipeline.machine.actuator_space.rates import EXTENSIONS, ActuatorRates, solve_regular
 from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import Machine, cross
-from pipeline.machine.masses import Masses, lumped_platform
+from pipeline.machine.masses import lumped_platform
 
 
 def mass_matrix(machine: Machine, rates: ActuatorRates) -> FloatArray:
@@ -21,7 +21,7 @@ def mass_matrix(machine: Machine, rates: ActuatorRates) -> FloatArray:
     """
     M = np.swapaxes(rates.twist, -1, -2) @ _platform_mass_matrix(machine, rates) @ rates.twist
     M = (M + np.swapaxes(M, -1, -2)) / 2.0
-    M[:, [0, 1, 2], [0, 1, 2]] += carried_cart_masses(_masses(machine))
+    M[:, [0, 1, 2], [0, 1, 2]] += carried_cart_masses(machine.known_masses)
     return np.asarray(M)
 
 
@@ -36,7 +36,7 @@ def velocity_forces(machine: Machine, rates: ActuatorRates, qd_mps: FloatArray) 
     ValueError
         For a machine without masses.
     """
-    body = lumped_platform(_masses(machine), machine.platform_points_m)
+    body = lumped_platform(machine.known_masses, machine.platform_points_m)
     omega = np.einsum("nij,nj->ni", rates.spin, qd_mps)
     tips = np.einsum("nlij,nj->nli", rates.tips, qd_mps)
     extensions = qd_mps @ EXTENSIONS.T
@@ -69,22 +69,16 @@ def velocity_damping(machine: Machine, rates: ActuatorRates, qd_mps: FloatArray)
     return np.stack(columns, axis=-1)
 
 
-def _masses(machine: Machine) -> Masses:
-    if machine.masses is None:
-        raise ValueError("without masses there are no forces")
-    return machine.masses
-
-
 def _centre_and_inertia(machine: Machine, rates: ActuatorRates) -> tuple[FloatArray, FloatArray]:
     """Centre of mass from the TCP (n, 3), and the inertia about it (n, 3, 3), along the axes of the room."""
-    body = lumped_platform(_masses(machine), machine.platform_points_m)
+    body = lumped_platform(machine.known_masses, machine.platform_points_m)
     R = rates.rotation
     return R @ body.centre_m, R @ body.inertia_kgm2 @ np.swapaxes(R, -1, -2)
 
 
 def _platform_mass_matrix(machine: Machine, rates: ActuatorRates) -> FloatArray:
     """M_p for twists of the TCP: [[m 1, -m [c x]], [m [c x], I - m [c x]^2]]. Shape (n, 6, 6)."""
-    mass_kg = lumped_platform(_masses(machine), machine.platform_points_m).mass_kg
+    mass_kg = lumped_platform(machine.known_masses, machine.platform_points_m).mass_kg
     centre, inertia = _centre_and_inertia(machine, rates)
     skew = np.cross(centre[:, None], -np.eye(3))
     M = np.zeros((len(centre), 6, 6))

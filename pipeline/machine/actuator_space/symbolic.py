@@ -64,12 +64,11 @@ def stiffness_function(machine: Machine) -> ca.Function:
     ValueError
         For a machine without masses.
     """
-    if machine.masses is None:
-        raise ValueError("without masses there are no forces")
-    body = lumped_platform(machine.masses, machine.platform_points_m)
+    masses = machine.known_masses
+    body = lumped_platform(masses, machine.platform_points_m)
     z, f = ca.SX.sym("z", 11), ca.SX.sym("f", 6)
     centre = z[:3] + rotation_matrix(z[3], z[4], z[5]) @ ca.DM(body.centre_m)
-    potential = -body.mass_kg * ca.dot(ca.DM(machine.masses.gravity_mps2), centre)
+    potential = -body.mass_kg * ca.dot(ca.DM(masses.gravity_mps2), centre)
     closure = closure_function(machine)(z[:6], z[6:])
     F_z = ca.densify(ca.jacobian(closure, z))
     curvature, _ = ca.hessian(potential + ca.dot(f, closure), z)
@@ -104,9 +103,8 @@ def linearised_function(machine: Machine) -> ca.Function:
 
 
 def _equations(machine: Machine) -> _Equations:
-    if machine.masses is None:
-        raise ValueError("without masses there are no forces")
-    masses, body = machine.masses, lumped_platform(machine.masses, machine.platform_points_m)
+    masses = machine.known_masses
+    body = lumped_platform(masses, machine.platform_points_m)
     pose, q, qd = ca.SX.sym("pose", 6), ca.SX.sym("q", 5), ca.SX.sym("qd", 5)
     z, v = ca.vertcat(pose, q), ca.SX.sym("v", 11)
     F_z, twice, _, _ = closure_terms_function(machine)(z, v, v)
