@@ -66,6 +66,11 @@ def dump_config(config: Config) -> str:
     return yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False, default_flow_style=None, width=110)
 
 
+def schema_text() -> str:
+    """Write the JSON schema of a configuration, with which editors complete one."""
+    return json.dumps(Config.model_json_schema(), indent=2)
+
+
 def config_sha256(config: BaseModel | object) -> str:
     """Hash a configuration (or a part of one) by content, independent of formatting and comments.
 

@@ -8,6 +8,12 @@ from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import Machine
 
 
+def generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
+    """Make the generators of a seed: of the geometry, so that it is the same whatever else is drawn, and of noise."""
+    geometry, noise = np.random.SeedSequence(seed).spawn(2)
+    return np.random.default_rng(geometry), np.random.default_rng(noise)
+
+
 def perturbed(machine: Machine, std_m: float, random: np.random.Generator) -> tuple[Machine, FloatArray]:
     """Draw a machine with a perturbed geometry, and zeros (2,) of its telescopes, with standard deviation `std_m`."""
 

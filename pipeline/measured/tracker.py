@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from pipeline.arguments import require_array, require_number, require_one_length, require_whole
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
-from pipeline.measured.perturbed import perturbed
+from pipeline.measured.perturbed import generators, perturbed
 from pipeline.measured.reflectors import Reflectors, reflector_positions
 
 
@@ -54,7 +52,7 @@ def simulate_measurement(
     """
     q_m, commanded = require_array("q_m", q_m, ("n", 5)), require_array("commanded", commanded, ("n", 6))
     require_one_length(q_m=q_m, commanded=commanded)
-    geometry, noise = (np.random.default_rng(seed) for seed in np.random.SeedSequence(setting.seed).spawn(2))
+    geometry, noise = generators(setting.seed)
     real, zeros_m = perturbed(machine, setting.geometry_std_m, geometry)
     q = q_m.copy()
     q[:, 3:] += zeros_m

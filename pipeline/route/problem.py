@@ -55,6 +55,10 @@ class RouteProblem:
         deadline = Deadline.after(config.route.time_limit_s, config.route.objective)
         return cls(config, machine, regions, moves, steps, task_budgets(config), cost, monitor, deadline)
 
+    def ceiling(self, regions: RegionTable) -> float:
+        """Bound the cost of every route through regions within the step budget from above."""
+        return self.options.step_budget * self.cost.most(regions)
+
     @property
     def options(self) -> RouteConfig:
         """The options of stage one."""

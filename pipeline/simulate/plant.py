@@ -9,7 +9,7 @@ from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import Machine
 from pipeline.machine.masses import Masses
-from pipeline.measured.perturbed import perturbed
+from pipeline.measured.perturbed import generators, perturbed
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def build_plant(machine: Machine, deviations: Deviations) -> Plant:
     """
     require_masses(machine)
     # The draw is the one of a simulated measurement with the same seed.
-    geometry, _ = (np.random.default_rng(seed) for seed in np.random.SeedSequence(deviations.seed).spawn(2))
+    geometry, _ = generators(deviations.seed)
     real, zeros_m = perturbed(machine, deviations.geometry_std_m, geometry)
     return Plant(replace(real, masses=_heavier(machine.known_masses, deviations)), zeros_m)
 

@@ -1,6 +1,5 @@
 """The command that checks a configuration."""
 
-import json
 import shlex
 from collections.abc import Callable
 from pathlib import Path
@@ -30,9 +29,9 @@ def check(
     or tilt, or a box to avoid without a way round it.
     """
     if schema:
-        from pipeline.config import Config
+        from pipeline.config.file import schema_text
 
-        typer.echo(json.dumps(Config.model_json_schema(), indent=2))
+        typer.echo(schema_text())
         return
     if config is None:
         raise UsageError("check needs a CONFIG, or --schema")

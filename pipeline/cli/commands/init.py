@@ -58,9 +58,11 @@ def init(
         file, beside = name, {}
         config = _read_base(base, name.stem)
     else:
+        from pipeline.config.file import schema_text
+
         _require_empty(name)
         config = _read_base(base, name.resolve().name)
-        file, beside = name / f"{config.name}.yaml", {name / _SCHEMA: _schema()}
+        file, beside = name / f"{config.name}.yaml", {name / _SCHEMA: f"{schema_text()}\n"}
     _write({file: _commented(config, base, bool(beside)), **beside})
 
     console = results_console()
@@ -77,14 +79,6 @@ def _read_base(base: Base, name: str) -> "Config":
     data = parse_yaml((resources.files("pipeline") / "configs" / f"{base}.yaml").read_text(encoding="utf-8"))
     assert isinstance(data, dict)
     return parse_config({**data, "name": ""}, source=str(base), default_name=name)
-
-
-def _schema() -> str:
-    import json
-
-    from pipeline.config import Config
-
-    return json.dumps(Config.model_json_schema(), indent=2) + "\n"
 
 
 def _commented(config: "Config", base: Base, with_schema: bool) -> str:

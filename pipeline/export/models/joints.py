@@ -13,9 +13,8 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
-from pipeline.machine.dynamics import angular_motion
-from pipeline.machine.geometry import ARM_OF_LINK, LINKS, Machine, cross, dot, link_vectors, platform_arms, rotation
-from pipeline.machine.kinematics import pose_jacobian
+from pipeline.machine.actuator_space import actuator_rates
+from pipeline.machine.geometry import LINKS, Machine, dot, link_vectors, rotation
 from pipeline.retime.result import TrajectorySamples
 
 CARRIER = 0
@@ -107,15 +106,13 @@ def passive_rates(machine: Machine, samples: TrajectorySamples) -> Rates:
     With v the velocity of a link's tip against its joint and L its length, u' = (v - u (u . v)) / L, b' = -u_x' / sin b
     and a' = (u_y u_z' - u_z u_y') / sin^2 b.
     """
-    pose, q = samples.pose, samples.q_m
-    pose_rate = np.einsum("nij,nj->ni", pose_jacobian(machine, pose, q), samples.qd_mps)
-    omega, _ = angular_motion(pose, pose_rate, np.zeros_like(pose))
-    vectors = link_vectors(machine, pose, q[:, :3])
-    length = np.sqrt(dot(vectors, vectors))[..., None]
-    v = cross(np.broadcast_to(omega[:, None], vectors.shape), platform_arms(machine, pose)) + pose_rate[:, None, :3]
-    v[..., 0] -= samples.qd_mps[:, ARM_OF_LINK]
-    u = vectors / length
-    du = (v - u * dot(u, v)[..., None]) / length
+    rates = actuator_rates(machine, samples.pose, samples.q_m[:, :3])
+    twist, v = (
+        np.einsum("nij,nj->ni", rates.twist, samples.qd_mps),
+        np.einsum("nlij,nj->nli", rates.tips, samples.qd_mps),
+    )
+    u = rates.directions
+    du = (v - u * dot(u, v)[..., None]) / rates.lengths_m[..., None]
     across = np.hypot(u[..., 1], u[..., 2])
     about, square = (u[..., 1] * du[..., 2] - u[..., 2] * du[..., 1]) / across**2, -du[..., 0] / across
     universal = {
@@ -123,8 +120,7 @@ def passive_rates(machine: Machine, samples: TrajectorySamples) -> Rates:
         for link in range(len(LINKS))
         for name, rate in zip(universal_joints(link), (about, square), strict=True)
     }
-    R = rotation(pose[:, 3], pose[:, 4], pose[:, 5])
-    return Rates(universal, pose_rate[:, :3], np.einsum("nji,nj->ni", R, omega))
+    return Rates(universal, twist[:, :3], np.einsum("nji,nj->ni", rates.rotation, twist[:, 3:]))
 
 
 def _directions(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 Element = ElementTree.Element
 
 
-def add(parent: Element, tag: str, **attributes: object) -> Element:
+def add(parent: Element, tag: str, **attributes: npt.ArrayLike) -> Element:
     """Append an element; numbers and arrays are written with all digits, a trailing underscore of a name is dropped."""
     return ElementTree.SubElement(parent, tag, {name.rstrip("_"): _text(value) for name, value in attributes.items()})
 
@@ -27,5 +27,5 @@ def document(root: Element, comment: str) -> str:
     return f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {comment} -->\n{text}\n'
 
 
-def _text(value: object) -> str:
-    return value if isinstance(value, str) else numbers(value)  # type: ignore[arg-type]
+def _text(value: npt.ArrayLike) -> str:
+    return value if isinstance(value, str) else numbers(value)

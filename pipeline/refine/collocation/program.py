@@ -160,20 +160,16 @@ def assemble(
     vector, nodes = ca.veccat(*(part.symbol for part in unknowns)), ca.vertcat(x.pose, x.q[:3, :])
     trapezoids = (ca.horzcat(distance, 0.0) + ca.horzcat(0.0, distance)) / 2.0
 
-    def whole(kappas: ca.MX) -> tuple[ca.MX, list[Row]]:
+    def whole(kappas: ca.MX) -> tuple[ca.MX, ca.MX, list[Row]]:
         f, more = written(kappas, ca.dot(kappas, trapezoids))
-        return f, [*rows, *more]
-
-    def expressions(kappas: ca.MX) -> tuple[ca.MX, ca.MX]:
-        f, every = whole(kappas)
-        return f, ca.vertcat(*(row.expression for row in every))
+        every = [*rows, *more]
+        return f, ca.vertcat(*(row.expression for row in every)), every
 
     kappas = kappa(nodes)[0]
-    f, g = expressions(kappas)
-    every = whole(kappas)[1]
+    f, g, every = whole(kappas)
     return Program(
         problem={"x": vector, "f": f, "g": g},
-        derivatives=derivative_options(kappa, nodes, vector, expressions),
+        derivatives=derivative_options(kappa, nodes, vector, lambda kappas: whole(kappas)[:2]),
         integral=ca.Function("integral", [vector], [ca.dot(kappas, trapezoids)]),
         variable_bounds=(_joined(part.low for part in unknowns), _joined(part.high for part in unknowns)),
         constraint_bounds=(

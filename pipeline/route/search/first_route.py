@@ -32,7 +32,7 @@ def offer_first_route(
         if len(left) < len(moves):
             moves = left
             continue
-        ceiling = problem.options.step_budget * cost.most(regions)
+        ceiling = problem.ceiling(regions)
         core = build_core(problem, regions, along, bounds, ceiling)
         if not core.empty:
             tangents = Tangents(regions, cost, bounds.prices.travel)

@@ -125,8 +125,7 @@ def _raise_threshold(
     problem: RouteProblem, graph: StateGraph, bounds: Bounds, screen: Screening, best: BestSoFar
 ) -> Optimum | None:
     options = problem.options
-    # No route within the step budget can cost more than this.
-    ceiling = options.step_budget * problem.cost.most(graph.regions)
+    ceiling = problem.ceiling(graph.regions)
     # Costs of zero are possible: a least cost of zero has no relative margin.
     unit = ceiling / options.step_budget**2
     margin = options.threshold_margin

@@ -25,6 +25,10 @@ class Linearised:
     damping: FloatArray
     stiffness: FloatArray
 
+    def take(self, rows: IntArray) -> "Linearised":
+        """Keep only these instants, in their order."""
+        return Linearised(self.t_s[rows], self.mass[rows], self.damping[rows], self.stiffness[rows])
+
     def both_ways(self) -> "Linearised":
         """Add the way back, on which the forces of velocities, quadratic in qd, have the opposite derivatives."""
         return Linearised(

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.arguments import require_number
-from pipeline.arrays import IntArray
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.simulate.drives import Drives
@@ -92,10 +91,8 @@ def tune_drives(machine: Machine, drives: Drives, motion: Motion, damping: float
     """
     require_masses(machine)
     damping = require_number("damping", damping, above=0.0, largest=1.0)
-    checked = linearised(machine, motion, _instants(motion, _CHECKED)).both_ways()
-    searched = linearised(machine, motion, _instants(motion, _SEARCHED)).both_ways()
+    coarse, searched, checked = _near(machine, motion, (_TRIED, _SEARCHED, _CHECKED))
     fine = sampled_machine(checked, drives, motion.period_s)
-    coarse = linearised(machine, motion, _instants(motion, _TRIED)).both_ways()
     search = _Search(
         sampled_machine(coarse, drives, motion.period_s),
         sampled_machine(searched, drives, motion.period_s),
@@ -119,9 +116,12 @@ def with_gains(drives: Drives, gains: Gains) -> Drives:
     return replace(drives, position_gain_per_s=kp, velocity_gain_nspm=kv, integral_gain_npm=kv / gains.integral_time_s)
 
 
-def _instants(motion: Motion, count: int) -> IntArray:
-    """Rows of a motion, evenly spaced."""
-    return np.unique(np.linspace(0, len(motion) - 1, count).round().astype(int))
+def _near(machine: Machine, motion: Motion, counts: tuple[int, ...]) -> tuple[Linearised, ...]:
+    """Linearise the machine at numbers of evenly spaced rows of a motion, there and back."""
+    rows = [np.unique(np.linspace(0, len(motion) - 1, count).round().astype(int)) for count in counts]
+    every = np.unique(np.concatenate(rows))
+    linear = linearised(machine, motion, every)
+    return tuple(linear.take(np.searchsorted(every, part)).both_ways() for part in rows)
 
 
 def _velocity_gains(linear: Linearised, drives: Drives, motion: Motion) -> tuple[tuple[float, ...], ...]:
