@@ -38,8 +38,9 @@ from pipeline.refine.timed.visits import VisitBounds, VisitNodes, VisitPart, vis
 
 _SMOOTHING = 1e-3
 """Share of the mean distance between nodes, added in quadrature: near rest nodes hardly differ."""
-_JERK = 1e-4
-"""Weight of the mean square of jerk relative to its limit: it settles what the duration leaves open."""
+_JERK = 0.03
+"""Weight of the mean square of jerk relative to its limit: it settles what the duration leaves open, which costs none
+of it and a third of the changes of sign of accelerations."""
 _STILL_M = 1e-9
 """Travel of an actuator that counts as none."""
 _LEAST_TIME, _MOST_TIME = 0.2, 5.0
