@@ -33,6 +33,14 @@ class PathSamples(PoseSamples):
 
 
 @dataclass(frozen=True)
+class KappaFigures:
+    """What the objectives of stage two know of a path: its largest kappa, and the integral over its length."""
+
+    kappa_max: float
+    kappa_integral: float
+
+
+@dataclass(frozen=True)
 class PathFigures:
     """A path in numbers; lengths and integrals in the metric of the route, working modes in their order.
 
@@ -102,6 +110,12 @@ def kappa_trapezoids(kappa: FloatArray, distances: FloatArray) -> FloatArray:
     Trapezoidal rule: (kappa_k + kappa_k+1) / 2 times the distance; the sum is the integral over the length.
     """
     return distances * (kappa[1:] + kappa[:-1]) / 2.0
+
+
+def measure_kappa(samples: PathSamples, steps: FloatArray) -> KappaFigures:
+    """Reduce samples to kappa alone; `steps` (5,) are the largest moves per step of x, y, z, rx, rz."""
+    distances = np.diff(arc_length(samples.pose, steps))
+    return KappaFigures(float(samples.kappa.max()), float(kappa_trapezoids(samples.kappa, distances).sum()))
 
 
 def measure_path(samples: PathSamples, steps: FloatArray) -> PathFigures:

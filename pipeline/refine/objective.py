@@ -15,7 +15,7 @@ counts as part of I. K counts down to kappa at the start and the goal, which are
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pipeline.refine.measure import PathFigures
+from pipeline.refine.measure import KappaFigures
 
 TIE_BREAK = 0.01
 """Weight of the mean of kappa where only the largest one counts: it settles what the largest leaves open."""
@@ -43,7 +43,7 @@ class Objective:
     peak_weight: float
     improves_on_coarse: bool
     starts_with_ipopt: bool
-    minimised: Callable[[PathFigures, float], float]
+    minimised: Callable[[KappaFigures, float], float]
     timed: bool = False
 
 

@@ -16,7 +16,7 @@ from pipeline.refine.coarse import coarse_path
 from pipeline.refine.corridor.cells import visit_parameters
 from pipeline.refine.corridor.cone import straight_ends
 from pipeline.refine.corridor.directions import end_directions
-from pipeline.refine.measure import PathFigures, PathSamples, measure_path, sample_path
+from pipeline.refine.measure import KappaFigures, PathSamples, measure_kappa, sample_path
 from pipeline.refine.mesh import Mesh, even_mesh, with_straight_ends
 from pipeline.refine.objective import OBJECTIVES, Objective
 from pipeline.refine.result import Path
@@ -75,10 +75,10 @@ class Problem:
         return Smoothness.of(self.config.refine.smoothness, self._coarse_figures.kappa_integral, self.coarse)
 
     @cached_property
-    def _coarse_figures(self) -> PathFigures:
+    def _coarse_figures(self) -> KappaFigures:
         coarse = self.coarse
         known = PathSamples(self.machine, coarse.node_pose, coarse.q(coarse.node_s), coarse.node_s)
-        return measure_path(known, self.steps)
+        return measure_kappa(known, self.steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,9 +133,9 @@ def first_mesh(problem: Problem, share: float = 1.0) -> Mesh:
     return with_straight_ends(mesh, np.array([end.s for end in straight_ends(problem.config, route, coarse)]))
 
 
-def figures_of(problem: Problem, solution: MeshSolution) -> PathFigures:
-    """Measure the path of a solution."""
-    return measure_path(sample_path(solution.path, np.linspace(0.0, 1.0, _FIGURE_SAMPLES)), problem.steps)
+def figures_of(problem: Problem, solution: MeshSolution) -> KappaFigures:
+    """Measure kappa along the path of a solution."""
+    return measure_kappa(sample_path(solution.path, np.linspace(0.0, 1.0, _FIGURE_SAMPLES)), problem.steps)
 
 
 def fit_coarse(problem: Problem, mesh: Mesh) -> MeshSolution:

@@ -3,21 +3,10 @@
 import pytest
 
 from pipeline.config.choices import PathObjective
-from pipeline.refine import PathFigures
+from pipeline.refine.measure import KappaFigures
 from pipeline.refine.objective import OBJECTIVES
 
-FIGURES = PathFigures(
-    kappa_max=30.0,
-    kappa_max_s=0.5,
-    kappa_integral=400.0,
-    length=21.0,
-    closure_residual_m=0.0,
-    measures={},
-    det_sign_constant=True,
-    modes=("LLL",),
-    actuator_length_m=3.0,
-    actuator_distance_m=2.0,
-)
+FIGURES = KappaFigures(kappa_max=30.0, kappa_integral=400.0)
 
 
 def test_every_objective_of_the_configuration_has_a_row() -> None:
