@@ -36,6 +36,7 @@ def _angles_deg(samples: PathSamples, direction: np.ndarray) -> np.ndarray:
     return np.rad2deg(np.arccos(np.clip(chords[near] @ direction / lengths[near], -1.0, 1.0)))
 
 
+@pytest.mark.slow
 def test_boxes_and_a_direction_are_kept_within_a_budget(light_config: Config, machine: Machine) -> None:
     """A box is visited, one is avoided, no arm changes its mode, and the goal is reached straight."""
     visit, avoid = {"y_m": [0.45, 0.55], "z_m": [0.70, 0.75]}, {"y_m": [0.45, 0.55], "z_m": [0.85, 0.95]}
