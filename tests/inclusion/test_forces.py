@@ -1,50 +1,33 @@
 """Enclosures of holding forces on boxes that are wider than any proof needs: every term of the bound has to count."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from flint import arb
 
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, build_boxes
 from pipeline.certify.recheck.claims.gravity.holding_force import holding_force_bounds
-from pipeline.inclusion.closure import geometry, working_precision
 from pipeline.inclusion.forces import holding_force_ranges
-from pipeline.inclusion.krawczyk import Box, along, include
-from pipeline.inclusion.pieces import pieces
-from pipeline.inclusion.proven_box import ProvenBox
+from pipeline.inclusion.krawczyk import Box
 from pipeline.machine import Machine
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, link_vectors, platform_arms, rotation
 from pipeline.machine.masses import lumped_platform
 from pipeline.refine import Path
 from tests.certify.paths import line_path
+from tests.inclusion.wide_boxes import bounded_in_balls, heavy, wide_box
 
 SHIFT = np.array([2e-3, 2e-3, 2e-3, 0.0, 0.0, 0.0])
 TURN = np.array([0.0, 0.0, 0.0, 2e-3, 2e-3, 2e-3])
 
 
 @pytest.fixture(scope="module", params=[1.0, 0.3], ids=["moments in m", "moments per 0.3 m"])
-def heavy(machine: Machine, request: pytest.FixtureRequest) -> Machine:
-    """Take a load that is far from the tool centre point, so that turning the platform changes the wrench."""
-    assert machine.masses is not None
-    masses = replace(machine.masses, platform_kg=200.0, platform_centre_m=np.array([0.6, 0.5, -0.4]))
-    return replace(machine, masses=masses, characteristic_length_m=request.param)
-
-
-@pytest.fixture(scope="module")
-def path(heavy: Machine) -> Path:
-    """Take the short regular path."""
-    return line_path(heavy)
+def path(machine: Machine, request: pytest.FixtureRequest) -> Path:
+    """Take the short regular path, with a load so far from the tool that turning the platform changes the wrench."""
+    return line_path(heavy(machine, request.param))
 
 
 def _box(path: Path, width: float) -> Box:
-    """Follow the path by a cubic over an interval that begins at a knot."""
-    first = next(part.first for part in pieces(path.spline) if part.first >= 0.3)
-    s = first + width * np.linspace(0.0, 1.0, 9)
-    centred = s - (first + width / 2.0)
-    cubic = np.polynomial.polynomial.polyfit(centred, path.pose(s), 3)
-    return Box(first, first + width, cubic, np.full(6, 1e-3))
+    return wide_box(path, width, 1e-3)
 
 
 def _forces(machine: Machine, pose: np.ndarray, q_m: np.ndarray) -> np.ndarray:
@@ -77,17 +60,7 @@ Bound = Callable[[Path, Box, np.ndarray], np.ndarray]
 
 def in_balls(path: Path, box: Box, deviation: np.ndarray) -> np.ndarray:
     """Bound forces in ball arithmetic."""
-    machine = path.machine
-    assert machine.masses is not None
-    with working_precision(64):
-        balls = geometry(machine)
-        piece = next(part for part in pieces(path.spline) if part.first <= box.first and box.last <= part.last)
-        series = along(balls, piece, box)
-        inclusion = include(balls, series, box)
-        assert inclusion is not None
-        image = [arb(value) for value in deviation.tolist()]
-        wide = ProvenBox(machine, balls, piece, series, replace(inclusion, image=image))
-        return holding_force_ranges(wide, machine.masses)
+    return bounded_in_balls(holding_force_ranges, path, box, deviation)
 
 
 def in_floats(path: Path, box: Box, deviation: np.ndarray) -> np.ndarray:

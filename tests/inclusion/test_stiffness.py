@@ -1,23 +1,19 @@
 """Enclosures of the stiffness by gravity, in both arithmetics."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from flint import arb
 
 from pipeline.certify.recheck.arithmetic.inclusion import build_boxes
 from pipeline.certify.recheck.claims.gravity.stiffness import stiffness_bounds
-from pipeline.inclusion.closure import geometry, working_precision
-from pipeline.inclusion.krawczyk import Box, along, include
-from pipeline.inclusion.pieces import pieces
-from pipeline.inclusion.proven_box import ProvenBox
+from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.stiffness import least_stiffness_bound
 from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
 from tests.certify.paths import line_path
+from tests.inclusion.wide_boxes import bounded_in_balls, heavy, wide_box
 
 FIRST = 0.3
 
@@ -25,17 +21,11 @@ FIRST = 0.3
 @pytest.fixture(scope="module", params=[1.0, 0.3], ids=["moments in m", "moments per 0.3 m"])
 def path(machine: Machine, request: pytest.FixtureRequest) -> Path:
     """Take the short regular path, of a platform whose centre of mass is far from the tool centre point."""
-    assert machine.masses is not None
-    masses = replace(machine.masses, platform_kg=200.0, platform_centre_m=np.array([0.6, 0.5, -0.4]))
-    return line_path(replace(machine, masses=masses, characteristic_length_m=request.param))
+    return line_path(heavy(machine, request.param))
 
 
 def _box(path: Path, width: float) -> Box:
-    """Follow the path by a cubic over an interval that begins at a knot."""
-    first = next(part.first for part in pieces(path.spline) if part.first >= FIRST)
-    s = first + width * np.linspace(0.0, 1.0, 9)
-    cubic = np.polynomial.polynomial.polyfit(s - (first + width / 2.0), path.pose(s), 3)
-    return Box(first, first + width, cubic, np.full(6, 1e-4))
+    return wide_box(path, width, 1e-4)
 
 
 Bound = Callable[[Path, Box, np.ndarray], float]
@@ -43,18 +33,7 @@ Bound = Callable[[Path, Box, np.ndarray], float]
 
 def in_balls(path: Path, box: Box, deviation: np.ndarray) -> float:
     """Bound the stiffness in ball arithmetic."""
-    machine = path.machine
-    assert machine.masses is not None
-    with working_precision(64):
-        balls = geometry(machine)
-        piece = next(part for part in pieces(path.spline) if part.first <= box.first and box.last <= part.last)
-        series = along(balls, piece, box)
-        inclusion = include(balls, series, box)
-        assert inclusion is not None
-        image = [arb(value) for value in deviation.tolist()]
-        return least_stiffness_bound(
-            ProvenBox(machine, balls, piece, series, replace(inclusion, image=image)), machine.masses
-        )[0]
+    return bounded_in_balls(least_stiffness_bound, path, box, deviation)[0]
 
 
 def in_floats(path: Path, box: Box, deviation: np.ndarray) -> float:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.cli.console import messages_console
+from pipeline.cli.motions.driven import driven
 from pipeline.cli.options import RunArgument
 from pipeline.cli.output import check_output, refuse_same
 from pipeline.errors import UsageError
@@ -21,7 +22,6 @@ from pipeline.export.formats import (
     Separator,
     Times,
 )
-from pipeline.stage import Stage
 
 if TYPE_CHECKING:
     from pipeline.arrays import FloatArray
@@ -87,17 +87,13 @@ def export(
     for suffix, path in beside.items():
         refuse_same(output, path, f"--output and the {suffix} file beside it")
     from pipeline.export import ExportOptions, ExportRequest, export_files
-    from pipeline.retime import sample_trajectory, slowed, way_back
-    from pipeline.run.reading import open_results, with_retime
+    from pipeline.retime import sample_trajectory
 
     wanted, named = _listed(columns), _listed(names)
     options = ExportOptions(separator, decimals, wanted, length, angle, decimal, named, times, lead_in_s, tolerance_m)
-    results = open_results(run, Stage.REFINE, Stage.RETIME)
-    config = with_retime(results.config, period_s=period_s, speed=speed)
-    trajectory = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
-    trajectory = way_back(config, trajectory) if back else trajectory
+    trajectory, config = driven(run, speed, period_s, back)
     samples = sample_trajectory(trajectory, config.retime.period_s)
-    machine = results.machine
+    machine = trajectory.path.machine
     files = export_files(
         kind,
         ExportRequest(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.motions.driven import DrivenBack, DrivenPeriod, DrivenSpeed, driven
+from pipeline.cli.motions.driven import DrivenBack, DrivenPeriod, DrivenSpeed, GeometryOption, driven
 from pipeline.cli.motions.simulated_file import check_simulated, write_simulated, written_beside
 from pipeline.cli.options import RunArgument
 from pipeline.cli.output import check_picture, save_picture, text_table
@@ -104,12 +104,7 @@ def simulate_measurement(
     first: _First = _FIRST,
     second: _Second = _SECOND,
     noise_m: _Noise = _NOISE_M,
-    geometry_m: Annotated[
-        float,
-        typer.Option(
-            "--geometry", metavar="M", min=0.0, max=0.01, help="Standard deviation of joints, rails, lengths in metres."
-        ),
-    ] = 2e-4,
+    geometry_m: GeometryOption = 2e-4,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the random numbers.")] = 0,
     speed: DrivenSpeed = None,
     period_s: DrivenPeriod = None,

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.motions.driven import DrivenBack, DrivenPeriod, DrivenSpeed, driven, with_drives
+from pipeline.cli.motions.driven import (
+    DrivenBack,
+    DrivenPeriod,
+    DrivenSpeed,
+    DrivesOption,
+    GeometryOption,
+    driven,
+    planned,
+    with_drives,
+)
 from pipeline.cli.motions.simulated_file import check_simulated, write_simulated, written_beside
 from pipeline.cli.options import RunArgument
 from pipeline.cli.output import check_picture, save_picture, text_table
@@ -21,13 +30,6 @@ if TYPE_CHECKING:
 _FIGURES = ("", "_following", "_forces")
 """What is added to the name of a picture for each of the three figures."""
 
-DrivesOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--drives", metavar="FILE", help="A YAML file whose section drives is used. Default: that of the run."
-    ),
-]
-
 
 def simulate(
     run: RunArgument,
@@ -35,12 +37,7 @@ def simulate(
     speed: DrivenSpeed = None,
     period_s: DrivenPeriod = None,
     drives: DrivesOption = None,
-    geometry_m: Annotated[
-        float,
-        typer.Option(
-            "--geometry", metavar="M", min=0.0, max=0.01, help="Standard deviation of joints, rails, lengths in metres."
-        ),
-    ] = 0.0,
+    geometry_m: GeometryOption = 0.0,
     seed: Annotated[
         int, typer.Option("--seed", metavar="N", min=0, help="Seed of the deviations of the geometry.")
     ] = 0,
@@ -114,17 +111,16 @@ def _simulate(
     trajectory: "Trajectory", config: "Config", deviations: "Deviations", period_s: float | None
 ) -> "Simulation":
     from pipeline.progress import Monitor
-    from pipeline.simulate import build_drives, build_plant, controller_period, plan_motion, simulate_motion
+    from pipeline.simulate import build_drives, build_plant, simulate_motion
 
     machine = trajectory.path.machine
     plant = build_plant(machine, deviations)
-    period_s = controller_period(config.retime.period_s) if period_s is None else period_s
     with messages_console().status("simulating") as status:
 
         def progress(message: str, fraction: float | None = None) -> None:
             status.update(message if fraction is None else f"{message}: {fraction:.0%}")
 
-        motion = plan_motion(trajectory, period_s)
+        motion = planned(trajectory, config, period_s)
         return simulate_motion(
             machine, plant, build_drives(config.drives, machine), motion, monitor=Monitor(progress, False)
         )

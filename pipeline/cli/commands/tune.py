@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.cli.commands.simulate import DrivesOption
 from pipeline.cli.console import messages_console
-from pipeline.cli.motions.driven import DrivenPeriod, DrivenSpeed, driven, with_drives
+from pipeline.cli.motions.driven import DrivenPeriod, DrivenSpeed, DrivesOption, driven, planned, with_drives
 from pipeline.cli.options import RunArgument
 from pipeline.cli.output import text_table
 from pipeline.errors import NoSolutionError
@@ -39,21 +38,22 @@ def tune(
     trajectory, config = driven(run, speed, period_s, False)
     config = config if drives is None else with_drives(config, drives)
     from pipeline.progress import Monitor
-    from pipeline.simulate import build_drives, controller_period, plan_motion, require_masses
+    from pipeline.simulate import build_drives
     from pipeline.simulate.tuning import tune_drives
 
-    machine = require_masses(trajectory.path.machine)
-    period_s = controller_period(config.retime.period_s) if period_s is None else period_s
+    machine = trajectory.path.machine
     with messages_console().status("tuning") as status:
 
         def progress(message: str, fraction: float | None = None) -> None:
             status.update(message)
 
-        motion = plan_motion(trajectory, period_s)
+        motion = planned(trajectory, config, period_s)
         tuning = tune_drives(machine, build_drives(config.drives, machine), motion, damping, Monitor(progress))
     rows = [_cells("as configured", tuning.before), _cells("tuned", tuning.after)]
     header = ("gains", "least damping", "driven", "at s of the way there", "rightmost pole 1/s", "unstable instants")
-    messages_console().print(text_table(f"{run}: frozen-time poles, controllers at {period_s:g} s", header, rows))
+    messages_console().print(
+        text_table(f"{run}: frozen-time poles, controllers at {motion.period_s:g} s", header, rows)
+    )
     _require_found(tuning)
     data = config.drives.with_gains(tuning.gains.keys("carts"), tuning.gains.keys("telescopes"))
     typer.echo(_comment(tuning) + yaml.safe_dump({"drives": data}, sort_keys=False), nl=False)

@@ -10,6 +10,7 @@ from pipeline.stage import Stage
 if TYPE_CHECKING:
     from pipeline.config import Config
     from pipeline.retime import Trajectory
+    from pipeline.simulate import Motion
 
 DrivenSpeed = Annotated[
     float | None,
@@ -24,6 +25,18 @@ DrivenPeriod = Annotated[
     typer.Option("--period", metavar="S", help="Period at which it was driven, as exported. Default: that of the run."),
 ]
 DrivenBack = Annotated[bool, typer.Option("--back", help="The way back, as exported with --back.")]
+DrivesOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--drives", metavar="FILE", help="A YAML file whose section drives is used. Default: that of the run."
+    ),
+]
+GeometryOption = Annotated[
+    float,
+    typer.Option(
+        "--geometry", metavar="M", min=0.0, max=0.01, help="Standard deviation of joints, rails, lengths in metres."
+    ),
+]
 
 
 def driven(run: Path, speed: float | None, period_s: float | None, back: bool) -> "tuple[Trajectory, Config]":
@@ -36,6 +49,13 @@ def driven(run: Path, speed: float | None, period_s: float | None, back: bool) -
     there = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
     trajectory = way_back(config, there) if back else whole_periods(there, config.retime.period_s)
     return trajectory, config
+
+
+def planned(trajectory: "Trajectory", config: "Config", period_s: float | None) -> "Motion":
+    """Plan the set points of the controllers: at a period, or at the one that fits the period of the run."""
+    from pipeline.simulate import controller_period, plan_motion
+
+    return plan_motion(trajectory, controller_period(config.retime.period_s) if period_s is None else period_s)
 
 
 def with_drives(config: "Config", file: Path) -> "Config":

@@ -62,9 +62,9 @@ def holds(enclosure: Enclosure, exact: Fraction, index: tuple[int, ...] = ()) ->
     return abs(exact - Fraction(mid)) <= Fraction(rad) and not outside
 
 
-def above(value: object, exact: Fraction) -> bool:
+def above(value: np.floating, exact: Fraction) -> bool:
     """Tell whether a float is an upper bound; infinity and NaN, which compares as false, bound everything."""
-    return not np.isfinite(value) or Fraction(float(value)) >= exact  # type: ignore[arg-type,call-overload]
+    return not np.isfinite(value) or Fraction(float(value)) >= exact
 
 
 @pytest.mark.parametrize("name", OPERATIONS)
