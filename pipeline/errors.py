@@ -29,14 +29,17 @@ def _restore_error(kind: type[PipelineError], args: tuple[Any, ...], attributes:
 
 @dataclass(frozen=True)
 class ConfigIssue:
-    """One thing wrong with a configuration: the key's path, the value found there, what is allowed."""
+    """One thing wrong with a configuration: the key's path, the value found there, what is allowed.
+
+    An empty path stands for the file as a whole.
+    """
 
     path: str
     message: str
     value: object = None
 
     def __str__(self) -> str:
-        return f"{self.path}: {self.message}"
+        return f"{self.path}: {self.message}" if self.path else self.message
 
 
 class ConfigError(PipelineError):

@@ -136,4 +136,4 @@ def _cut(text: str) -> str:
 
 
 def _error(mark: Any, message: str) -> YamlError:
-    return YamlError(f"line {mark.line + 1}, column {mark.column + 1}" if mark else "(file)", message)
+    return YamlError(f"line {mark.line + 1}, column {mark.column + 1}" if mark else "", message)

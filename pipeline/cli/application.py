@@ -70,6 +70,10 @@ class _Group(TyperGroup):
                 sys.stdout.flush()
             raise
 
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Give the options of the program; those that take no value show none in the help."""
+        return _flags_without_value(super().get_params(ctx))
+
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Parse the options of the program, which may print and end it."""
         with _errors_reported():
@@ -87,6 +91,10 @@ class _Command(TyperCommand):
     An empty path would be the working directory; a NaN passes every bound, as all comparisons with it are false.
     """
 
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Give the parameters of the command; those that take no value show none in the help."""
+        return _flags_without_value(super().get_params(ctx))
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments of the command."""
         options = {name for one in self.params if getattr(one, "metavar", None) in _OF_PATHS for name in one.opts}
@@ -101,6 +109,13 @@ class _Command(TyperCommand):
         for parameter in parameters:
             _require_finite(ctx, parameter)
         return rest
+
+
+def _flags_without_value(parameters: list[Any]) -> list[Any]:
+    for parameter in parameters:
+        if getattr(parameter, "is_flag", False):
+            parameter.metavar = ""
+    return parameters
 
 
 def _require_finite(ctx: Any, parameter: Any) -> None:

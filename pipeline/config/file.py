@@ -105,11 +105,11 @@ def _issues(error: ValidationError) -> list[ConfigIssue]:
     """Explain the first faults, and count the others."""
     found = error.errors(include_url=False)
     more = len(found) - _MOST_ISSUES
-    rest = [ConfigIssue("(file)", f"has {more:,} more faults")] if more > 0 else []
+    rest = [ConfigIssue("", f"has {more:,} more faults")] if more > 0 else []
     return [*(explain(item) for item in found[:_MOST_ISSUES]), *rest]
 
 
-def _unreadable(path: Path, message: str, place: str = "(file)") -> ConfigError:
+def _unreadable(path: Path, message: str, place: str = "") -> ConfigError:
     return ConfigError([ConfigIssue(place, message)], str(path))
 
 

@@ -29,12 +29,14 @@ class TestHelp:
         result = call(command, "--help")
         assert result.exit_code == 0
         assert f"gantry-tau {command} " in result.stdout
+        assert "<bool>" not in result.stdout
 
     def test_root(self, call: Call) -> None:
         """The root help shows how to begin, and what exit codes mean."""
         result = call("--help")
         assert "gantry-tau check configs/agder.yaml" in result.stdout
         assert "Exit codes" in result.stdout
+        assert "<bool>" not in result.stdout
 
     def test_version(self, call: Call) -> None:
         """The version is that of the package."""

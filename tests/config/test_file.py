@@ -49,7 +49,7 @@ def write(folder: Path, text: str | bytes) -> Path:
             "name: 2024-13-45\n",
             "line 1, column 7: cannot be read: '2024-13-45' is not a value of the type timestamp (month",
         ),
-        (b"name: caf\xe9\n", "(file): is not a UTF-8 text file"),
+        (b"name: caf\xe9\n", "is not a UTF-8 text file"),
         ("", "(top level): must be a section with the keys machine, task and route"),
         ("- machine\n", "(top level): must be a section with the keys machine, task and route"),
     ],
@@ -98,11 +98,11 @@ def test_numbers_may_be_written_with_an_exponent(tmp_path: Path):
 
 def test_a_missing_file_is_reported(tmp_path: Path):
     """Neither a missing file nor a folder is a configuration."""
-    assert problem(tmp_path / "none.yaml") == "(file): cannot be read: No such file or directory"
-    assert problem(tmp_path) == "(file): cannot be read: Is a directory"
+    assert problem(tmp_path / "none.yaml") == "cannot be read: No such file or directory"
+    assert problem(tmp_path) == "cannot be read: Is a directory"
     inside = tmp_path / "config.yaml"
     inside.touch()
-    assert problem(tmp_path) == f"(file): cannot be read: Is a directory; the configuration in it is {inside}"
+    assert problem(tmp_path) == f"cannot be read: Is a directory; the configuration in it is {inside}"
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,8 @@ def compare(
     The route is joined by straight lines in actuator space: its coarse path.
     All paths are followed continuously and measured at the same number of
     points. Lengths and integrals are in steps of the (first) run's route: a
-    step is the largest move allowed in each coordinate.
+    step is the largest move allowed in each coordinate. kappa is taken with
+    the (first) run's machine.characteristic_length_m.
 
     For durations and peaks the coarse path is driven as a controller would
     drive it, with rounded corners (--blend, in actuator space). All paths are
@@ -123,7 +124,9 @@ def _compare_runs(results: "Sequence[Results]", markdown: bool, as_json: bool, t
 
 
 def _measured(one: "Results", first: "Results", motion: "MotionFigures | None") -> "MeasuredPath":
-    """Measure a run's refined path in the metric, and at as many points, as the first run's."""
+    """Measure a run's refined path in the metric, with the characteristic length and at the points of the first one."""
+    from dataclasses import replace
+
     import numpy as np
 
     from pipeline.compare import MeasuredPath
@@ -131,7 +134,9 @@ def _measured(one: "Results", first: "Results", motion: "MotionFigures | None") 
     from pipeline.route.metric import step_sizes
 
     s = np.linspace(0.0, 1.0, first.config.refine.check_points)
-    samples = sample_path(one.refinement.path, s)
+    path = one.refinement.path
+    machine = replace(path.machine, characteristic_length_m=first.machine.characteristic_length_m)
+    samples = sample_path(replace(path, machine=machine), s)
     return MeasuredPath(measure_path(samples, step_sizes(first.config.route)), motion)
 
 

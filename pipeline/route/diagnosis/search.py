@@ -85,13 +85,19 @@ def _try_all(attempts: list[_Attempt], progress: Progress) -> tuple[list[Finding
         for number, attempt in enumerate(attempts):
             if attempt.part_of in never:
                 continue
-            finding = attempt.relax(prefixed(progress, f"{number + 1} of {len(attempts)}"))
+            finding = attempt.relax(prefixed(progress, _place(number, len(attempts), findings)))
             findings.append(finding)
             if finding.verdict is Verdict.NEVER:
                 never.add(attempt.key)
     except KeyboardInterrupt:
         return findings, [attempt.key for attempt in attempts[number:] if attempt.part_of not in never]
     return findings, []
+
+
+def _place(number: int, count: int, findings: list[Finding]) -> str:
+    """Say how far the search is, and what an interrupt would keep."""
+    opening = sum(finding.verdict is Verdict.OPENS for finding in findings)
+    return f"{number + 1} of {count}" + (f" ({opening} found that open a route; Ctrl-C keeps them)" if opening else "")
 
 
 def _attempts(config: Config, machine: Machine, limits: Sequence[Relaxation]) -> list[_Attempt]:

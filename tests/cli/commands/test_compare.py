@@ -67,6 +67,13 @@ class TestCompare:
         assert {"kappa integral", "duration", "working-mode changes"} <= {row["figure"] for row in told["rows"]}
         assert call("compare", "out", "other", "--markdown").stdout.startswith("| figure | unit | out | other | best |")
 
+    def test_kappa_of_one_length(self, call: Call, config_file: Path) -> None:
+        """Runs whose moments are divided by other lengths are compared with the length of the first one."""
+        call("run", edit(config_file, machine__characteristic_length_m=0.3, name="short"), "--out", "short")
+        rows = json.loads(call("compare", "out", "short", "--json", "--no-timing").stdout)["rows"]
+        same = next(row for row in rows if row["figure"] == "largest kappa")
+        assert same["differences"][1] == pytest.approx(0.0, abs=1e-9)
+
     def test_damaged_results(self, call: Call) -> None:
         """Results edited by hand are not shown as the run's."""
         Path("out/path.npz").write_bytes(b"mine")
