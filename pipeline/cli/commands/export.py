@@ -103,18 +103,15 @@ def export(
     _write(kind, files, output, beside)
     if output is not None:
         also = "".join(f", and {path}" for path in beside.values())
-        messages_console().print(f"{output}: {_content(kind, files[''], samples)}{also}", soft_wrap=True)
+        messages_console().print(f"{output}: {_content(kind, samples)}{also}", soft_wrap=True)
 
 
-def _content(kind: Format, content: bytes, samples: "TrajectorySamples") -> str:
-    """Say what a file holds: formats that leave points out are read back, and some hold no motion."""
+def _content(kind: Format, samples: "TrajectorySamples") -> str:
+    """Say what a file holds: some formats leave points out, and some hold no motion."""
     if not kind.reader:
         return "the machine, without a motion"
-    if "tolerance_m" in kind.options:
-        from pipeline.export import read_motion
-
-        return f"{len(read_motion(kind, content).t_s):,} points, {samples.duration_s:g} s"
-    return f"{len(samples):,} rows {samples.period_s:g} s apart, {samples.duration_s:g} s"
+    points = "points that meet " if "tolerance_m" in kind.options else ""
+    return f"{points}{len(samples):,} rows {samples.period_s:g} s apart, {samples.duration_s:g} s"
 
 
 def _listed(names: str | None) -> tuple[str, ...] | None:

@@ -1,11 +1,9 @@
 """The trajectory of a run, exported."""
 
-import re
 from pathlib import Path
 
 import pytest
 
-from pipeline.export import read_motion
 from pipeline.export.formats import Format
 from tests.cli.calls import Call
 from tests.run.fake_stages import FakeStages
@@ -48,11 +46,9 @@ class TestExport:
         assert Path("x").read_bytes() == shown.stdout_bytes
 
     def test_export_says_what_it_wrote(self, call: Call) -> None:
-        """Files that leave points out are counted as they are; a model without a motion has no rows."""
-        points = call("export", "out", "--format", "cam", "--output", "x.txt", "--tolerance", "0.001").stderr
-        found = re.search(r"x.txt: ([\d,]+) points, 2 s", points)
-        assert found is not None
-        assert int(found[1].replace(",", "")) == len(read_motion(Format.CAM, Path("x.txt").read_text()).t_s) < 201
+        """Formats that leave points out say so; a model without a motion has no rows."""
+        points = call("export", "out", "--format", "cam", "--output", "x.txt").stderr
+        assert "points that meet 201 rows 0.01 s apart, 2 s" in points
         assert "without a motion" in call("export", "out", "--format", "urdf", "--output", "x.urdf").stderr
 
     def test_export_slower_and_backwards(self, call: Call) -> None:
