@@ -19,8 +19,11 @@ def per_cent(part: float, decimals: int, sign: str = "") -> str:
 
 
 def sentence(text: str) -> str:
-    """Capitalise the first letter, and end with a full stop."""
-    return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
+    """Capitalise the first word, unless it is a name such as c3 or route.kappa_max, and end with a full stop."""
+    if not text:
+        return ""
+    first = text[:1].upper() if text.split()[0].isalpha() else text[:1]
+    return f"{first}{text[1:].rstrip('.')}."
 
 
 def greek(text: str) -> str:
