@@ -14,7 +14,7 @@ from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.measure import PathSamples
 from pipeline.report.data import Picture, Proof, Table
 from pipeline.report.pictures import workspace_picture
-from pipeline.report.wording import greek, sentence, true_minus
+from pipeline.report.wording import greek, true_minus
 from pipeline.route.metric import arc_length, step_sizes
 from pipeline.summary.section import SKIPPED, Section
 from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
@@ -96,7 +96,7 @@ def workspace_part(machine: Machine) -> tuple[Table, Picture]:
             (row[0], *(true_minus(cell) for cell in row[1:])) for row in workspace_cells(workspace_rows(fine, coarse))
         ),
         words=(0,),
-        note=sentence(greek(setting_text(machine, setting).replace(" deg", "°"))),
+        note=f"At {greek(setting_text(machine, setting).replace(' deg', '°'))}.",
     )
     return table, workspace_picture(machine, fine)
 

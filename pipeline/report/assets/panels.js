@@ -23,7 +23,7 @@ function panelsOf(report, motion) {
     [3, 4],
   ];
   return [
-    { title: `κ (${scene.momentUnit})`, decimals: 2, curves: kappaCurves(report, motion), limits: bounds(report) },
+    { title: "κ", decimals: 2, curves: kappaCurves(report, motion), limits: bounds(report) },
     {
       title: "position (m)",
       decimals: 4,
