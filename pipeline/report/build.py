@@ -14,8 +14,9 @@ from pipeline.machine.geometry import Machine
 from pipeline.refine.measure import PathSamples, measure_path
 from pipeline.refine.result import Refinement
 from pipeline.report.coarse import CoarseMotion, Retime, drive_coarse
-from pipeline.report.data import Motion, Proof, Report, Table
+from pipeline.report.data import Motion, Picture, Proof, Report, RoutePart, Table
 from pipeline.report.motion import build_motion, build_scene
+from pipeline.report.pictures import reach_picture, route_part
 from pipeline.report.tables import (
     bounds_table,
     build_proof,
@@ -28,6 +29,7 @@ from pipeline.report.tables import (
 from pipeline.report.verdicts import Facts, StageFacts, headline, stage_rows, used_limits, verdicts
 from pipeline.retime.result import Trajectory
 from pipeline.route.metric import step_sizes
+from pipeline.route.result import Route
 from pipeline.stage import Stage
 from pipeline.summary.section import DRIVES, QUALITY
 
@@ -42,6 +44,8 @@ class RunResults:
         How each stage that was run ended.
     versions : mapping
         Versions of everything that affects the results.
+    route
+        The route.
     refinement, samples
         Both paths, and dense samples of the coarse and the refined one.
     bounds, profile
@@ -50,19 +54,23 @@ class RunResults:
         The refined path in time.
     coarse, workspace
         The coarse path in motion, and the table and picture of the workspace, where they were made beforehand.
+    reach
+        A picture, PNG, of what can be reached where there is no route.
     """
 
     config: Config
     machine: Machine
     facts: Facts
     versions: Mapping[str, str]
+    route: Route | None = None
     refinement: Refinement | None = None
     samples: tuple[PathSamples, PathSamples] | None = None
     bounds: Bounds | None = None
     profile: KappaProfile | None = None
     trajectory: Trajectory | None = None
     coarse: CoarseMotion | None = None
-    workspace: tuple[Table, str] | None = None
+    workspace: tuple[Table, Picture] | None = None
+    reach: bytes | None = None
 
 
 def build_report(run: RunResults, retime: Retime = retimed) -> Report:
@@ -97,12 +105,27 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         comparison=_comparison(run, coarse, retime),
         workspace=workspace,
         workspace_picture=picture,
+        route=_route(run),
+        reach=_reach(run),
         bounds=None if run.bounds is None else bounds_table(config, machine, run.bounds),
         distances=None if run.bounds is None else distances_table(config, machine, run.bounds),
         proof=_proof(run),
         motions=_motions(run, coarse),
         motion_note=_why_still(run.facts) if run.trajectory is None else coarse.note,
     )
+
+
+def _route(run: RunResults) -> RoutePart | None:
+    """Show the route; a picture only where there is no motion, which shows more."""
+    if run.route is None:
+        return None
+    return route_part(run.config, run.machine, run.route, run.samples, drawn=run.trajectory is None)
+
+
+def _reach(run: RunResults) -> Picture | None:
+    if run.reach is None:
+        return None
+    return reach_picture(run.reach, run.facts[Stage.ROUTE].section.get("why_not", ()))
 
 
 def _coarse(run: RunResults, retime: Retime) -> CoarseMotion:

@@ -22,14 +22,19 @@ class Verdict:
 
 @dataclass(frozen=True)
 class StageRow:
-    """How a stage ended: its status, its figures or the reason in words, what to change, and what prevents a result."""
+    """How a stage ended: its status, its figures or the reason in words, what to change, and what prevents a result.
+
+    `remarks` are what is known of a task without a result, `findings` the single changes that were tried, and what came
+    of them.
+    """
 
     name: str
     status: str
     mood: Mood
     words: str
     advice: str = ""
-    why_not: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    findings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,22 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     words: tuple[int, ...]
     note: str = ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG in base64, and what it shows in words and numbers, for those who cannot see it."""
+
+    png: str
+    alt: str
+
+
+@dataclass(frozen=True)
+class RoutePart:
+    """The steps of the route; their picture where there is no motion to show instead."""
+
+    table: Table
+    picture: Picture | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,8 +196,12 @@ class Report:
     quality, drives, comparison, workspace, bounds, distances : Table or None
         Reversals and least times of the actuators; what the drives feel; coarse against refined; usable workspace;
         what the certificate proves, also for each pair of axes.
-    workspace_picture : str
-        The workspace in 3-D, a PNG in base64.
+    workspace_picture : Picture or None
+        The workspace in 3-D.
+    route : RoutePart or None
+        The steps of the route.
+    reach : Picture or None
+        What can be reached from start and goal where there is no route.
     scene, motions
         What is animated; `motion_note` explains how the coarse motion was made, or why a motion is missing.
     proof : Proof or None
@@ -200,7 +225,9 @@ class Report:
     drives: Table | None = None
     comparison: Table | None = None
     workspace: Table | None = None
-    workspace_picture: str = ""
+    workspace_picture: Picture | None = None
+    route: RoutePart | None = None
+    reach: Picture | None = None
     bounds: Table | None = None
     distances: Table | None = None
     proof: Proof | None = None

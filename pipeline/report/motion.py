@@ -19,7 +19,7 @@ from pipeline.retime.sampling import sample_at, whole_periods
 
 _FRAMES_PER_S = 50.0
 _FEWEST_FRAMES, _MOST_FRAMES = 100, 600
-_MAPS = 40
+_MAPS = 30
 _POINTS_Y, _POINTS_Z = 84, 68
 
 

@@ -1,22 +1,28 @@
 """A report as one self-contained HTML page: styles, scripts, the plotting library and all numbers are in it."""
 
+import json
+from dataclasses import asdict
 from functools import cache
 from importlib import resources
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
+from pipeline.report import palette
 from pipeline.report.data import Report
-from pipeline.report.payload import COLOURS, payload
+from pipeline.report.descriptions import describe_plots
+from pipeline.report.embedding import compressed, drawing_library, security_policy
+from pipeline.report.payload import payload
 
 _PACKAGE = "pipeline.report"
 _ASSETS = "assets"
 _TEMPLATE = "page.html.j2"
 _STYLES = "page.css"
 _SCRIPTS = (
+    "library.js",
     "data.js",
     "points.js",
+    "camera.js",
     "machine.js",
     "map.js",
     "panels.js",
@@ -31,33 +37,55 @@ _SCRIPTS = (
 
 def render_page(report: Report) -> str:
     """Render the page. All text of the report is escaped; only the assets of this package are inserted as they are."""
+    styles = f"{_theme()}\n{_asset(_STYLES)}"
+    script = "".join(_asset(name) for name in _SCRIPTS)
+    library, packed_library = drawing_library()
+    draws = bool(report.motions or report.proof)
     return (
         _environment()
         .get_template(_TEMPLATE)
         .render(
             report=report,
-            colours=COLOURS,
-            payload=payload(report) if report.motions or report.proof else None,
-            styles=_asset(_STYLES),
-            scripts=[_asset(name) for name in _SCRIPTS],
-            plotly=Markup(get_plotlyjs()),
+            alt=describe_plots(report),
+            policy=security_policy((script, library) if draws else (), (styles,)),
+            styles=Markup(styles),
+            script=Markup(script),
+            numbers=_numbers(report) if draws else None,
+            library=packed_library,
         )
+    )
+
+
+def _numbers(report: Report) -> str:
+    # The refined motion comes first, and must stay there.
+    return compressed(json.dumps(payload(report), separators=(",", ":"), allow_nan=False))
+
+
+def _theme() -> str:
+    """Write the colours as custom properties: dark ones on screens whose user prefers them; paper is light."""
+    light, dark = (
+        " ".join(f"--{name}: {colour};" for name, colour in asdict(colours).items())
+        for colours in (palette.LIGHT, palette.DARK)
+    )
+    shared = f"--singular: {palette.SINGULAR}; --unreachable: {palette.OUT_OF_REACH};"
+    return (
+        f":root {{ color-scheme: light; {light} {shared} }}\n"
+        f".map {{ --refined: {palette.LIGHT.refined}; --coarse: {palette.LIGHT.coarse}; }}\n"
+        f"@media screen and (prefers-color-scheme: dark) {{ :root {{ color-scheme: dark; {dark} }} }}"
     )
 
 
 @cache
 def _environment() -> Environment:
-    environment = Environment(
+    return Environment(
         loader=PackageLoader(_PACKAGE, _ASSETS),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    # The refined motion comes first, and must stay there.
-    environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
-    return environment
 
 
-def _asset(name: str) -> Markup:
-    return Markup((resources.files(_PACKAGE) / _ASSETS / name).read_text("utf-8"))
+@cache
+def _asset(name: str) -> str:
+    return (resources.files(_PACKAGE) / _ASSETS / name).read_text("utf-8")

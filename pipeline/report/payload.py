@@ -1,48 +1,27 @@
 """The numbers of a report for the scripts of the page: JSON, with arrays as base64."""
 
 import base64
+from dataclasses import asdict
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
-from matplotlib.colors import to_hex
 
 from pipeline.arrays import FloatArray
-from pipeline.figures import style
 from pipeline.machine.geometry import ACTUATORS, LINKS, MODES, TELESCOPES
+from pipeline.report import palette
 from pipeline.report.data import KappaMaps, Motion, Proof, Report, Scene
 
 OUT_OF_REACH = 0
 """Level of a map that is out of reach."""
 _LEVELS = 255
-_MAP_COLOURS = 9
-
-COLOURS = {
-    "refined": style.REFINED,
-    "coarse": style.COARSE,
-    "limit": style.GREY,
-    "rail": style.GREY,
-    "fixed": style.BLUE,
-    "telescope": style.GREEN,
-    "platform": style.LIGHT_GREY,
-    "left": style.SKY_BLUE,
-    "right": style.ORANGE,
-    "singular": style.YELLOW,
-    "outOfReach": style.LIGHT_GREY,
-    "bound": style.BLUE,
-    "ends": style.GREEN,
-    "axes": [style.BLUE, style.ORANGE, style.GREEN],
-    "actuators": [style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE],
-    "map": [to_hex(mpl.colormaps["Blues"](part)) for part in np.linspace(0.0, 1.0, _MAP_COLOURS)],
-}
-"""Colours of the figures, by the names in the scripts."""
 
 
 def payload(report: Report) -> dict[str, Any]:
     """Collect what the scripts draw; the rest of the report is in the page itself."""
     return {
-        "colours": COLOURS,
+        "themes": {"light": asdict(palette.LIGHT), "dark": asdict(palette.DARK)},
+        "mapColours": {"scale": palette.MAP, "singular": palette.SINGULAR, "unreachable": palette.OUT_OF_REACH},
         "names": {
             "actuators": ACTUATORS,
             "links": LINKS,

@@ -1,8 +1,5 @@
 """The tables of a report: coarse against refined, what is proven, the usable workspace, versions and hashes."""
 
-import base64
-import io
-
 import numpy as np
 
 from pipeline.certify.bounds import Bounds
@@ -10,13 +7,14 @@ from pipeline.certify.endpoints import TOLERANCE as END_TOLERANCE
 from pipeline.certify.recheck import KappaProfile
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, table_cells
 from pipeline.config import Config
-from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.proof import boxes_of
 from pipeline.limits import CertificateKey, Side, certificate_keys, proven_limits
 from pipeline.machine.actuator_space import mode_words
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.measure import PathSamples
-from pipeline.report.data import Proof, Table
+from pipeline.report.data import Picture, Proof, Table
+from pipeline.report.pictures import workspace_picture
+from pipeline.report.wording import greek, true_minus
 from pipeline.route.metric import arc_length, step_sizes
 from pipeline.summary.section import SKIPPED, Section
 from pipeline.workspace.table import TABLE_HEADER as WORKSPACE_HEADER
@@ -31,7 +29,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def comparison_table(rows: list[ComparisonRow]) -> Table:
     """Tabulate coarse against refined, naming the better one."""
-    cells = tuple((row[0], _unit(row[1]), *(cell.replace("-", "−") for cell in row[2:])) for row in table_cells(rows))
+    cells = tuple((greek(row[0]), _unit(row[1]), *(true_minus(cell) for cell in row[2:])) for row in table_cells(rows))
     return Table(TABLE_HEADER, cells, words=(0, 1, 6))
 
 
@@ -46,12 +44,12 @@ def quality_table(path: Section, motion: Section) -> Table:
     rows.append(("all", *(str(total) for total in totals), f"{max(motion[keys[2]]):.2f}"))
     note = f"At full speed the motion takes {motion['motion_s']:.2f} s"
     if motion["time_ratio"] is not None:
-        note += f", {motion['time_ratio']:.2f} times the least time of the slowest actuator alone, whatever the path"
-    note += f"; it is {path['actuator_length_m']:.2f} m long in actuator space"
+        note += f", {motion['time_ratio']:.2f} times the minimum time of the slowest actuator moving alone"
+    note += f". Its path is {path['actuator_length_m']:.2f} m long in actuator space"
     if path["length_ratio"] is not None:
         note += f", {path['length_ratio']:.2f} times the straight line"
-    header = ("actuator", "sign changes of velocity", "of acceleration", "least time, s")
-    return Table(header, tuple(rows), words=(0,), note=f"{note}. Values below 5 % of a limit have no sign.")
+    header = ("actuator", "sign changes of velocity", "of acceleration", "minimum time, s")
+    return Table(header, tuple(rows), words=(0,), note=f"{note}. Values below 5 % of a limit count as zero.")
 
 
 def drives_table(section: Section) -> Table:
@@ -61,24 +59,26 @@ def drives_table(section: Section) -> Table:
     for k, name in enumerate(ACTUATORS):
         felt = ("−", "−") if masses == SKIPPED else (f"{masses[name][side]:.1f}" for side in ("least", "largest"))
         rows.append((name, *felt, *(f"{gains[unit]['by_drive'][k]:.2f}" for unit in ("mm_per_mm", "mrad_per_mm"))))
-    header = ("drive", "reflected mass, least, kg", "largest, kg", "TCP, mm per mm", "mrad per mm")
+    header = ("drive", "smallest reflected mass, kg", "largest, kg", "TCP, mm per mm", "mrad per mm")
     return Table(header, tuple(rows), words=(0,), note=_drives_note(section))
 
 
 def _drives_note(section: Section) -> str:
     if section["reflected_mass_kg"] == SKIPPED:
-        return "No masses are given, so that masses, stiffness and damping are not known."
+        return "No masses are given: reflected mass, stiffness and damping are unknown."
 
     def at(key: str, unit: str, words: str) -> str:
         found = section[key]
-        value = f"{found['value']:.0f}".replace("-", "−")
-        return f"{words} {value} {unit} at {found['t_s']:.2f} s along {mode_words(np.array(found['along']))}"
+        value = true_minus(f"{found['value']:,.0f}")
+        return f"{words} {value} {unit}, at {found['t_s']:.2f} s along {mode_words(np.array(found['along']))}."
 
-    return (
-        f"{at('reflected_mass_worst_kg', 'kg', 'In the worst direction drives move')}; "
-        f"{at('stiffness_least_npm', 'N/m', 'gravity gives them a stiffness of at least')}, "
-        f"{at('damping_least_nspm', 'Ns/m', 'motion a damping of at least')}. "
-        "Negative ones the drives have to exceed for the machine to be stable."
+    return " ".join(
+        (
+            at("reflected_mass_worst_kg", "kg", "The largest reflected mass in any direction is"),
+            at("stiffness_least_npm", "N/m", "The smallest stiffness due to gravity is"),
+            at("damping_least_nspm", "Ns/m", "The smallest damping due to the motion is"),
+            "For a stable machine the drives have to be stiffer and better damped than negative values ask for.",
+        )
     )
 
 
@@ -86,20 +86,19 @@ def _unit(text: str) -> str:
     return text.replace("^2", "²").replace("^3", "³")
 
 
-def workspace_part(machine: Machine) -> tuple[Table, str]:
-    """Tabulate the usable workspace of all working modes without tilt, and draw it (a PNG in base64)."""
+def workspace_part(machine: Machine) -> tuple[Table, Picture]:
+    """Tabulate the usable workspace of all working modes without tilt, and draw it."""
     setting = WorkspaceSetting(step_m=step_for(machine, _WORKSPACE_STEP_M, _WORKSPACE_CELLS))
     fine, coarse = at_two_steps(machine, setting)
-    rows = workspace_rows(fine, coarse)
     table = Table(
         header=tuple(_unit(heading) for heading in WORKSPACE_HEADER),
-        rows=tuple((row[0], *(cell.replace("-", "−") for cell in row[1:])) for row in workspace_cells(rows)),
+        rows=tuple(
+            (row[0], *(true_minus(cell) for cell in row[1:])) for row in workspace_cells(workspace_rows(fine, coarse))
+        ),
         words=(0,),
-        note=setting_text(machine, setting),
+        note=f"At {greek(setting_text(machine, setting).replace(' deg', '°'))}.",
     )
-    picture = io.BytesIO()
-    workspace_volume_figure(machine, fine).savefig(picture, format="png")
-    return table, base64.b64encode(picture.getvalue()).decode()
+    return table, workspace_picture(machine, fine)
 
 
 def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
@@ -139,11 +138,11 @@ def _bound_rows(config: Config, machine: Machine, bounds: Bounds, key: Certifica
 def _bound_texts(key: CertificateKey, proven: list[float], allowed: tuple[float, float]) -> tuple[str, str]:
     """State what is proven and what is allowed."""
     if key.side is Side.SIGN:
-        return f"{proven[0]:+.0f} everywhere".replace("-", "−"), "never changes"
+        return true_minus(f"{proven[0]:+.0f} everywhere"), "never changes"
     unit = f" {key.unit}" if key.unit.isalpha() else key.unit
     form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}"}.get(key.side, "at least {0}")
     texts = ([format(value, spec) for value in pair] for pair, spec in ((proven, f".{key.decimals}f"), (allowed, "g")))
-    one, other = (form.format(*pair) + unit for pair in texts)
+    one, other = (true_minus(form.format(*pair)) + unit for pair in texts)
     return one, "not limited" if np.isinf(allowed).all() else other
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pipeline.report.data import Mood, StageRow, UsedLimit, Verdict
+from pipeline.report.wording import greek, per_cent, sentence
 from pipeline.retime.quantities import quantity_named
 from pipeline.stage import Stage
 from pipeline.status import Status
@@ -14,6 +15,8 @@ from pipeline.summary.section import failed_part
 CERTIFIED, SKIPPED = "certified", "skipped"
 _ROUNDING = 1e-6
 _NOT_RUN = "not run"
+_FINDING = "- "
+"""Begins a line of the reasons why there is no route that says what a change would do."""
 _SHOWN = tuple(stage for stage in Stage if stage is not Stage.FIGURES)
 """The stages in the report, which is itself part of the last one."""
 
@@ -41,16 +44,16 @@ def headline(facts: Facts) -> Verdict:
         if stage in facts and facts[stage].failed:
             if stage is Stage.CERTIFY:
                 return Verdict(topic, "Not certified", "The proof failed: do not drive this path.", "bad")
-            return Verdict(topic, f"Failed at {stage}", _sentence(facts[stage].section.get("reason", "")), "bad")
+            return Verdict(topic, f"Failed at {stage}", sentence(facts[stage].section.get("reason", "")), "bad")
     missing = [stage for stage in _SHOWN if stage not in facts]
     if missing:
         return Verdict(
-            topic, "Not complete", f"{missing[0].capitalize()} and the stages after it have not been run.", "open"
+            topic, "Not complete", f"{missing[0].capitalize()} and the stages after it have not run.", "open"
         )
     if (part := _failed_part(facts)) is not None:
-        return Verdict(topic, "Done in part", _sentence(part["reason"]), "bad")
+        return Verdict(topic, "Done in part", sentence(part["reason"]), "bad")
     if _verdict(facts) != CERTIFIED:
-        return Verdict(topic, "Not certified", "Checked at dense samples, but no proof was requested.", "open")
+        return Verdict(topic, "Not certified", "Checked at dense samples only: no proof was requested.", "open")
     return Verdict(topic, "Certified", "One motion, proven free of singularities and within every limit.", "good")
 
 
@@ -85,11 +88,6 @@ def used_limits(section: Mapping[str, Any]) -> tuple[UsedLimit, ...]:
     return tuple(used)
 
 
-def _sentence(text: str) -> str:
-    """Capitalise the first letter, and end with a full stop."""
-    return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
-
-
 def _numbers(parts: Sequence[float | None]) -> list[float]:
     """Convert fractions to numbers; a subject without a limit uses none of it."""
     return [0.0 if part is None else float(part) for part in parts]
@@ -101,12 +99,16 @@ def _stage_row(stage: Stage, facts: StageFacts | None) -> StageRow:
     section = facts.section
     if facts.failed:
         reason, advice = str(section.get("reason", "")), str(section.get("advice", ""))
-        return StageRow(stage, "failed", "bad", reason, advice, tuple(section.get("why_not", ())))
+        lines = [str(line) for line in section.get("why_not", ())]
+        remarks = tuple(line for line in lines if not line.startswith(_FINDING))
+        findings = tuple(line.removeprefix(_FINDING) for line in lines if line.startswith(_FINDING))
+        return StageRow(stage, "failed", "bad", sentence(reason), advice, remarks, findings)
     status = str(section["status"])
     if (part := failed_part(section)) is not None:
-        return StageRow(stage, status, "bad", f"{facts.words}: {part['reason']}", part["advice"])
+        words = f"{greek(facts.words)}. {sentence(part['reason'])}"
+        return StageRow(stage, status, "bad", words, str(part["advice"]))
     mood: Mood = "open" if status == SKIPPED else "good"
-    return StageRow(stage, status, mood, facts.words)
+    return StageRow(stage, status, mood, greek(facts.words))
 
 
 def _failed_part(facts: Facts) -> Mapping[str, Any] | None:
@@ -123,7 +125,7 @@ def _run(facts: Facts) -> Verdict:
     if failed:
         return Verdict("Run", "Exit code 1", f"No result of {failed[0]}; earlier results are kept.", "bad")
     if _failed_part(facts) is not None:
-        return Verdict("Run", "Exit code 1", "A part of a result is missing; all else is there.", "bad")
+        return Verdict("Run", "Exit code 1", "The way back failed; everything else is complete.", "bad")
     missing = [stage for stage in _SHOWN if stage not in facts]
     if missing:
         return Verdict("Run", "Not complete", f"Next is {missing[0]}.", "open")
@@ -142,8 +144,8 @@ def _certificate(section: Mapping[str, Any]) -> Verdict:
 def _route(section: Mapping[str, Any]) -> Verdict:
     quantity = route_quantity(section)
     detail = (
-        f"Gap {_per_cent(section['gap'], 2)}; {section['steps']} positions, {section['mode_changes']} changes of "
-        f"working mode, {quantity.name.replace('kappa', 'κ')} {quantity.shown(section['objective'])}."
+        f"Gap {per_cent(section['gap'], 2)}; {section['steps']} positions, {section['mode_changes']} changes of "
+        f"working mode, {greek(quantity.name)} {quantity.shown(section['objective'])}."
     )
     mood: Mood = "good" if section["status"] == Status.OPTIMAL else "open"
     return Verdict("Route", str(section["status"]).capitalize(), detail, mood)
@@ -151,25 +153,21 @@ def _route(section: Mapping[str, Any]) -> Verdict:
 
 def _path(section: Mapping[str, Any]) -> Verdict:
     coarse, refined = section["coarse_kappa_integral"], section["kappa_integral"]
-    change = _per_cent(refined / coarse - 1.0, 1, sign="+")
+    change = per_cent(refined / coarse - 1.0, 1, sign="+")
     detail = f"Integral of κ {refined:.1f} instead of {coarse:.1f}; largest κ {section['kappa_max']:.1f}."
     return Verdict("Path", change, detail, "good" if refined <= coarse else "open")
 
 
 def _clearance(section: Mapping[str, Any]) -> Verdict:
-    detail = f"Least distance between axes of links; largest tilt {section['max_tilt_deg']:.1f}°."
+    detail = f"Smallest distance between link axes; largest tilt {section['max_tilt_deg']:.1f}°."
     return Verdict("Clearance", f"{1e3 * section['min_link_distance_m']:.1f} mm", detail, "good")
 
 
-def _per_cent(part: float, decimals: int, sign: str = "") -> str:
-    return f"{100.0 * part:{sign}.{decimals}f} %".replace("-", "−")
-
-
 def _duration(section: Mapping[str, Any]) -> Verdict:
-    detail = f"{section['samples']:,} rows, {1e3 * section['period_s']:g} ms apart."
+    detail = f"{section['samples']:,} rows, one every {1e3 * section['period_s']:g} ms."
     if "gap" in section:
-        gap, cost = _per_cent(section["gap"], 2), _per_cent(section["jerk_cost"], 1)
-        detail += f" Gap to the lower bound {gap} without jerk limits, which cost {cost}."
+        gap, cost = per_cent(section["gap"], 2), per_cent(section["jerk_cost"], 1)
+        detail += f" Within {gap} of the lower bound without jerk limits; these add {cost}."
     return Verdict("Duration", f"{section['duration_s']:.2f} s", detail, "good")
 
 
@@ -179,8 +177,8 @@ def _limits(section: Mapping[str, Any]) -> Verdict:
         return Verdict("Limits", "None", "Nothing in motion has a limit.", "open")
     most = max(used, key=lambda one: one.part)
     kept = most.part <= 1.0 + _ROUNDING
-    where = "On the way there, most" if failed_part(section) else "Most"
-    detail = f"{where} used: {most.kind} of {most.subject}, {_per_cent(most.part, 1)}."
+    where = "Closest on the way there" if failed_part(section) else "Closest"
+    detail = f"{where}: {most.kind} of {most.subject}, at {per_cent(most.part, 1)} of its limit."
     return Verdict("Limits", "Kept" if kept else "Exceeded", detail, "good" if kept else "bad")
 
 
@@ -190,8 +188,8 @@ def _tolerances(section: Mapping[str, Any]) -> Verdict:
         return Verdict(
             "Calibration",
             "Not searched",
-            "certify --tolerance finds the geometric errors that the proof allows.",
+            "certify --tolerance finds the geometric errors that the proof tolerates.",
             "open",
         )
-    detail = f"Proven for link lengths off by this much, or every coordinate off by ±{1e3 * coordinates:.3f} mm."
+    detail = f"Also proven if link lengths are off by this much, or every coordinate by ±{1e3 * coordinates:.3f} mm."
     return Verdict("Calibration", f"±{1e3 * lengths:.2f} mm", detail, "good")

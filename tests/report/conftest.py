@@ -1,7 +1,9 @@
 """Results of a short run, as the report is given them, and the page that becomes of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +16,8 @@ from pipeline.machine import Machine
 from pipeline.machine.geometry import ACTUATORS
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
+from pipeline.report.coarse import drive_coarse
+from pipeline.report.tables import workspace_part
 from pipeline.retime import measure_drives, measure_quality, measure_trajectory, sample_trajectory
 from pipeline.route.metric import step_sizes
 from pipeline.stage import Stage
@@ -24,6 +28,8 @@ from pipeline.summary.regions import regions_section
 from pipeline.summary.route import route_section
 from pipeline.summary.trajectory import quality_part, trajectory_section
 from pipeline.summary.versions import versions
+from tests.report.browser import ARGUMENTS, find_browser
+from tests.report.opened import DESKTOP, Opened
 from tests.run.short_results import make_certificate, make_refinement, make_regions, make_route, make_trajectory
 
 
@@ -70,11 +76,14 @@ def complete(config: Config, machine: Machine) -> RunResults:
         machine=machine,
         facts=facts_of(config, sections),
         versions=versions(),
+        route=make_route(machine),
         refinement=refinement,
         samples=(coarse, refined),
         bounds=certificate.bounds,
         profile=KappaProfile(np.array([0.0, 0.5, 1.0]), np.array([30.0, 31.0])),
         trajectory=trajectory,
+        coarse=drive_coarse(config, refinement.coarse),
+        workspace=workspace_part(machine),
     )
 
 
@@ -91,13 +100,42 @@ def page(report: Report) -> str:
 
 
 @pytest.fixture(scope="session")
+def file(page: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Write the page of the whole run."""
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Start the browser."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="session")
+def desk(browser: Any, file: Path) -> Iterator[Opened]:
+    """Open the page of the whole run on a desktop."""
+    opened = Opened(browser, file, DESKTOP)
+    yield opened
+    opened.page.close()
+
+
+@pytest.fixture(scope="session")
 def failed_at() -> Callable[[RunResults, Stage], RunResults]:
     """Give tests a run that failed at a stage, and so has nothing of it or of what follows."""
 
     def fail(run: RunResults, stage: Stage) -> RunResults:
         section = {"status": "failed", "reason": "the <reason> & more", "advice": "change <this>"}
         before = {name: facts for name, facts in run.facts.items() if name in stage.earlier}
-        nothing = replace(run, refinement=None, samples=None, bounds=None, profile=None, trajectory=None)
+        nothing = replace(run, route=None, refinement=None, samples=None, bounds=None, profile=None, trajectory=None)
+        if stage in Stage.ROUTE.later:
+            nothing = replace(nothing, route=run.route)
         if stage in (Stage.CERTIFY, Stage.RETIME):
             nothing = replace(nothing, refinement=run.refinement, samples=run.samples)
         if stage is Stage.RETIME:

@@ -1,28 +1,25 @@
 """The page in a real browser: it draws, moves, answers mouse and keys, fits a phone, and loads nothing else."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from pipeline.report import Report, RunResults, build_report, render_page
+from pipeline.report.palette import LIGHT
 from pipeline.stage import Stage
-from tests.report.browser import ARGUMENTS, find_browser, why_none
+from tests.report.browser import why_none
+from tests.report.opened import DESKTOP, PHONE, Opened
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(bool(why_none()), reason=why_none() or "-"),
 ]
 
-DESKTOP = {"width": 1280, "height": 900}
-PHONE = {"width": 390, "height": 844}
 FIXED_LINKS, TELESCOPES, PLATFORM, CARTS = 3, 4, 5, 7
-TRACE = "k => { const t = document.getElementById('machine').data[k]; return [t.x, t.y, t.z].map(a => Array.from(a)); }"
 FRAME = "() => Number(document.getElementById('time').value)"
 CURSOR = "() => document.getElementById('cursor').getBoundingClientRect().x"
 POINT = "() => { const b = document.getElementById('point').getBoundingClientRect(); return [b.x, b.y]; }"
@@ -33,13 +30,6 @@ AXIS = """
 }
 """
 LONGEST = "() => document.getElementById('timeline').layout.xaxis.range[1]"
-DRAWN = "() => { const s = document.getElementById('time'); return s.dataset.drawn === s.value; }"
-SCROLL = """
-([selector, down]) => {
-  const box = document.querySelector(selector).getBoundingClientRect();
-  scrollTo({ top: scrollY + box.top + down * box.height - innerHeight / 2, behavior: 'instant' });
-}
-"""
 OVERLAPS = """
 () => {
   const boxes = [...document.querySelectorAll('main > section > *, .stage > *, .verdicts > li, header > *')]
@@ -52,79 +42,6 @@ OVERLAPS = """
   return found;
 }
 """
-
-
-@pytest.fixture(scope="module")
-def file(page: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Write the page of the whole run."""
-    path = tmp_path_factory.mktemp("report") / "report.html"
-    path.write_text(page, encoding="utf-8")
-    return path
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    """Start the browser."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
-        yield started
-        started.close()
-
-
-class Opened:
-    """The page as it was opened, with what it complained of and asked for."""
-
-    def __init__(self, browser: Any, file: Path, viewport: dict[str, int], touch: bool = False) -> None:
-        self.complaints: list[str] = []
-        self.requests: list[str] = []
-        self.page = browser.new_page(viewport=viewport, has_touch=touch, is_mobile=touch)
-        self.page.on("console", lambda message: message.type == "error" and self.complaints.append(message.text))
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(file.as_uri())
-        self.page.wait_for_selector("body[data-ready]", timeout=60_000)
-
-    def go_to(self, frame: int) -> None:
-        """Scrub to a frame, and wait until it is drawn."""
-        self.page.evaluate(
-            "f => { const s = document.getElementById('time'); s.value = f; s.dispatchEvent(new Event('input')); }",
-            frame,
-        )
-        self.settle()
-
-    def settle(self) -> None:
-        """Wait until what was wanted last is drawn."""
-        self.page.wait_for_function(DRAWN, timeout=30_000)
-        self.page.wait_for_timeout(100)
-
-    def place(self, selector: str, across: float, down: float) -> tuple[float, float]:
-        """Scroll to a place of an element, given in parts of its size; return where in the window it is."""
-        self.page.evaluate(SCROLL, [selector, down])
-        box = self.page.locator(selector).bounding_box()
-        return box["x"] + across * box["width"], box["y"] + down * box["height"]
-
-    def point_at(self, x: float, y: float) -> None:
-        """Move the mouse to a place, and a little before."""
-        self.page.mouse.move(x - 9, y)
-        self.page.mouse.move(x, y)
-
-    def trace(self, number: int) -> np.ndarray:
-        """Give x, y, z of a trace of the machine; gaps between lines are NaN."""
-        return np.array(self.page.evaluate(TRACE, number), dtype=float)
-
-    def picture(self, selector: str) -> np.ndarray:
-        """Take a picture of an element. Shape (height, width, 3)."""
-        return np.asarray(Image.open(BytesIO(self.page.locator(selector).screenshot())).convert("RGB")).astype(int)
-
-
-@pytest.fixture(scope="module")
-def desk(browser: Any, file: Path) -> Iterator[Opened]:
-    """Open the page on a desktop."""
-    opened = Opened(browser, file, DESKTOP)
-    yield opened
-    opened.page.close()
 
 
 @pytest.fixture(autouse=True)
@@ -141,7 +58,7 @@ def at_start(request: pytest.FixtureRequest) -> None:
 
 def test_it_loads_quietly(desk: Opened, record_property: Any) -> None:
     """There is no error on the console, and the only thing asked for is the file; the first paint is told."""
-    assert desk.complaints == []
+    assert desk.complaints() == []
     assert [url for url in desk.requests if not url.startswith(("data:", "blob:"))] == [desk.page.url]
     paints = desk.page.evaluate("() => performance.getEntriesByType('paint').map(e => [e.name, e.startTime])")
     first = dict(paints)["first-contentful-paint"]
@@ -236,7 +153,8 @@ def test_a_click_into_a_plot_goes_there(desk: Opened) -> None:
 
 
 def test_keys(desk: Opened) -> None:
-    """Space plays and pauses, arrows step, Home and End go to the ends, digits choose a view, C the path."""
+    """Within the motion Space plays, arrows step, Home and End go to the ends, digits choose a view, C the path."""
+    desk.page.locator("#motion").focus()
     keyboard, last = desk.page.keyboard, int(desk.page.locator("#time").get_attribute("max"))
     steps = (
         ("ArrowRight", 1),
@@ -250,7 +168,7 @@ def test_keys(desk: Opened) -> None:
         keyboard.press(key)
         assert desk.page.evaluate(FRAME) == frame, key
     desk.page.locator("#speed").select_option("0.1")
-    desk.page.evaluate("document.activeElement.blur()")
+    desk.page.locator("#motion").focus()
     keyboard.press("Space")
     assert desk.page.locator("#play").inner_text() == "Pause"
     keyboard.press("Space")
@@ -313,12 +231,12 @@ def test_two_pictures_of_the_machine(desk: Opened) -> None:
     last = desk.picture("#machine")
     assert first.shape == last.shape
     for picture in (first, last):
-        for colour in ("#0072B2", "#009E73", "#56B4E9", "#7F7F7F"):
+        for colour in (LIGHT.first, LIGHT.second, LIGHT.third, LIGHT.rail):
             assert near(picture, colour).sum() > 20, colour
     changed = np.abs(first - last).max(axis=2) > 30
     assert 0.0005 < changed.mean() < 0.2
     # Nothing touches the rim: the whole machine is in the picture.
-    links = near(first, "#0072B2") | near(last, "#0072B2")
+    links = near(first, LIGHT.first) | near(last, LIGHT.first)
     assert not links[:3].any()
     assert not links[-3:].any()
     assert not links[:, :3].any()
@@ -345,7 +263,7 @@ def test_on_a_phone(browser: Any, file: Path) -> None:
         assert box["x"] + box["width"] <= PHONE["width"]
     phone.page.locator("#play").tap()
     phone.page.wait_for_function("() => Number(document.getElementById('time').value) > 2")
-    assert phone.complaints == []
+    assert phone.complaints() == []
     phone.page.close()
 
 
@@ -359,7 +277,7 @@ def test_a_proof_without_motion(
     file = tmp_path / "failed.html"
     file.write_text(render_page(build_report(failed_at(complete, Stage.RETIME))), encoding="utf-8")
     opened = Opened(browser, file, DESKTOP)
-    assert opened.complaints == []
+    assert opened.complaints() == []
     assert opened.picture("#proof").std() > 5.0
     opened.page.close()
 
@@ -370,8 +288,9 @@ def test_without_a_coarse_motion(browser: Any, report: Report, tmp_path: Path) -
     file.write_text(render_page(replace(report, motions=report.motions[:1])), encoding="utf-8")
     opened = Opened(browser, file, DESKTOP)
     assert opened.page.locator("#paths input").count() == 1
+    opened.page.locator("#motion").focus()
     opened.page.keyboard.press("c")
     opened.page.keyboard.press("End")
     opened.settle()
-    assert opened.complaints == []
+    assert opened.complaints() == []
     opened.page.close()

@@ -187,7 +187,7 @@ class TestTables:
         def refuse(*_: object) -> Trajectory:
             raise NoSolutionError("retime", "too heavy", "less load")
 
-        report = build_report(complete, refuse)
+        report = build_report(replace(complete, coarse=None), refuse)
         assert [motion.name for motion in report.motions] == ["refined"]
         assert report.motion_note == "The coarse path is not shown in motion: too heavy."
         assert report.comparison is not None
@@ -198,14 +198,14 @@ class TestTables:
         assert report.quality is not None
         assert [row[0] for row in report.quality.rows] == [*ACTUATORS, "all"]
         assert report.quality.rows[-1][2] == str(sum(int(row[2]) for row in report.quality.rows[:-1]))
-        assert "times the least time of the slowest actuator alone" in report.quality.note
+        assert "times the minimum time of the slowest actuator moving alone" in report.quality.note
 
     def test_every_drive_has_its_masses_and_amplification(self, report: Report, complete: RunResults) -> None:
         """A row per drive, and the extremes of all with place and direction; without masses these are left out."""
         assert report.drives is not None
         assert [row[0] for row in report.drives.rows] == list(ACTUATORS)
         assert all(float(row[1]) <= float(row[2]) for row in report.drives.rows)
-        assert "gravity gives them a stiffness of at least −" in report.drives.note
+        assert "stiffness due to gravity is −" in report.drives.note
         section = complete.facts[Stage.RETIME].section["drives"]
         bare = drives_table({**section, "reflected_mass_kg": "skipped"})
         assert [row[1:3] for row in bare.rows] == [("−", "−")] * 5

@@ -1,6 +1,10 @@
 """The page: one file that loads nothing, is not too large, escapes what it is given, and shows what failed."""
 
 import base64
+import gzip
+import hashlib
+import html
+import itertools
 import json
 import re
 import tomllib
@@ -10,11 +14,12 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from plotly.offline import get_plotlyjs
 
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
 from pipeline.stage import Stage
 
-_OURS = ('{"colours"', "/**\n* plotly.js", '\n"use strict";')
+_POLICY = ("default-src 'none'", "img-src data: blob:", "base-uri 'none'", "form-action 'none'")
 ROOT = Path(__file__).parents[2]
 _VOID = {"meta", "link", "input", "br", "img", "hr"}
 
@@ -73,10 +78,44 @@ def test_nothing_is_loaded(outline: Outline, page: str) -> None:
     styles = "".join(outline.texts["style"])
     assert "url(" not in styles
     assert "@import" not in styles
-    policy = next(attributes["content"] for tag, attributes in outline.tags if attributes.get("http-equiv"))
+    assert set(_POLICY) <= set(policy_of(outline))
+
+
+def policy_of(outline: Outline) -> list[str]:
+    """Give the directives of the policy that the page states."""
+    (policy,) = (attributes["content"] for _, attributes in outline.tags if attributes.get("http-equiv"))
     assert policy is not None
-    assert policy.startswith("default-src 'none'")
-    assert "http" not in policy
+    return policy.split("; ")
+
+
+def test_only_the_scripts_and_styles_of_the_page_may_run(outline: Outline, page: str) -> None:
+    """The policy names them by their hashes, and nothing unsafe; there is no code or style in any attribute."""
+    script, library = _scripts(outline)[2], get_plotlyjs()
+    (style,) = outline.texts["style"]
+    allowed = dict(directive.split(" ", 1) for directive in policy_of(outline))
+    assert allowed["script-src"].split() == [_hash(script), _hash(library)]
+    assert allowed["style-src"].split() == [_hash(style), _hash("")]
+    assert len(allowed) == 6
+    assert outline.attributes("style") == []
+    assert not any(name.startswith("on") for _, attributes in outline.tags for name in attributes)
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _scripts(outline: Outline) -> list[str]:
+    """Give the numbers and the library, both packed, and the script of the page."""
+    assert [attributes.get("type") for tag, attributes in outline.tags if tag == "script"] == [
+        "application/gzip",
+        "application/gzip",
+        None,
+    ]
+    return outline.texts["script"]
+
+
+def _unpacked(text: str) -> str:
+    return gzip.decompress(base64.b64decode(text, validate=True)).decode()
 
 
 def test_installed_packages_have_the_assets() -> None:
@@ -89,12 +128,15 @@ def test_installed_packages_have_the_assets() -> None:
     assert len(assets) > 2
 
 
-def test_size(page: str) -> None:
-    """The page is less than ten megabytes, and without the drawing library less than two."""
-    from plotly.offline import get_plotlyjs
+def test_size(page: str, outline: Outline) -> None:
+    """The page is less than four megabytes, and without the drawing library less than one and a half."""
+    assert len(page.encode()) < 4e6
+    assert len(page.encode()) - len(_scripts(outline)[1]) < 1.5e6
 
-    assert len(page.encode()) < 10e6
-    assert len(page.encode()) - len(get_plotlyjs().encode()) < 2e6
+
+def test_the_library_is_complete(outline: Outline) -> None:
+    """What is unpacked in the browser is the drawing library, to the letter."""
+    assert _unpacked(_scripts(outline)[1]) == get_plotlyjs()
 
 
 def test_the_summary_stands_before_all_scripts(page: str) -> None:
@@ -103,17 +145,15 @@ def test_the_summary_stands_before_all_scripts(page: str) -> None:
     assert page.index("Usable workspace") < page.index("<script")
 
 
-def test_the_numbers_are_strict_json(page: str) -> None:
+def test_the_numbers_are_strict_json(outline: Outline) -> None:
     """The numbers are there as JSON without NaN, the refined motion first."""
-    found = re.search(r'<script type="application/json" id="report-data">(.*?)</script>', page, re.DOTALL)
-    assert found is not None
 
     def refuse(name: str) -> None:
         raise AssertionError(f"{name} is no JSON")
 
-    data = json.loads(found[1], parse_constant=refuse)
+    data = json.loads(_unpacked(_scripts(outline)[0]), parse_constant=refuse)
     assert list(data["motions"]) == ["refined", "coarse"]
-    assert set(data) == {"colours", "names", "scene", "motions", "proof"}
+    assert set(data) == {"themes", "mapColours", "names", "scene", "motions", "proof"}
 
 
 def test_the_same_report_makes_the_same_page(report: Report, page: str) -> None:
@@ -137,9 +177,9 @@ def test_text_of_the_user_stays_text(complete: RunResults) -> None:
     written = render_page(build_report(run))
     outline = Outline(written)
     assert outline.open == []
-    assert [attributes.get("class") for tag, attributes in outline.tags if tag == "img"] == ["picture"]
+    assert {attributes.get("class") for tag, attributes in outline.tags if tag == "img"} == {"picture"}
     assert not any(name.startswith("on") for _, attributes in outline.tags for name in attributes)
-    assert all(text.startswith(_OURS) for text in outline.texts["script"])
+    assert _scripts(outline)[2].startswith('"use strict";')
     assert evil in "".join(outline.texts["h1"])
     assert "49" not in "".join(outline.texts["h1"])
 
@@ -193,7 +233,8 @@ def test_a_run_that_was_not_begun_has_a_page(complete: RunResults) -> None:
     assert report.headline.answer == "Not complete"
     assert "<script" not in render_page(report)
     assert report.workspace is not None
-    assert base64.b64decode(report.workspace_picture).startswith(b"\x89PNG")
+    assert report.workspace_picture is not None
+    assert base64.b64decode(report.workspace_picture.png).startswith(b"\x89PNG")
 
 
 def test_a_missing_part_is_no_success(complete: RunResults) -> None:
@@ -206,15 +247,58 @@ def test_a_missing_part_is_no_success(complete: RunResults) -> None:
     assert (report.verdicts[0].answer, report.verdicts[0].mood) == ("Exit code 1", "bad")
     row = next(row for row in report.stages if row.name == Stage.RETIME)
     assert (row.status, row.mood, row.advice) == ("done in part", "bad", "a stronger one")
-    assert "on the way back, c2 is &lt;too&gt; weak" in render_page(report)
+    assert "On the way back, c2 is &lt;too&gt; weak" in render_page(report)
     assert len(report.motions) == 2
 
 
 def test_what_prevents_a_route_is_listed(
     complete: RunResults, failed_at: Callable[[RunResults, Stage], RunResults]
 ) -> None:
-    """The page of a run without a route has all that was found out about it."""
+    """The page of a run without a route has all that was found out about it, and the picture of what can be reached."""
     run = failed_at(complete, Stage.ROUTE)
-    found = {**run.facts[Stage.ROUTE].section, "why_not": ["Reach: little", "- more <steps>: a route exists"]}
-    page = render_page(build_report(replace(run, facts={**run.facts, Stage.ROUTE: StageFacts(True, found)})))
-    assert "<li>Reach: little</li><li>- more &lt;steps&gt;: a route exists</li>" in page
+    lines = ["Reach: 3 of <9>", "One change at a time:", "- more <steps>: a route exists", "- less: no route"]
+    found = {**run.facts[Stage.ROUTE].section, "why_not": lines}
+    facts = {**run.facts, Stage.ROUTE: StageFacts(True, found)}
+    page = render_page(build_report(replace(run, facts=facts, reach=b"a picture")))
+    assert "Reach: 3 of &lt;9&gt;" in page
+    assert "<li>more &lt;steps&gt;: a route exists</li><li>less: no route</li>" in page
+    (picture, _) = (attributes for tag, attributes in Outline(page).tags if tag == "img")
+    assert picture["src"] == f"data:image/png;base64,{base64.b64encode(b'a picture').decode()}"
+    assert "Reach: 3 of <9>" in str(picture["alt"])
+
+
+@pytest.mark.parametrize("stage", [Stage.REFINE, Stage.RETIME])
+def test_a_route_without_a_motion_is_shown(
+    complete: RunResults, failed_at: Callable[[RunResults, Stage], RunResults], stage: Stage
+) -> None:
+    """A run that failed after its route shows the route, as a picture and as a table of its steps."""
+    report = build_report(failed_at(complete, stage))
+    assert report.route is not None
+    assert report.route.picture is not None
+    assert base64.b64decode(report.route.picture.png).startswith(b"\x89PNG")
+    assert "LLL from step 0" in report.route.picture.alt
+    assert complete.route is not None
+    assert len(report.route.table.rows) == len(complete.route)
+    assert [float(row[-1]) for row in report.route.table.rows] == pytest.approx(complete.route.kappa, abs=0.05)
+    assert report.route.picture.alt in html.unescape(render_page(report))
+
+
+def test_a_motion_needs_no_picture_of_the_route(report: Report) -> None:
+    """Where there is a motion, of the route there is the table alone."""
+    assert report.route is not None
+    assert report.route.picture is None
+
+
+def test_headings_tables_and_pictures_can_be_read_aloud(outline: Outline) -> None:
+    """Headings skip no level, tables have captions and scopes, pictures and plots are described in numbers."""
+    levels = [int(tag[1]) for tag, _ in outline.tags if tag in ("h1", "h2", "h3")]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+    tags = [tag for tag, _ in outline.tags]
+    assert tags.count("caption") == tags.count("table") > 5
+    assert all(attributes.get("scope") in ("col", "row") for tag, attributes in outline.tags if tag == "th")
+    described = [attributes.get("alt") for tag, attributes in outline.tags if tag == "img"]
+    described += [attributes["aria-label"] for _, attributes in outline.tags if attributes.get("role") == "img"]
+    assert len(described) == 5
+    assert all(text is not None and len(re.findall(r"\d+\.\d", text)) >= 2 for text in described)

@@ -40,10 +40,24 @@ function unpackMotion(name, motion) {
   return { name, t, kappa, ...unpacked, maps: unpackMaps(motion.maps) };
 }
 
-function readReport() {
-  const report = JSON.parse(document.getElementById("report-data").textContent);
+/** The numbers, with the colours of the theme that is on, whichever that is when they are asked for. */
+async function readReport() {
+  const report = JSON.parse(await unpackText("report-data"));
   const motions = Object.entries(report.motions).map(([name, motion]) => [name, unpackMotion(name, motion)]);
-  return { ...report, motions: Object.fromEntries(motions) };
+  return {
+    ...report,
+    motions: Object.fromEntries(motions),
+    get colours() {
+      return { ...report.mapColours, ...report.themes[theme()] };
+    },
+  };
+}
+
+const DARK = matchMedia("(prefers-color-scheme: dark)");
+let printing = false;
+
+function theme() {
+  return DARK.matches && !printing ? "dark" : "light";
 }
 
 /** Place of the value in an ascending array that is nearest to `wanted`. */
@@ -58,11 +72,17 @@ function nearest(ascending, wanted) {
 }
 
 const DEGREES = 180 / Math.PI;
-const FONT = {
-  family: 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif',
-  size: 12,
-  color: "#1b1f24",
-};
+/** What all plots have in common: text, labels of values, and no frame of their own. */
+function commonLayout({ text, line, ground }) {
+  const family = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+  const font = { family, size: 12, color: text };
+  return {
+    font,
+    hoverlabel: { font, bgcolor: ground, bordercolor: line },
+    paper_bgcolor: "rgba(0,0,0,0)",
+    plot_bgcolor: "rgba(0,0,0,0)",
+  };
+}
 const CALM = { displaylogo: false, displayModeBar: false, responsive: true };
 /** Fingers scroll the page rather than the plots. */
 const TOUCH = matchMedia("(pointer: coarse)").matches;

@@ -1,25 +1,18 @@
 "use strict";
 // The machine in 3-D: rails, carts, links of both kinds and the platform, at one instant of a motion.
 
-const UP = { x: 0, y: 0, z: 1 };
-const MIDDLE = { x: 0, y: 0, z: 0 };
-const CAMERAS = {
-  Overview: { eye: { x: -0.95, y: -1.8, z: 0.66 }, up: UP, center: { x: -0.03, y: 0, z: -0.06 } },
-  Front: { eye: { x: 0, y: -2, z: 0 }, up: UP, center: MIDDLE },
-  Side: { eye: { x: 2.15, y: 0, z: 0 }, up: UP, center: MIDDLE },
-  Top: { eye: { x: 0, y: -0.001, z: 1.85 }, up: { x: 0, y: 1, z: 0 }, center: MIDDLE },
-};
 const PARTS = ["rails", "way", "beams", "fixed links", "telescopes", "platform", "joints", "carts", "TCP"];
 const MOVING = PARTS.slice(2).map((part) => PARTS.indexOf(part));
 const ARM_OF_LINK = [0, 1, 1, 2, 2, 2];
 
 function createMachineView(div, report) {
-  const { colours, scene, names } = report;
+  const { scene, names } = report;
   const isTelescope = (link) => names.telescopes.includes(link);
   const links = names.links.map((_, link) => link);
   let motion = null;
 
   function traces() {
+    const { colours } = report;
     const line = (name, colour, width) => ({
       type: "scatter3d",
       mode: "lines",
@@ -48,9 +41,9 @@ function createMachineView(div, report) {
         hovertext: repeated(["rail 1", "rail 2", "rail 3"], 3),
       },
       { ...line("way", colours.refined, 3), hoverinfo: "skip" },
-      { ...line("beams", "#000000", 4), hoverinfo: "skip" },
-      line("fixed links", colours.fixed, 7),
-      line("telescopes", colours.telescope, 7),
+      { ...line("beams", colours.frame, 4), hoverinfo: "skip" },
+      line("fixed links", colours.first, 7),
+      line("telescopes", colours.third, 7),
       {
         type: "mesh3d",
         name: "platform",
@@ -65,32 +58,32 @@ function createMachineView(div, report) {
         y: [],
         z: [],
       },
-      { ...dots("joints", { size: 3, color: "#000000" }), hoverinfo: "skip" },
-      dots("carts", { size: 8, symbol: "square", line: { color: "#000000", width: 2 } }),
-      dots("TCP", { size: 6, color: colours.refined, line: { color: "#000000", width: 1 } }),
+      { ...dots("joints", { size: 3, color: colours.frame }), hoverinfo: "skip" },
+      dots("carts", { size: 8, symbol: "square", line: { color: colours.frame, width: 2 } }),
+      dots("TCP", { size: 6, color: colours.refined, line: { color: colours.frame, width: 1 } }),
     ];
   }
 
   function layout() {
+    const { colours } = report;
     const [x, y, z] = extent(report);
     const axis = (title, range) => ({
       title: { text: title },
       range,
       nticks: 6,
-      backgroundcolor: "#f5f7f9",
-      gridcolor: "#dfe3e8",
+      backgroundcolor: colours.panel,
+      gridcolor: colours.line,
       showspikes: false,
       zeroline: false,
     });
     return {
-      font: FONT,
+      ...commonLayout(colours),
       margin: { l: 0, r: 0, t: 0, b: 0 },
-      paper_bgcolor: "rgba(0,0,0,0)",
+      paper_bgcolor: colours.panel,
       showlegend: false,
-      hoverlabel: { font: FONT },
       scene: {
         aspectmode: "data",
-        camera: seenFrom("Overview"),
+        camera: div.layout?.scene?.camera ?? cameraOf("Overview", div),
         dragmode: "orbit",
         xaxis: axis("x (m)", x),
         yaxis: axis("y (m)", y),
@@ -99,17 +92,9 @@ function createMachineView(div, report) {
     };
   }
 
-  /** A camera that sees everything: farther away where the plot is narrow. */
-  function seenFrom(name) {
-    const { eye, up, center } = CAMERAS[name];
-    const away = Math.min(1.5, Math.max(1, (1.22 * div.clientHeight) / div.clientWidth));
-    // Labels are to the left of the machine: a narrow plot needs room there.
-    const middle = { ...center, x: center.x - 0.55 * (away - 1) };
-    return { up: { ...up }, center: middle, eye: { x: away * eye.x, y: away * eye.y, z: away * eye.z } };
-  }
-
   /** Everything that moves, by part: coordinates and hover texts. */
   function partsAt(frame) {
+    const { colours } = report;
     const feet = points(rowOf(motion.feet, frame));
     const carts = points(rowOf(motion.cartJoints, frame));
     const joints = points(rowOf(motion.platformJoints, frame));
@@ -135,7 +120,7 @@ function createMachineView(div, report) {
           (_, arm) =>
             `cart ${arm + 1}: ${formatted(q[arm], 4)} m, ${mode[arm] === "L" ? "left" : "right"} of its joint`,
         ),
-        colour: [...mode].map((letter) => (letter === "L" ? colours.left : colours.right)),
+        colour: [...mode].map((letter) => (letter === "L" ? colours.first : colours.second)),
       },
       { ...coordinates([tcp]), hovertext: [`TCP: ${tcp.map((value) => formatted(value, 4)).join(", ")} m`] },
     ];
@@ -145,7 +130,7 @@ function createMachineView(div, report) {
     create: () => Plotly.newPlot(div, traces(), layout(), { ...CALM, scrollZoom: !TOUCH }),
     show(chosen) {
       motion = chosen;
-      const colour = colours[motion.name];
+      const colour = report.colours[motion.name];
       const way = {
         x: [columnOf(motion.pose, 0)],
         y: [columnOf(motion.pose, 1)],
@@ -163,7 +148,8 @@ function createMachineView(div, report) {
       if (parts.some((part) => part.colour)) update["marker.color"] = all("colour");
       return Plotly.restyle(div, update, MOVING);
     },
-    look: (camera) => Plotly.relayout(div, { "scene.camera": seenFrom(camera) }),
+    look: (camera) => Plotly.relayout(div, { "scene.camera": cameraOf(camera, div) }),
+    turn: (turn) => Plotly.relayout(div, { "scene.camera": turned(div.layout.scene.camera, turn) }),
   };
 }
 

@@ -23,24 +23,39 @@ function createPathChoice(motions, onChoice) {
   };
 }
 
-function createCameraChoice(onChoice) {
+/** Buttons for the views, of which one is on, and for turns from there. */
+function createCameraChoice(view) {
+  const buttonFor = (box, text) => {
+    const button = element(box).appendChild(document.createElement("button"));
+    Object.assign(button, { type: "button", textContent: text });
+    return button;
+  };
+  const press = (pressed) => buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k === pressed)));
   const buttons = Object.keys(CAMERAS).map((name, i) => {
-    const button = element("cameras").appendChild(document.createElement("button"));
-    Object.assign(button, { type: "button", textContent: name });
+    const button = buttonFor("cameras", name);
     button.setAttribute("aria-keyshortcuts", String(i + 1));
     button.addEventListener("click", () => choose(i));
     return button;
   });
   function choose(i) {
-    buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k === i)));
-    onChoice(buttons[i].textContent);
+    press(i);
+    view.look(buttons[i].textContent);
   }
-  buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k === 0)));
+  for (const [name, turn] of Object.entries(TURNS)) {
+    const button = buttonFor("turns", turn.sign);
+    button.setAttribute("aria-label", name);
+    button.title = name;
+    button.addEventListener("click", () => {
+      press(null);
+      view.turn(turn);
+    });
+  }
+  press(0);
   return { choose, count: buttons.length };
 }
 
-/** Keys work anywhere on the page, but never take a key from the control that has the focus. */
-function listenToKeys(player, paths, cameras) {
+/** Keys work while the focus is in the section of the motion, but never take a key from the control that has it. */
+function listenToKeys(section, player, paths, cameras) {
   const far = (event) => (event.shiftKey ? 10 : 1);
   const actions = {
     " ": () => player.toggle(),
@@ -51,7 +66,7 @@ function listenToKeys(player, paths, cameras) {
     c: () => paths.next(),
   };
   for (let i = 0; i < cameras.count; i += 1) actions[String(i + 1)] = () => cameras.choose(i);
-  document.addEventListener("keydown", (event) => {
+  section.addEventListener("keydown", (event) => {
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!action || event.ctrlKey || event.metaKey || event.altKey || hasOwnUse(event)) return;
     event.preventDefault();
@@ -67,27 +82,74 @@ function hasOwnUse(event) {
   return moves ? focused.matches("select, input, pre, .scroll") : focused.matches("select");
 }
 
-/** Plots have the size of their boxes, whatever changes it. */
+/** Plots have the size of their boxes, whatever changes it; one that is not displayed has none. */
 function followSize(div) {
-  new ResizeObserver(() => Plotly.Plots.resize(div)).observe(div);
+  new ResizeObserver(() => div.clientWidth && Plotly.Plots.resize(div)).observe(div);
+}
+
+/** Draw again in the colours of the other theme when that comes on. */
+function followTheme(paints) {
+  DARK.addEventListener("change", () => paints.forEach((paint) => paint()));
+}
+
+/**
+ * Prepare the page for paper before it is printed, and undo that: plots get the size and colours they have on paper, the
+ * 3-D view is replaced by a still, and what is folded is opened. Nothing here may take until later.
+ */
+function preparePrints(report, paints) {
+  let folded = [];
+  const draw = (onPaper) => {
+    printing = onPaper;
+    document.body.classList.toggle("paper", onPaper);
+    for (const one of folded) one.open = onPaper;
+    for (const paint of paints) paint(true);
+  };
+  addEventListener("beforeprint", () => {
+    keepStill(report.colours.panel);
+    folded = [...document.querySelectorAll("details:not([open])")];
+    draw(true);
+  });
+  addEventListener("afterprint", () => draw(false));
+}
+
+/** Copy what the 3-D view shows, on its own ground: a canvas of WebGL is empty on paper. */
+function keepStill(ground) {
+  const [seen, still] = [document.querySelector("#machine canvas"), document.getElementById("machine-still")];
+  if (!seen) return;
+  [still.width, still.height] = [seen.width, seen.height];
+  const context = still.getContext("2d");
+  context.fillStyle = ground;
+  context.fillRect(0, 0, still.width, still.height);
+  context.drawImage(seen, 0, 0);
 }
 
 async function start() {
-  const report = readReport();
-  if (report.proof) await createProofView(element("proof"), report);
-  if (report.motions.refined) await showMotions(report);
+  await loadLibrary();
+  const report = await readReport();
+  const paints = [];
+  if (report.proof) paints.push(() => createProofView(element("proof"), report));
+  if (report.motions.refined) paints.push(createMotionViews(report));
+  await Promise.all(paints.map((paint) => paint()));
+  for (const plot of document.querySelectorAll(".js-plotly-plot")) followSize(plot);
+  followTheme(paints);
+  preparePrints(report, paints);
   document.body.dataset.ready = "yes";
 }
 
-async function showMotions(report) {
+/** Put player, views and controls together; the function returned draws all views, or those in 2-D only, anew. */
+function createMotionViews(report) {
   const map = {
     div: element("map"),
     point: element("point"),
     title: element("map-title"),
     scale: element("map-scale"),
   };
-  const views = [createMachineView(element("machine"), report), createMapView(map, report)];
-  const timeline = createTimeline(element("timeline"), element("cursor"), report, (t) => player.goToTime(t));
+  const machine = createMachineView(element("machine"), report);
+  const flat = [
+    createMapView(map, report),
+    createTimeline(element("timeline"), element("cursor"), report, (t) => player.goToTime(t)),
+  ];
+  const views = [machine, ...flat];
   const readout = createReadout(element("readout"), report);
   let motion = report.motions.refined;
 
@@ -95,23 +157,30 @@ async function showMotions(report) {
     { play: element("play"), slider: element("time"), text: element("time-text"), speed: element("speed") },
     (frame) => {
       readout.moveTo(motion, frame);
-      return Promise.all([...views, timeline].map((view) => view.moveTo(frame)));
+      return Promise.all(views.map((view) => view.moveTo(frame)));
     },
   );
 
   function choose(name) {
     motion = report.motions[name];
-    for (const id of ["path-key", "point-key"]) element(id).style.background = report.colours[name];
-    for (const view of [...views, timeline]) view.show(motion);
+    for (const id of ["path-key", "point-key", "point"]) element(id).dataset.path = name;
+    for (const view of views) view.show(motion);
     player.show(motion);
   }
 
-  await Promise.all([...views.map((view) => view.create()), timeline.create(motion)]);
+  async function paint(flatOnly = false) {
+    const drawn = (flatOnly ? flat : views).map((view) => view.create(motion));
+    choose(motion.name);
+    await Promise.all(drawn);
+  }
+
   const paths = createPathChoice(report.motions, choose);
-  const cameras = createCameraChoice((camera) => views[0].look(camera));
-  choose("refined");
-  for (const id of ["machine", "map", "timeline"]) followSize(element(id));
-  listenToKeys(player, paths, cameras);
+  listenToKeys(element("motion"), player, paths, createCameraChoice(machine));
+  return paint;
 }
 
-start();
+/** Say that there are no moving pictures: all else on the page is there. */
+start().catch((error) => {
+  element("no-pictures").hidden = false;
+  throw error;
+});

@@ -5,10 +5,10 @@ const [MAP, LOOPS, WAY] = [0, 1, 2];
 
 function createMapView(parts, report) {
   const { div, point, title, scale } = parts;
-  const { colours } = report;
   let [motion, shown] = [null, -1];
 
   function traces() {
+    const { colours } = report;
     const line = (colour, width) => ({
       type: "scatter",
       mode: "lines",
@@ -26,7 +26,7 @@ function createMapView(parts, report) {
         customdata: [[]],
         hoverongaps: false,
         hovertemplate: "y %{x:.2f} m<br>z %{y:.2f} m<br>κ %{customdata:.1f}<extra></extra>",
-        colorscale: colours.map.map((colour, i) => [i / (colours.map.length - 1), colour]),
+        colorscale: colours.scale.map((colour, i) => [i / (colours.scale.length - 1), colour]),
         showscale: false,
       },
       line(colours.singular, 2.5),
@@ -35,14 +35,14 @@ function createMapView(parts, report) {
   }
 
   function layout() {
+    const { colours } = report;
     return {
-      font: FONT,
+      ...commonLayout(colours),
       showlegend: false,
       dragmode: false,
       hovermode: "closest",
-      hoverlabel: { font: FONT },
       margin: { l: 46, r: 14, t: 8, b: 40 },
-      plot_bgcolor: colours.outOfReach,
+      plot_bgcolor: colours.unreachable,
       xaxis: { title: { text: "y (m)", standoff: 4 }, showgrid: false, zeroline: false, fixedrange: true },
       yaxis: { title: { text: "z (m)", standoff: 4 }, showgrid: false, zeroline: false, fixedrange: true },
     };
@@ -87,8 +87,10 @@ function createMapView(parts, report) {
     show(chosen) {
       [motion, shown] = [chosen, -1];
       const { maps } = motion;
-      const colour = colours[motion.name];
-      drawScale(scale, colours.map, maps.kappaRange, report.scene.momentUnit);
+      const { colours } = report;
+      // Maps are the same on both grounds, and so are the paths on them.
+      const colour = report.themes.light[motion.name];
+      drawScale(scale, colours.scale, maps.kappaRange, report.scene.momentUnit);
       Plotly.restyle(
         div,
         { x: [maps.y], y: [maps.z], zmin: Math.log10(maps.kappaRange[0]), zmax: Math.log10(maps.kappaRange[1]) },
@@ -97,7 +99,6 @@ function createMapView(parts, report) {
       Plotly.restyle(div, { x: [columnOf(motion.pose, 1)], y: [columnOf(motion.pose, 2)], "line.color": colour }, [
         WAY,
       ]);
-      point.style.background = colour;
       const [y, z] = [ends(maps.y), ends(maps.z)];
       // The plot gets the shape of what it shows, so that a metre is as long up as across.
       div.parentElement.style.setProperty("--aspect", (z[1] - z[0]) / (y[1] - y[0]));

@@ -1,21 +1,29 @@
 "use strict";
 // What the panels over time show of a motion: their curves, limits and ranges, and when working modes change.
 
+/** Curves of one panel differ in colour and dashes; the sign stands for them in its title. */
+const DASHES = [
+  { dash: "solid", sign: "━━" },
+  { dash: "9px,3px", sign: "━ ━" },
+  { dash: "3px,2px", sign: "╍╍" },
+];
+const LIMIT = { dash: "12px,3px,1px,3px", sign: "─·─" };
+
 /** What the panels show of a motion: title, decimals, curves and lines for limits. */
 function panelsOf(report, motion) {
   const { colours, names, scene } = report;
-  const curve = (name, unit, values, colour) => ({ name, unit, t: motion.t, values, colour });
-  const pose = (name, axis, unit, scale, colour) =>
-    curve(name, unit, columnOf(motion.pose, axis, scale), colours.axes[colour]);
-  const actuator = (k, table, unit) => curve(names.actuators[k], unit, columnOf(table, k), colours.actuators[k]);
+  const series = [colours.first, colours.second, colours.third];
+  const curve = (name, unit, values, i) => ({ name, unit, t: motion.t, values, colour: series[i], ...DASHES[i] });
+  const pose = (name, axis, unit, scale, i) => curve(name, unit, columnOf(motion.pose, axis, scale), i);
+  const actuator = (k, i, table, unit) => curve(names.actuators[k], unit, columnOf(table, k), i);
   const speeds = (k) => (scene.qdLimits[k] === null ? [] : [scene.qdLimits[k], -scene.qdLimits[k]]);
-  const limits = (group, of) => group.flatMap((k) => of(k).map((value) => ({ value, colour: colours.actuators[k] })));
+  const limits = (group, of) => group.flatMap((k, i) => of(k).map((value) => ({ value, colour: series[i] })));
   const [carts, telescopes] = [
     [0, 1, 2],
     [3, 4],
   ];
   return [
-    { title: `κ (${scene.momentUnit})`, decimals: 2, curves: kappaCurves(report, motion), limits: bounds(report) },
+    { title: "κ", decimals: 2, curves: kappaCurves(report, motion), limits: bounds(report) },
     {
       title: "position (m)",
       decimals: 4,
@@ -31,25 +39,25 @@ function panelsOf(report, motion) {
     {
       title: "carts (m)",
       decimals: 4,
-      curves: carts.map((k) => actuator(k, motion.q, "m")),
+      curves: carts.map((k, i) => actuator(k, i, motion.q, "m")),
       limits: limits(carts, (k) => scene.qLimits[k]),
     },
     {
       title: "telescopes (m)",
       decimals: 4,
-      curves: telescopes.map((k) => actuator(k, motion.q, "m")),
+      curves: telescopes.map((k, i) => actuator(k, i, motion.q, "m")),
       limits: limits(telescopes, (k) => scene.qLimits[k]),
     },
     {
       title: "cart velocity (m/s)",
       decimals: 4,
-      curves: carts.map((k) => actuator(k, motion.qd, "m/s")),
+      curves: carts.map((k, i) => actuator(k, i, motion.qd, "m/s")),
       limits: limits(carts, speeds),
     },
     {
       title: "telescope velocity (m/s)",
       decimals: 4,
-      curves: telescopes.map((k) => actuator(k, motion.qd, "m/s")),
+      curves: telescopes.map((k, i) => actuator(k, i, motion.qd, "m/s")),
       limits: limits(telescopes, speeds),
     },
   ];
@@ -63,6 +71,7 @@ function kappaCurves(report, chosen) {
     t: motion.t,
     values: Array.from(motion.kappa),
     colour: report.colours[motion.name],
+    ...DASHES[motion.name === "coarse" ? 1 : 0],
     faint: motion !== chosen,
   }));
 }

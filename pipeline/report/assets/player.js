@@ -35,7 +35,6 @@ function createPlayer(controls, onFrame) {
   function setPlaying(wanted) {
     playing = wanted;
     play.textContent = playing ? "Pause" : "Play";
-    play.setAttribute("aria-pressed", String(playing));
     if (!playing) return;
     clock = frame === motion.t.length - 1 ? 0 : motion.t[frame];
     last = performance.now();

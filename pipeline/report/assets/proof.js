@@ -25,19 +25,18 @@ function createProofView(div, report) {
     },
   ];
   const layout = {
-    font: FONT,
+    ...commonLayout(colours),
     hovermode: "x unified",
     dragmode: false,
-    hoverlabel: { font: FONT },
     margin: { l: 46, r: 14, t: 30, b: 40 },
     legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" },
     xaxis: {
       title: { text: "length along the path (steps)", standoff: 6 },
       range: [0, edges[edges.length - 1]],
-      gridcolor: "#e5e5e5",
+      gridcolor: colours.line,
       zeroline: false,
     },
-    yaxis: { title: { text: `κ (${report.scene.momentUnit})`, standoff: 6 }, gridcolor: "#e5e5e5", zeroline: false },
+    yaxis: { title: { text: `κ (${report.scene.momentUnit})`, standoff: 6 }, gridcolor: colours.line, zeroline: false },
   };
   return Plotly.newPlot(div, traces, layout, CALM);
 }

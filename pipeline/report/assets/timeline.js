@@ -16,28 +16,28 @@ function createTimeline(div, cursor, report, onPick) {
         x: Array.from(curve.t),
         y: curve.values,
         yaxis: `y${row + 1}`,
-        line: { color: curve.colour, width: curve.faint ? 1 : 2, simplify: false },
-        opacity: curve.faint ? 0.45 : 1,
+        line: { color: curve.colour, dash: curve.dash, width: curve.faint ? 1 : 2, simplify: false },
+        opacity: curve.faint ? 0.7 : 1,
         hovertemplate: `${curve.name} %{y:.${panel.decimals}f} ${curve.unit}<extra></extra>`,
       })),
     );
   }
 
   function layout() {
+    const { colours } = report;
     const height = heightOf(panels);
     const made = {
-      font: FONT,
+      ...commonLayout(colours),
       showlegend: false,
       hovermode: "x unified",
       dragmode: false,
-      hoverlabel: { font: FONT },
       margin: { l: 46, r: 14, t: 48, b: 40 },
       xaxis: {
         title: { text: "time (s)", standoff: 6 },
         range: [0, duration],
         fixedrange: true,
         anchor: `y${panels.length}`,
-        gridcolor: "#e5e5e5",
+        gridcolor: colours.line,
         zeroline: false,
         unifiedhovertitle: { text: "%{x:.3f} s" },
       },
@@ -50,15 +50,15 @@ function createTimeline(div, cursor, report, onPick) {
         domain: [top - height, top],
         range: rangeOf(panel),
         fixedrange: true,
-        gridcolor: "#e5e5e5",
+        gridcolor: colours.line,
         zeroline: false,
         nticks: 5,
       };
-      made.annotations.push(titleOf(panel, top));
-      for (const limit of panel.limits) made.shapes.push(limitLine(panel, limit, row));
+      made.annotations.push(titleOf(panel, top, colours));
+      for (const limit of panel.limits) made.shapes.push(limitLine(panel, limit, row, colours));
     });
     for (const { t, mode } of modeChanges(report, motion)) {
-      if (t > 0) made.shapes.push(...panels.map((_, row) => changeLine(t, row)));
+      if (t > 0) made.shapes.push(...panels.map((_, row) => changeLine(t, row, colours)));
       made.annotations.push({
         text: mode,
         showarrow: false,
@@ -69,7 +69,7 @@ function createTimeline(div, cursor, report, onPick) {
         y: 1,
         yanchor: "bottom",
         yshift: 18,
-        font: { color: "#57606a" },
+        font: { color: colours.soft },
       });
     }
     return made;
@@ -103,7 +103,7 @@ function striped(panels) {
   return `repeating-linear-gradient(to bottom, var(--text) 0 ${height}%, transparent ${height}% ${step}%)`;
 }
 
-function changeLine(t, row) {
+function changeLine(t, row, colours) {
   return {
     type: "line",
     xref: "x",
@@ -112,13 +112,13 @@ function changeLine(t, row) {
     yref: `y${row + 1} domain`,
     y0: 0,
     y1: 1,
-    line: { color: "#7f7f7f", width: 1, dash: "dot" },
+    line: { color: colours.change, width: 1, dash: "dot" },
   };
 }
 
-function limitLine(panel, limit, row) {
+function limitLine(panel, limit, row, colours) {
   const shared = panel.limits.every(({ value }) => panel.limits.filter((other) => other.value === value).length > 1);
-  const colour = shared && panel.limits.length > 2 ? "#7f7f7f" : limit.colour;
+  const colour = shared && panel.limits.length > 2 ? colours.limit : limit.colour;
   return {
     type: "line",
     xref: "paper",
@@ -128,19 +128,19 @@ function limitLine(panel, limit, row) {
     y0: limit.value,
     y1: limit.value,
     layer: "between",
-    line: { color: colour, width: 1, dash: "dash" },
+    line: { color: colour, width: 1, dash: LIMIT.dash },
   };
 }
 
-/** The title of a panel names its curves in their colours. */
-function titleOf(panel, top) {
-  const curves = panel.curves.map(({ name, colour }) => `<span style="color:${colour}"><b>${name}</b></span>`);
-  const named = panel.limits
-    .filter(({ name }) => name)
-    .map(({ name, colour }) => `<span style="color:${colour}">-- ${name}</span>`);
-  const limits = panel.limits.length > named.length ? [`<span style="color:#57606a">-- limit</span>`] : [];
+/** The title of a panel names its curves, with their colours and dashes. */
+function titleOf(panel, top, colours) {
+  const entry = (colour, text) => `<span style="color:${colour}">${text}</span>`;
+  const curves = panel.curves.map(({ name, colour, sign }) => entry(colour, `${sign}&nbsp;<b>${name}</b>`));
+  const named = panel.limits.filter(({ name }) => name);
+  const limits = named.map(({ name, colour }) => entry(colour, `${LIMIT.sign}&nbsp;${name}`));
+  if (panel.limits.length > named.length) limits.push(entry(colours.soft, `${LIMIT.sign}&nbsp;limit`));
   return {
-    text: `${panel.title}&nbsp;&nbsp; ${[...curves, ...named, ...limits].join("&nbsp; ")}`,
+    text: `${panel.title}&nbsp;&nbsp; ${[...curves, ...limits].join("&nbsp; ")}`,
     showarrow: false,
     xref: "paper",
     yref: "paper",

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from pipeline.artifacts.layout import failure_picture
 from pipeline.artifacts.state import Record, State
 from pipeline.config.choices import Proof
 from pipeline.report import RunResults, StageFacts, build_report, render_page
@@ -29,6 +30,7 @@ def report_page(results: "Results", state: State) -> bytes:
             if stage is not Stage.FIGURES
         },
         versions=versions(),
+        route=results.route if Stage.ROUTE in done else None,
         refinement=results.refinement if Stage.REFINE in done else None,
         samples=results.derive(sample_paths) if Stage.REFINE in done else None,
         bounds=results.certificate.bounds if proven else None,
@@ -36,8 +38,16 @@ def report_page(results: "Results", state: State) -> bytes:
         trajectory=results.trajectory if Stage.RETIME in done else None,
         coarse=results.derive(coarse_motion) if {Stage.REFINE, Stage.RETIME} <= done else None,
         workspace=results.derive(workspace),
+        reach=_reach(results, state),
     )
     return render_page(build_report(run)).encode()
+
+
+def _reach(results: "Results", state: State) -> bytes | None:
+    """Read the picture that comes with the reasons why there is no route."""
+    picture = results.folder / failure_picture(Stage.ROUTE)
+    failed = Stage.ROUTE in state.stages and state.stages[Stage.ROUTE].status == "failed"
+    return picture.read_bytes() if failed and picture.is_file() else None
 
 
 def _facts(specs: Specs, stage: Stage, record: Record) -> StageFacts:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from pipeline.report.coarse import CoarseMotion, drive_coarse
-from pipeline.report.data import Table
+from pipeline.report.data import Picture, Table
 from pipeline.report.tables import workspace_part
 
 if TYPE_CHECKING:
@@ -15,6 +15,6 @@ def coarse_motion(results: "Results") -> CoarseMotion:
     return drive_coarse(results.config, results.refinement.coarse)
 
 
-def workspace(results: "Results") -> tuple[Table, str]:
+def workspace(results: "Results") -> tuple[Table, Picture]:
     """Tabulate and draw the usable workspace."""
     return workspace_part(results.machine)

@@ -1,0 +1,78 @@
+"""The pictures of a report that no script draws, each with its description: workspace, route, what can be reached."""
+
+import base64
+import io
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from pipeline.config import Config
+from pipeline.figures.maps.route import route_figure
+from pipeline.figures.maps.volume import workspace_volume_figure
+from pipeline.machine.geometry import MODES, Machine
+from pipeline.refine.measure import PathSamples
+from pipeline.report.data import Picture, RoutePart, Table
+from pipeline.report.wording import signed
+from pipeline.route.result import Route
+from pipeline.workspace.usable import Workspace
+
+
+def picture_of(figure: Figure, alt: str) -> Picture:
+    """Take a figure as a picture."""
+    pixels = io.BytesIO()
+    figure.savefig(pixels, format="png")
+    return Picture(base64.b64encode(pixels.getvalue()).decode(), alt)
+
+
+def workspace_picture(machine: Machine, workspace: Workspace) -> Picture:
+    """Draw the usable workspace in 3-D."""
+    volumes = workspace.volumes_m3
+    left, right = (volumes[MODES.index(mode)] for mode in ("LLL", "RRR"))
+    alt = (
+        f"The usable volumes between the rails in 3-D: {left:.3f} m³ with all arms left (LLL), {right:.3f} m³ with all "
+        f"arms right (RRR), {workspace.union_m3:.3f} m³ in all eight working modes together."
+    )
+    return picture_of(workspace_volume_figure(machine, workspace), alt)
+
+
+def reach_picture(png: bytes, why_not: Sequence[str]) -> Picture:
+    """Describe the picture of what can be reached by the findings that come with it."""
+    reach = next((line for line in why_not if line.startswith("Reach: ")), "")
+    alt = f"Regions in the YZ plane that can be reached from the start, and from which the goal can be reached. {reach}"
+    return Picture(base64.b64encode(png).decode(), alt.strip())
+
+
+def route_part(
+    config: Config,
+    machine: Machine,
+    route: Route,
+    samples: tuple[PathSamples, PathSamples] | None = None,
+    drawn: bool = True,
+) -> RoutePart:
+    """Tabulate the steps of a route and, if `drawn`, draw them, with both paths if there are samples."""
+    table = Table(
+        ("step", "working mode", "x, m", "y, m", "z, m", "rx, °", "ry, °", "rz, °", "κ"),
+        tuple(_step(route, i) for i in range(len(route))),
+        words=(0, 1),
+    )
+    if not drawn:
+        return RoutePart(table)
+    coarse, refined = samples or (None, None)
+    return RoutePart(table, picture_of(route_figure(config, machine, route, coarse, refined), _route_alt(route)))
+
+
+def _step(route: Route, i: int) -> tuple[str, ...]:
+    place = (signed(value, ".3f") for value in route.pose[i, :3])
+    tilt = (signed(value, ".1f") for value in np.rad2deg(route.pose[i, 3:]))
+    return (str(i), route.mode_names[i], *place, *tilt, f"{route.kappa[i]:.1f}")
+
+
+def _route_alt(route: Route) -> str:
+    names = route.mode_names
+    modes = ", ".join(f"{name} from step {i}" for i, name in enumerate(names) if i == 0 or name != names[i - 1])
+    worst = int(np.argmax(route.kappa))
+    return (
+        f"The {len(route)} steps of the route, each over the map of κ for its tilt and working mode: {modes}. "
+        f"κ is largest at step {worst}, {route.kappa[worst]:.1f}. The table of steps has all poses."
+    )
