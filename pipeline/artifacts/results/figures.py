@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pipeline.artifacts.layout import figure_names
 
@@ -46,7 +46,7 @@ def _write_png(figure: "Figure", buffer: io.BytesIO) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()
     colours = np.ascontiguousarray(np.asarray(canvas.buffer_rgba())[:, :, :3])
     Image.fromarray(colours).save(buffer, "png", dpi=(figure.dpi, figure.dpi), compress_level=_COMPRESSION)

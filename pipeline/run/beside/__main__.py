@@ -1,5 +1,6 @@
 """The second process: it ends with the run that began it, and leaves Ctrl-C to that."""
 
+import gc
 import os
 import signal
 import sys
@@ -25,6 +26,8 @@ def _send(descriptor: int, contents: "SimpleQueue[bytes | None]") -> None:
 
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # It ends after seconds, and looking for garbage among the many objects of figures takes a part of them.
+    gc.disable()
     heard: SimpleQueue[bytes] = SimpleQueue()
     Thread(target=_listen, args=(heard,), daemon=True).start()
     said: SimpleQueue[bytes | None] = SimpleQueue()

@@ -24,7 +24,7 @@ class SecondProcess:
         self._folder = folder
         self._process: subprocess.Popen[bytes] | None = None
         self._reader: Thread | None = None
-        self._done: list[Stage] = []
+        self._said: list[str] = []
         self._changed = Condition()
         self._begun: set[str] = set()
         self._made: dict[str, dict[str, bytes]] = {}
@@ -56,7 +56,7 @@ class SecondProcess:
         # Where this process finds its modules, in that order, and nothing else.
         path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
         # The run needs the other processor: linear algebra in threads only waits for it.
-        one = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"), "1")
+        one = {"OPENBLAS_NUM_THREADS": "1"}
         with contextlib.suppress(OSError):
             process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "pipeline.run.beside", os.fspath(self._folder)],
@@ -70,20 +70,19 @@ class SecondProcess:
             self._reader = Thread(target=self._read, args=(process.stdout,), daemon=True)
             self._reader.start()
             self._tell(json.dumps(config.model_dump(mode="json")))
-            for stage in self._done:
-                self._tell(f"done {stage}")
+            for line in self._said:
+                self._tell(line)
 
     def done(self, stage: Stage) -> None:
         """Say that the result of a stage is in the folder."""
-        self._done.append(stage)
-        self._tell(f"done {stage}")
+        self._say(f"done {stage}")
 
     def take(self, part: str) -> bool:
         """Take a part over, unless the process has begun with it."""
         with self._changed:
             if part in self._made or (part in self._begun and not self._ended):
                 return False
-        self._tell(f"taken {part}")
+        self._say(f"taken {part}")
         return True
 
     def files(self, part: str) -> dict[str, bytes] | None:
@@ -93,6 +92,11 @@ class SecondProcess:
         with self._changed:
             self._changed.wait_for(lambda: part in self._made or self._ended)
             return self._made.get(part)
+
+    def _say(self, line: str) -> None:
+        """Tell the process, once it is there."""
+        self._said.append(line)
+        self._tell(line)
 
     def _tell(self, line: str) -> None:
         if self._process is not None and self._process.stdin is not None:

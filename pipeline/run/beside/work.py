@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pipeline.artifacts.layout import REPORT
@@ -48,7 +49,7 @@ PARTS = (
     _prepare(coarse_motion, Stage.ROUTE),
     _prepare(measured_paths, Stage.REFINE),
     Part(REPORT, Stage.RETIME, _page),
-    *(Part(row.name, last_stage(row), lambda results, row=row: picture(results, row)) for row in FIGURES),
+    *(Part(figure.name, last_stage(figure), partial(picture, figure)) for figure in FIGURES),
 )
 """All parts; of those that can be made, the first is."""
 

@@ -26,12 +26,12 @@ def make_figures(results: "Results", monitor: Monitor) -> Product:
     monitor.progress("drawing")
     for figure in reversed(FIGURES):
         if beside is None or beside.take(figure.name):
-            made[figure.name] = picture(results, figure)
+            made[figure.name] = picture(figure, results)
     files = dict[str, bytes]()
     for figure in FIGURES:
         if figure.name not in made:
             there = None if beside is None else beside.files(figure.name)
-            made[figure.name] = picture(results, figure) if there is None else there
+            made[figure.name] = picture(figure, results) if there is None else there
         files |= made[figure.name]
     monitor.progress("writing the report")
     there = None if beside is None else beside.files(REPORT)

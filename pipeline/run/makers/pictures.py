@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from pipeline.artifacts.results.figures import figure_files
-from pipeline.figures import FIGURES, RunData, RunFigure, all_figures
+from pipeline.figures import RunData, RunFigure, all_figures
 from pipeline.retime import sample_trajectory
 from pipeline.stage import STAGES, Stage
 
@@ -35,13 +35,8 @@ def last_stage(figure: RunFigure) -> Stage:
     return max(known, key=STAGES.index, default=Stage.REGIONS)
 
 
-def picture(results: "Results", figure: RunFigure) -> dict[str, bytes]:
+def picture(figure: RunFigure, results: "Results") -> dict[str, bytes]:
     """Draw one figure; no files if there is nothing to draw."""
     names = {name for name in (*figure.needs, *figure.uses) if name in _SOURCES}
     data = RunData(results.config, results.machine, **{name: _SOURCES[name][1](results) for name in names})
     return figure_files(all_figures(data, (figure,)), results.config.figures.pdf)
-
-
-def all_pictures(results: "Results") -> dict[str, bytes]:
-    """Draw all figures."""
-    return {name: content for figure in FIGURES for name, content in picture(results, figure).items()}
