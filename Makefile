@@ -60,8 +60,18 @@ docs-tools: $(VENV)/.docs.ready
 
 # Seconds and memory of stage one, alone and beside other solvers: about a quarter of an hour on a quiet machine.
 .PHONY: bench
-bench: $(DEV) $(VENV)/.bench.ready
+bench: $(DEV) $(VENV)/.bench.ready bench-runs
 	$(BIN)/python -m tests.benchmarks $(ARGS)
+
+# Whole runs, medians of five: a file per date in results/benchmarks/history, and a plot over dates: five minutes. In turns
+# with another checkout: make bench-runs RUNS_ARGS="--tree DIR".
+.PHONY: bench-runs bench-setup
+bench-runs: $(DEV)
+	$(BIN)/python -m tests.benchmarks.whole_runs $(RUNS_ARGS)
+
+# The set-up of `make run` from nothing beside that with pip and all that development needs: ten minutes.
+bench-setup: $(DEV)
+	$(BIN)/python -m tests.benchmarks.setting_up
 
 # Stage two: meshes, other solvers and formulations, random tasks and machines: ten minutes. Then the motions of the
 # defaults before and after, on fixed tasks and random machines: twenty.

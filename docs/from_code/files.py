@@ -26,5 +26,6 @@ def benchmark_pages() -> str:
     """Include what every benchmark measured last, in the order of their names."""
     pages = sorted((Path(__file__).parents[2] / "results" / "benchmarks").glob("*.md"))
     return "\n".join(
-        f"```{{include}} ../../results/benchmarks/{page.name}\n:heading-offset: 1\n```\n" for page in pages
+        f"```{{include}} ../../results/benchmarks/{page.name}\n:heading-offset: 1\n:relative-images:\n```\n"
+        for page in pages
     )

@@ -10,6 +10,8 @@ from pipeline.startup import end_at_interrupts
 def main() -> None:
     """Run the command line of this process."""
     interruptible = end_at_interrupts()
+    # Matrices are small: threads of linear algebra would only wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     _open_standard_streams()
     from pipeline.cli.application import app
     from pipeline.cli.interrupts import raise_interrupts

@@ -32,8 +32,10 @@ class RunData:
 
     Attributes
     ----------
-    config, machine, route
-        Present in every run with figures.
+    config, machine
+        Present in every run.
+    route : Route or None
+        The route.
     regions : RegionTable or None
         The regions that the route was chosen from.
     coarse, refined : PathSamples or None
@@ -48,7 +50,7 @@ class RunData:
 
     config: Config
     machine: Machine
-    route: Route
+    route: Route | None = None
     regions: RegionTable | None = None
     coarse: PathSamples | None = None
     refined: PathSamples | None = None

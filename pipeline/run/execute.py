@@ -124,6 +124,8 @@ class _Run:
             self._reporter.end(stage, outcome, record.seconds)
         else:
             outcome, record = "done", self._make(stage)
+        if self._results.beside is not None:
+            self._results.beside.done(stage)
         if not self._options.unproven and (error := spec_of(self._specs, stage).withheld(record.summary)):
             self.prune_outdated()
             files = ", ".join(str(self._folder.path / name) for name in record.files)

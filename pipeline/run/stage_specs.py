@@ -35,7 +35,7 @@ from pipeline.run.config_parts import (
     whole_config,
     with_sufficient_proofs,
 )
-from pipeline.stage import Stage
+from pipeline.stage import STAGES, Stage
 from pipeline.summary.section import Section, own_or_skipped
 
 if TYPE_CHECKING:
@@ -229,7 +229,7 @@ SPECS: Specs = (
         next_step="open {report} in a browser, then gantry-tau compare {folder}",
         quotes_upstream=True,
         report=Deferred("pipeline.run.makers.report_page", "report_page"),
-        beside=(Stage.CERTIFY, Stage.RETIME, Stage.FIGURES),
+        beside=STAGES,
     ),
 )
 """The stages in the order in which they run."""

@@ -11,10 +11,12 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import GridConfig
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
-from pipeline.machine.statics import condition_number, moment_unit, statics_matrix
+from pipeline.machine.statics import moment_unit, statics_matrix
 
 _COARSE_POINTS = 40
 _MARGIN_M = 0.05
+_NOTHING = 1e-14
+"""Least eigenvalue of H'H, relative to the largest, that counts as none."""
 
 
 class YzWindow(NamedTuple):
@@ -78,8 +80,19 @@ def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tupl
     rows = np.flatnonzero(solution.reachable)
     H = statics_matrix(machine, solution.pose[rows], solution.q_m[rows, :3])
     kappa, det = np.full(y.size, np.nan), np.full(y.size, np.nan)
-    kappa[rows], det[rows] = condition_number(H), np.linalg.det(H)
+    kappa[rows], det[rows] = _condition_number(H), np.linalg.det(H)
     return KappaMap(y_m, z_m, kappa.reshape(y.shape), det.reshape(y.shape), moment_unit(machine))
+
+
+def _condition_number(H: FloatArray) -> FloatArray:
+    """Compute cond_2(H) from the eigenvalues of H'H: less exact than singular values (about 1e-16 kappa^2), and faster.
+
+    Beyond 1e7, where nothing is left of the least eigenvalue, it is infinite. Shape (n,).
+    """
+    eigenvalues = np.linalg.eigvalsh(np.swapaxes(H, -1, -2) @ H)
+    least, largest = eigenvalues[:, 0], eigenvalues[:, -1]
+    known = least > _NOTHING * largest
+    return np.asarray(np.where(known, np.sqrt(largest / np.where(known, least, 1.0)), np.inf))
 
 
 def seen_window(

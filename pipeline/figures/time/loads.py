@@ -14,13 +14,12 @@ from matplotlib.ticker import MaxNLocator
 from pipeline.arrays import FloatArray
 from pipeline.figures import style
 from pipeline.machine.geometry import ACTUATORS, LINKS
-from pipeline.retime.path_dynamics import grid, tabulate_dynamics
+from pipeline.retime.path_dynamics import TABLE_POINTS, dynamics_table
 from pipeline.retime.quantities import JERK, QUANTITIES, Quantities, both_sides, evaluate, fractions, limited, limits
 from pipeline.retime.result import Trajectory
 
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE, style.SKY_BLUE)
 _INSTANTS = 4_001
-_TABLE_POINTS = 2_001
 _PANEL_IN, _REST_IN = 0.62, 0.3
 """Heights of a panel for the usage of a limit, and of what is below all of them."""
 _CARTS, _TELESCOPES = slice(0, 3), slice(3, 5)
@@ -60,7 +59,7 @@ class _Loads:
 def _loads(trajectory: Trajectory, quantities: Quantities = QUANTITIES) -> _Loads:
     t = np.linspace(0.0, trajectory.duration_s, _INSTANTS)
     s, *state = (trajectory.s(t, order) for order in range(4))
-    dynamics = tabulate_dynamics(trajectory.path, grid(_TABLE_POINTS)).at(s)
+    dynamics = dynamics_table(trajectory.path, TABLE_POINTS).at(s)
     values = evaluate(dynamics, *state, quantities=quantities)
     if trajectory.jerk_jumps:
         del values[JERK]

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from pipeline.figures import style
 from pipeline.retime.constraints import largest_speed, limit_rows
-from pipeline.retime.path_dynamics import grid, tabulate_dynamics
+from pipeline.retime.path_dynamics import TABLE_POINTS, dynamics_table, grid
 from pipeline.retime.result import Trajectory
 
 _PLACES = 1_501
@@ -20,7 +20,7 @@ def phase_figure(trajectory: Trajectory) -> Figure:
     not considered.
     """
     s = grid(_PLACES)
-    rows = limit_rows(tabulate_dynamics(trajectory.path, s).grid)
+    rows = limit_rows(dynamics_table(trajectory.path, TABLE_POINTS).at(s))
     top = largest_speed(rows)
     t = np.linspace(0.0, trajectory.duration_s, 4 * _PLACES)
     speed = trajectory.s(t, 1)

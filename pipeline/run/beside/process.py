@@ -1,4 +1,4 @@
-"""The second process as the run sees it: begun, asked, and ended with the run."""
+"""The second process as the run sees it: begun, told what is done, and ended with the run."""
 
 import contextlib
 import json
@@ -6,18 +6,29 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from threading import Condition, Thread
 from types import TracebackType
-from typing import Self
+from typing import BinaryIO, Self
 
 from pipeline.config import Config
+from pipeline.stage import Stage
 
 
 class SecondProcess:
-    """A process that makes a part of the figures and the report of a run folder; without one, there is no answer."""
+    """A process that makes parts of the figures and the report of a run folder as soon as what they need is there.
+
+    Without a second processor, or where the process fails, the run makes all parts itself.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._process: subprocess.Popen[bytes] | None = None
+        self._reader: Thread | None = None
+        self._said: list[str] = []
+        self._changed = Condition()
+        self._begun: set[str] = set()
+        self._made: dict[str, dict[str, bytes]] = {}
+        self._ended = False
 
     def __enter__(self) -> Self:
         return self
@@ -30,44 +41,62 @@ class SecondProcess:
         if process is None:
             return
         process.kill()
+        process.wait()
+        if self._reader is not None:
+            self._reader.join()
         for stream in (process.stdin, process.stdout):
             with contextlib.suppress(OSError):
                 if stream is not None:
                     stream.close()
-        process.wait()
 
     def begin(self, config: Config) -> None:
-        """Begin with what needs no more than regions, route and path; a second processor is needed, or nothing is."""
+        """Begin; a second processor is needed, or nothing is."""
         if self._process is not None or _processors() < 2 or not sys.executable:
             return
         # Where this process finds its modules, in that order, and nothing else.
         path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
+        # The run needs the other processor: linear algebra in threads only waits for it.
+        one = {"OPENBLAS_NUM_THREADS": "1"}
         with contextlib.suppress(OSError):
-            self._process = subprocess.Popen(
+            process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "pipeline.run.beside", os.fspath(self._folder)],
-                env={**os.environ, "PYTHONPATH": path},
+                env={**os.environ, **one, "PYTHONPATH": path},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
             )
+            self._process = process
+            assert process.stdout is not None
+            self._reader = Thread(target=self._read, args=(process.stdout,), daemon=True)
+            self._reader.start()
             self._tell(json.dumps(config.model_dump(mode="json")))
+            for line in self._said:
+                self._tell(line)
 
-    def ask(self) -> None:
-        """Ask for the rest: proof and trajectory, too, are in the folder."""
-        self._tell("finish")
+    def done(self, stage: Stage) -> None:
+        """Say that the result of a stage is in the folder."""
+        self._say(f"done {stage}")
 
-    def answer(self) -> dict[str, bytes] | None:
-        """Wait for the files by name; None if there is no such process, or it failed."""
-        if self._process is None or self._process.stdout is None:
+    def take(self, part: str) -> bool:
+        """Take a part over, unless the process has begun with it."""
+        with self._changed:
+            if part in self._made or (part in self._begun and not self._ended):
+                return False
+        self._say(f"taken {part}")
+        return True
+
+    def files(self, part: str) -> dict[str, bytes] | None:
+        """Wait for the files of a part by name; None if there is no such process, or it failed."""
+        if self._process is None:
             return None
-        head, _, content = self._process.stdout.read().partition(b"\n")
-        if self._process.wait() != 0:
-            return None
-        files, begin = {}, 0
-        for name, size in json.loads(head).items():
-            files[name] = content[begin : begin + size]
-            begin += size
-        return files
+        with self._changed:
+            self._changed.wait_for(lambda: part in self._made or self._ended)
+            return self._made.get(part)
+
+    def _say(self, line: str) -> None:
+        """Tell the process, once it is there."""
+        self._said.append(line)
+        self._tell(line)
 
     def _tell(self, line: str) -> None:
         if self._process is not None and self._process.stdin is not None:
@@ -75,6 +104,22 @@ class SecondProcess:
             with contextlib.suppress(OSError):
                 self._process.stdin.write(line.encode() + b"\n")
                 self._process.stdin.flush()
+
+    def _read(self, output: BinaryIO) -> None:
+        """Take what the process writes until it ends."""
+        for line in iter(output.readline, b""):
+            part, sizes = json.loads(line)
+            files = None if sizes is None else {name: output.read(size) for name, size in sizes.items()}
+            complete = files is None or all(len(content) == sizes[name] for name, content in files.items())
+            with self._changed:
+                if files is None:
+                    self._begun.add(part)
+                elif complete:
+                    self._made[part] = files
+                self._changed.notify_all()
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
 
 
 def _processors() -> int:

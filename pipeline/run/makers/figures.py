@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from pipeline.artifacts.layout import REPORT
 from pipeline.artifacts.state import State, read_state
+from pipeline.figures import FIGURES
 from pipeline.progress import Monitor
-from pipeline.run.makers.pictures import early_pictures, late_pictures
+from pipeline.run.makers.pictures import picture
 from pipeline.run.makers.report_page import report_page
 from pipeline.run.product import Product
 from pipeline.summary.figures import figures_section
@@ -17,19 +18,25 @@ if TYPE_CHECKING:
 
 
 def make_figures(results: "Results", monitor: Monitor) -> Product:
-    """Draw the results, and put the key figures on one page; a second process may have made a part of it."""
-    beside = results.beside
-    if beside is not None:
-        beside.ask()
+    """Draw the results, and put the key figures on one page, together with the second process if there is one.
+
+    That begins with the first figure and this one with the last; the report is made where its parts are.
+    """
+    beside, made = results.beside, dict[str, dict[str, bytes]]()
     monitor.progress("drawing")
-    late = late_pictures(results)
-    made = None if beside is None else beside.answer()
-    if made is None:
-        made = early_pictures(results)
-        monitor.progress("writing the report")
-        made[REPORT] = report_page(results, read_state(results.folder) or State())
-    page = made.pop(REPORT)
-    return figures_product({**made, **late}, page)
+    for figure in reversed(FIGURES):
+        if beside is None or beside.take(figure.name):
+            made[figure.name] = picture(figure, results)
+    files = dict[str, bytes]()
+    for figure in FIGURES:
+        if figure.name not in made:
+            there = None if beside is None else beside.files(figure.name)
+            made[figure.name] = picture(figure, results) if there is None else there
+        files |= made[figure.name]
+    monitor.progress("writing the report")
+    there = None if beside is None else beside.files(REPORT)
+    page = report_page(results, read_state(results.folder) or State()) if there is None else there[REPORT]
+    return figures_product(files, page)
 
 
 def figures_product(pictures: Mapping[str, bytes], page: bytes) -> Product:

@@ -1,41 +1,42 @@
-"""The figures as files, in two parts: those of stages one and two, and those that need proof or trajectory."""
+"""Each figure of a run as files, and the stage after which it can be drawn."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from pipeline.artifacts.results.figures import figure_files
-from pipeline.figures import FIGURES, RunData, all_figures
+from pipeline.figures import RunData, RunFigure, all_figures
 from pipeline.retime import sample_trajectory
-from pipeline.run.makers.path_samples import sample_paths
-from pipeline.run.makers.proven_profile import proven_profile
+from pipeline.stage import STAGES, Stage
 
 if TYPE_CHECKING:
+    from pipeline.retime.result import TrajectorySamples
     from pipeline.run.results import Results
 
-_LATE = {"kappa_profile", "trajectory", "trajectory_samples"}
-"""Fields of `RunData` that are not known before proof and trajectory are."""
+
+def _trajectory_samples(results: "Results") -> "TrajectorySamples":
+    return sample_trajectory(results.trajectory, results.config.retime.period_s)
 
 
-def early_pictures(results: "Results") -> dict[str, bytes]:
-    """Draw what needs no more than regions, route and path."""
-    coarse, refined = results.derive(sample_paths)
-    data = RunData(
-        results.config, results.machine, results.route, regions=results.regions, coarse=coarse, refined=refined
-    )
-    return figure_files(all_figures(data), results.config.figures.pdf)
+_SOURCES: dict[str, tuple[Stage, Callable[["Results"], Any]]] = {
+    "regions": (Stage.REGIONS, lambda results: results.regions),
+    "route": (Stage.ROUTE, lambda results: results.route),
+    "coarse": (Stage.REFINE, lambda results: results.samples[0]),
+    "refined": (Stage.REFINE, lambda results: results.samples[1]),
+    "kappa_profile": (Stage.CERTIFY, lambda results: results.profile),
+    "trajectory": (Stage.RETIME, lambda results: results.trajectory),
+    "trajectory_samples": (Stage.RETIME, lambda results: results.derive(_trajectory_samples)),
+}
+"""Fields of `RunData`: the stage after which they are known, and where they come from."""
 
 
-def late_pictures(results: "Results") -> dict[str, bytes]:
-    """Draw the rest."""
-    coarse, refined = results.derive(sample_paths)
-    data = RunData(
-        results.config,
-        results.machine,
-        results.route,
-        coarse=coarse,
-        refined=refined,
-        kappa_profile=results.derive(proven_profile),
-        trajectory=results.trajectory,
-        trajectory_samples=sample_trajectory(results.trajectory, results.config.retime.period_s),
-    )
-    rows = tuple(row for row in FIGURES if not _LATE.isdisjoint(row.needs))
-    return figure_files(all_figures(data, rows), results.config.figures.pdf)
+def last_stage(figure: RunFigure) -> Stage:
+    """Name the last stage that a figure needs."""
+    known = [_SOURCES[name][0] for name in (*figure.needs, *figure.uses) if name in _SOURCES]
+    return max(known, key=STAGES.index, default=Stage.REGIONS)
+
+
+def picture(figure: RunFigure, results: "Results") -> dict[str, bytes]:
+    """Draw one figure; no files if there is nothing to draw."""
+    names = {name for name in (*figure.needs, *figure.uses) if name in _SOURCES}
+    data = RunData(results.config, results.machine, **{name: _SOURCES[name][1](results) for name in names})
+    return figure_files(all_figures(data, (figure,)), results.config.figures.pdf)

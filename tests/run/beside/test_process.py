@@ -9,14 +9,15 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline.artifacts import State, read_run_folder, read_state
+from pipeline.artifacts import read_run_folder
 from pipeline.config import Config
+from pipeline.figures import FIGURES
 from pipeline.machine import build_machine
+from pipeline.progress import QUIET
 from pipeline.run import Results
 from pipeline.run.beside.process import SecondProcess
-from pipeline.run.makers.pictures import early_pictures
-from pipeline.run.makers.report_page import report_page
-from pipeline.stage import Stage
+from pipeline.run.makers.figures import make_figures
+from pipeline.stage import STAGES, Stage
 from tests.run.fake_stages import FakeStages
 
 needs_two = pytest.mark.skipif(
@@ -35,17 +36,39 @@ def folder(fast_config: Config, change: Callable[..., Config], stages: FakeStage
 def test_figures_and_report_are_the_same(folder: Path) -> None:
     """Made in two processes or in one: the same files, to the byte, in the same order, and none is written."""
     config, _ = read_run_folder(folder)
+    machine = build_machine(config.machine)
     before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
     with SecondProcess(folder) as beside:
         beside.begin(config)
-        beside.ask()
-        made = beside.answer()
-    assert made is not None
-    results = Results(config, build_machine(config.machine), folder)
-    alone = {**early_pictures(results), "report.html": report_page(results, read_state(folder) or State())}
-    assert list(made) == list(alone)
-    assert {name: alone[name] == content for name, content in made.items()} == dict.fromkeys(made, True)
+        for stage in STAGES[:-1]:
+            beside.done(stage)
+        # The first figure is made there, and so is the report.
+        there = {name: beside.files(name) for name in ("report.html", FIGURES[0].name)}
+        both = make_figures(Results(config, machine, folder, beside=beside), QUIET)
+    alone = make_figures(Results(config, machine, folder), QUIET)
+    assert list(both.files) == list(alone.files)
+    assert {name: alone.files[name] == content for name, content in both.files.items()} == dict.fromkeys(
+        both.files, True
+    )
+    for files in there.values():
+        assert files is not None
+        assert files.items() <= alone.files.items()
     assert {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()} == before
+
+
+@needs_two
+def test_a_part_is_made_once(folder: Path) -> None:
+    """What the run has taken the process leaves out, and what the process has begun the run does not get."""
+    config, _ = read_run_folder(folder)
+    taken = {"report.html", *(row.name for row in FIGURES[1:])}
+    with SecondProcess(folder) as beside:
+        assert all(beside.take(name) for name in sorted(taken))
+        for stage in STAGES[:-1]:
+            beside.done(stage)
+        beside.begin(config)
+        assert beside.files(FIGURES[0].name) is not None
+        assert not beside.take(FIGURES[0].name)
+        assert [beside.files(name) for name in taken] == [None] * len(taken)
 
 
 @needs_two
@@ -53,15 +76,17 @@ def test_a_failure_is_no_answer(quick_config: Config, tmp_path: Path) -> None:
     """Where there is nothing to draw, the run is left to find out and to say so."""
     with SecondProcess(tmp_path / "missing") as beside:
         beside.begin(quick_config)
-        beside.ask()
-        assert beside.answer() is None
+        beside.done(Stage.ROUTE)
+        assert beside.files("machine") is None
+        assert beside.take("machine")
 
 
 def test_without_one_there_is_no_answer(tmp_path: Path) -> None:
     """A run that began none, or could not, draws by itself."""
     with SecondProcess(tmp_path) as beside:
-        beside.ask()
-        assert beside.answer() is None
+        beside.done(Stage.REGIONS)
+        assert beside.take("regions")
+        assert beside.files("regions") is None
 
 
 @needs_two
