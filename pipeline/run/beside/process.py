@@ -40,12 +40,10 @@ class SecondProcess:
         """Begin with what needs no more than regions, route and path; a second processor is needed, or nothing is."""
         if self._process is not None or _processors() < 2 or not sys.executable:
             return
-        # Where this process finds its modules, in that order, and nothing else.
-        path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
         with contextlib.suppress(OSError):
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "pipeline.run.beside", os.fspath(self._folder)],
-                env={**os.environ, "PYTHONPATH": path},
+                module_command("pipeline.run.beside", os.fspath(self._folder)),
+                env=module_environment(),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -75,6 +73,16 @@ class SecondProcess:
             with contextlib.suppress(OSError):
                 self._process.stdin.write(line.encode() + b"\n")
                 self._process.stdin.flush()
+
+
+def module_command(module: str, *arguments: str) -> list[str]:
+    """Give the command that runs a module in a process of its own."""
+    return [sys.executable, "-P", "-m", module, *arguments]
+
+
+def module_environment() -> dict[str, str]:
+    """Give the environment in which such a process finds modules where this one does, in that order."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)}
 
 
 def _processors() -> int:
