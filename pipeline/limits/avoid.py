@@ -58,7 +58,8 @@ class Box:
     def depth(self, controlled: FloatArray) -> FloatArray:
         """Compute the depth of controlled poses (..., 5) as a part of the half width: 1 in the middle, outside < 0."""
         limited = np.isfinite(self.low) & np.isfinite(self.high)
-        middle, half = (self.low + self.high)[limited] / 2.0, (self.high - self.low)[limited] / 2.0
+        low, high = self.low[limited], self.high[limited]
+        middle, half = (low + high) / 2.0, (high - low) / 2.0
         return np.asarray((1.0 - np.abs(controlled[..., limited] - middle) / half).min(axis=-1), dtype=float)
 
 

@@ -11,7 +11,7 @@ from pipeline.machine.drawing import DrawnPoints, rail_ends
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
 
 _FIXED = np.setdiff1d(np.arange(6), TELESCOPES)
-_LINK_M, _TUBE_M, _ROD_M, _BEAM_M, _RAIL_M = 0.011, 0.017, 0.009, 0.013, 0.016
+_LINK_M, _TUBE_M, _ROD_M, _BEAM_M, _RAIL_M = 0.012, 0.018, 0.010, 0.014, 0.016
 """Radii."""
 _TUBE_PART = 0.62
 """Length of a telescope's tube, as a part of its least length."""
@@ -41,8 +41,10 @@ class Rods:
         """Quaternions that turn z into the direction of each, shape (n, 4): half way between the two."""
         direction = (self.ends_m - self.starts_m) / np.maximum(self.lengths_m, 1e-12)[:, None]
         x, y, z = direction.T
-        turned = np.column_stack([1.0 + z, -y, x, np.zeros_like(z)])
-        turned[z < -1.0 + 1e-9] = [0.0, 1.0, 0.0, 0.0]
+        zero = np.zeros_like(z)
+        # Downwards after half a turn about x, as half way between opposite directions is nowhere.
+        upwards = np.column_stack([1.0 + z, -y, x, zero])
+        turned = np.where(z[:, None] < 0.0, np.column_stack([-y, 1.0 - z, zero, x]), upwards)
         return np.asarray(turned / np.linalg.norm(turned, axis=1, keepdims=True))
 
 

@@ -12,7 +12,7 @@ from pipeline.show.posture import Posture
 _RED, _AMBER, _GREEN = "#c2410c", "#b45309", "#15803d"
 _NARROW = 0.1
 """Room below which a limit is near."""
-_BAR_PX = 56
+_BAR_PX = 44
 
 
 def verdict_html(posture: Posture) -> str:
@@ -65,7 +65,10 @@ def _row(reading: Reading) -> str:
     )
     unit = f" {reading.unit}" if reading.unit else ""
     cells = (
-        ("left;white-space:normal", f"<span title='{escape(reading.key, quote=True)}'>{escape(reading.name)}</span>"),
+        (
+            "left;white-space:normal;min-width:100px",
+            f"<span title='{escape(reading.key, quote=True)}'>{escape(reading.name)}</span>",
+        ),
         ("right", f"{number(reading.value)}{escape(unit)}"),
         ("left", escape(reading.allowed)),
         ("right", f"<span style='color:{colour}'>{number(reading.margin)}</span>"),
@@ -134,15 +137,14 @@ def box_words(box: BoxConfig) -> str:
     return ", ".join(f"{key} {ends[0]:g} to {ends[1]:g}" for key, ends in given.items())
 
 
-def next_html(file: Path, folder: Path, timed: bool) -> str:
-    """Say where the motion is for the controller, or how to get there."""
-    run = f"gantry-tau run {shlex.quote(str(file))} --out {shlex.quote(str(folder))}"
+def next_html(run: str, folder: Path, timed: bool) -> str:
+    """Say where the motion is for the controller, or how to get there; `run` is the command that plans all of it."""
     if not timed:
         return _line(f"Next, for a CSV: plan up to <i>trajectory</i> here, or type <code>{escape(run)}</code>")
     export = f"gantry-tau export {shlex.quote(str(folder))} --format csv --output motion.csv"
     return _line(
-        f"For the controller: <code>{escape(str(folder / 'trajectory.csv'))}</code>; in another form, such as "
-        f"<code>{escape(export)}</code>. Figures and report: <code>{escape(run)}</code>"
+        f"For the controller: <code>{escape(str(folder / 'trajectory.csv'))}</code>; with other columns or another "
+        f"period, <code>{escape(export)}</code>. Figures and report: <code>{escape(run)}</code>"
     )
 
 

@@ -2,9 +2,10 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config, PoseConfig
 from pipeline.errors import PipelineError
 from pipeline.machine.geometry import MODES
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from viser import ViserServer
 
 _MAP, _CHECK = "map", "check"
-_PANEL_PX = 370
+_PANEL_PX = 390
 TICK_S = 1.0 / 30.0
 """Time between two pictures of a motion."""
 
@@ -60,6 +61,7 @@ class App:
         self.tick: Follow | None = None
         self.jog_ms = 0.0
         self._mapped: tuple[float, float, int] | None = None
+        self._notice: Any = server.gui.add_html("")
         state = server.gui.add_panel()
         with state.add_tab("At this pose"):
             self.status: Any = server.gui.add_html("")
@@ -91,6 +93,7 @@ class App:
 
     def attempt(self, job: Follow) -> None:
         """Do something; what the user can mend is told, and nothing else is caught."""
+        self._notice.content = ""
         try:
             job()
         except (PipelineError, OSError) as error:
@@ -98,7 +101,7 @@ class App:
 
     def tell(self, text: str) -> None:
         """Show what is wrong to whoever looks at the page."""
-        self.status.content = message_html(text, wrong=True)
+        self._notice.content = message_html(text, wrong=True)
         for client in self.server.get_clients().values():
             client.add_notification("That cannot be done", text, color="red", auto_close_seconds=10.0)
 
@@ -142,7 +145,7 @@ class App:
 
     def follow_edit(self) -> None:
         """Show the configuration and the machine as they are."""
-        self.view.draw_task(self.session.config)
+        self.view.draw_task(self.session.config, self.session.machine)
         for follow in self.after_edit:
             follow()
         self.follow_jog()
@@ -168,7 +171,7 @@ class App:
             self.task_status.content = task_html(session.config, task_refusals(session.config, session.machine))
 
 
-def rounded_pose(position: "tuple[float, ...]", tilts_rad: tuple[float, float], mode: str) -> PoseConfig:
+def rounded_pose(position: Sequence[float] | FloatArray, tilts_rad: tuple[float, float], mode: str) -> PoseConfig:
     """Make a pose of a place and tilts, to a tenth of a millimetre and a hundredth of a degree."""
     x, y, z = (max(-20.0, min(20.0, round(float(value), 4))) for value in position)
     rx, rz = (max(-85.0, min(85.0, round(math.degrees(value), 2))) for value in tilts_rad)

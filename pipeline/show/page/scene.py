@@ -5,20 +5,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.config import BoxConfig, Config
+from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.maps.kappa_map import YzWindow
-from pipeline.limits.avoid import Box
 from pipeline.machine.drawing import drawn_points, platform_corners, platform_faces, rail_ends
-from pipeline.machine.geometry import Machine, rotation, rotation_x, rotation_z
+from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.show.map_picture import MapPicture, map_window
+from pipeline.show.marks import shown_box, task_marks
+from pipeline.show.orientation import pose_quaternion
 from pipeline.show.playback import COARSE, REFINED, SIMULATED, Track
 from pipeline.show.rods import arm_colours, machine_rods, rail_rods, rgb, unit_cylinder
 
 if TYPE_CHECKING:
     from viser import ViserServer
 
+_AVOIDED = (200, 60, 40)
 _CART_M = (0.12, 0.07, 0.05)
 _TRACK_COLOURS = {COARSE: style.BLACK, REFINED: style.VERMILLION, SIMULATED: style.PURPLE}
 _FACING = (0.5, 0.5, 0.5, 0.5)
@@ -26,13 +28,14 @@ _FACING = (0.5, 0.5, 0.5, 0.5)
 
 
 class SceneView:
-    """The scene of a server; every `draw_` replaces what it drew before."""
+    """The scene of a server; every `draw_` replaces what it drew before. `tool` is the gizmo at the TCP."""
 
     def __init__(self, server: "ViserServer") -> None:
         self._server = server
         self._scene = server.scene
         self._nodes: dict[str, Any] = {}
         self._window: YzWindow | None = None
+        self.tool: Any = self._scene.add_transform_controls("/tool", scale=0.28, line_width=3.0, depth_test=False)
 
     def draw_machine(self, config: Config, machine: Machine) -> None:
         """Draw what does not move, and make the parts that do."""
@@ -66,13 +69,8 @@ class SceneView:
 
     def place_camera(self, machine: Machine) -> None:
         """Look at the machine from the front, right and above, as the figures do."""
-        ends = rail_ends(machine).reshape(-1, 3)
-        middle = ends.mean(axis=0)
-        size = float(np.linalg.norm(np.ptp(ends, axis=0)))
-        azimuth, elevation = np.deg2rad([-52.0, 22.0])
-        line = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
-        self._server.initial_camera.look_at = middle + [0.1 * size, 0.0, -0.03 * size]
-        self._server.initial_camera.position = middle + [0.1 * size, 0.0, 0.0] + 0.95 * size * np.array(line)
+        camera = self._server.initial_camera
+        camera.position, camera.look_at = camera_of(machine)
 
     def move_machine(self, machine: Machine, samples: PoseSamples, sides: tuple[float, ...], alarmed: bool) -> None:
         """Move the machine to a pose (n = 1); red, if something is wrong."""
@@ -86,7 +84,7 @@ class SceneView:
         for cart, foot, colour in zip(self._nodes["carts"], points.feet_m, colours, strict=True):
             cart.position, cart.color = foot, tuple(colour.tolist())
         platform = self._nodes["platform"]
-        platform.wxyz, platform.position = quaternion(rotation(*pose[3:])), pose[:3]
+        platform.wxyz, platform.position = pose_quaternion(pose), pose[:3]
         platform.color = _colour(style.VERMILLION) if alarmed else (90, 90, 90)
         self._nodes["tcp"].position = pose[:3]
         for name in ("map", "loops"):
@@ -123,35 +121,24 @@ class SceneView:
             if name in self._nodes:
                 self._nodes.pop(name).remove()
 
-    def draw_task(self, config: Config) -> None:
+    def draw_task(self, config: Config, machine: Machine) -> None:
         """Mark start, goal and visits, and draw the boxes to avoid as far as the picture goes."""
+        assert self._window is not None
+        scene = self._scene
+        # What is within a node goes with it.
         for node in self._nodes.pop("task", []):
             node.remove()
-        task = config.task
         nodes: list[Any] = []
-        marks = [("start", task.start, style.GREEN), ("goal", task.goal, style.GREEN)]
-        marks += [(f"visit {k}", visit.pose, style.SKY_BLUE) for k, visit in enumerate(task.visit) if visit.pose]
-        same = marks[0][1].model_copy(update={"mode": ""}) == marks[1][1].model_copy(update={"mode": ""})
-        for number, (name, pose, colour) in enumerate(marks):
-            if same and name == "goal":
-                continue
-            place = (pose.x_m, pose.y_m, pose.z_m)
-            title = (
-                f"start {task.start.mode}, goal {task.goal.mode}" if same and name == "start" else f"{name} {pose.mode}"
-            )
-            nodes.append(
-                self._scene.add_icosphere(f"/task/{number}", 0.026, _colour(colour), opacity=0.8, position=place)
-            )
-            nodes.append(self._scene.add_label(f"/task/{number}/name", title, position=(0.0, 0.0, 0.05)))
-        for k, box in enumerate(task.avoid):
-            low, high = self._seen_box(box)
-            nodes.append(
-                self._scene.add_box(
-                    f"/avoid/{k}", (200, 60, 40), tuple(high - low), opacity=0.35, position=(low + high) / 2.0,
-                    cast_shadow=False,
-                )
-            )  # fmt: skip
-            nodes.append(self._scene.add_label(f"/avoid/{k}/name", f"avoid[{k}]"))
+        for k, mark in enumerate(task_marks(config)):
+            ball = scene.add_icosphere(f"/task/{k}", 0.026, _colour(mark.colour), opacity=0.8, position=mark.place_m)
+            scene.add_label(f"/task/{k}/name", mark.title, position=(0.0, 0.0, 0.14), anchor="bottom-center")
+            nodes.append(ball)
+        for k, box in enumerate(config.task.avoid):
+            low, high = shown_box(box, machine, self._window)
+            size, middle = tuple((high - low).tolist()), (low + high) / 2.0
+            block = scene.add_box(f"/avoid/{k}", _AVOIDED, size, opacity=0.35, position=middle, cast_shadow=False)
+            scene.add_label(f"/avoid/{k}/name", f"avoid[{k}]")
+            nodes.append(block)
         self._nodes["task"] = nodes
 
     def draw_tracks(self, tracks: tuple[Track, ...]) -> None:
@@ -162,14 +149,6 @@ class SceneView:
             way = track.samples.pose[:, :3]
             colour, width = _TRACK_COLOURS[track.name], 0.007 if track.name == REFINED else 0.004
             self._lines(track.name.replace(" ", "-"), np.stack([way[:-1], way[1:]], axis=1), colour, width)
-
-    def _seen_box(self, box: BoxConfig) -> tuple[FloatArray, FloatArray]:
-        """Cut a box down to what is shown: least and largest x, y, z."""
-        assert self._window is not None
-        window, limits = self._window, Box.of(box)
-        low = np.maximum(limits.low[:3], [-0.3, window.y_least, window.z_least])
-        high = np.minimum(limits.high[:3], [3.0, window.y_largest, window.z_largest])
-        return low, np.maximum(high, low + 1e-3)
 
     def _lines(self, name: str, points: FloatArray, colour: str, width_m: float) -> None:
         if name in self._nodes:
@@ -184,24 +163,14 @@ class SceneView:
         return float(machine.travel_m[:, 0].min()) - 0.2, self._window.y_least, self._window.z_least
 
 
-def tilt_quaternion(rx_rad: float, rz_rad: float) -> FloatArray:
-    """Give the quaternion (w, x, y, z) of Rx(rx) Rz(rz): the tilt without the dependent angle."""
-    return quaternion(rotation_x(np.array(rx_rad)) @ rotation_z(np.array(rz_rad)))
-
-
-def quaternion(R: FloatArray) -> FloatArray:
-    """Give the quaternion (w, x, y, z) of a rotation (3, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_matrix(R).as_quat(scalar_first=True))
-
-
-def tilts_of(wxyz: FloatArray) -> tuple[float, float]:
-    """Read rx and rz of R = Rx(rx) Rz(rz) Ry(ry) from a quaternion (w, x, y, z), whatever ry is."""
-    from scipy.spatial.transform import Rotation
-
-    R = Rotation.from_quat(wxyz, scalar_first=True).as_matrix()
-    return float(np.arctan2(R[2, 1], R[1, 1])), float(-np.arcsin(np.clip(R[0, 1], -1.0, 1.0)))
+def camera_of(machine: Machine) -> tuple[FloatArray, FloatArray]:
+    """Choose where the camera is and what it looks at, each (3,): rails fill the picture."""
+    ends = rail_ends(machine).reshape(-1, 3)
+    middle, size = ends.mean(axis=0), float(np.linalg.norm(np.ptp(ends, axis=0)))
+    azimuth, elevation = np.deg2rad([-52.0, 22.0])
+    line = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+    seen = middle + [0.1 * size, 0.0, 0.0]
+    return seen + 0.95 * size * np.array(line), seen - [0.0, 0.0, 0.03 * size]
 
 
 def _colour(name: str) -> tuple[int, int, int]:

@@ -6,8 +6,8 @@ from pipeline.config import PoseConfig
 from pipeline.machine.geometry import MODES
 from pipeline.machine.pose import TILT_AXES
 from pipeline.show.map_picture import map_window
+from pipeline.show.orientation import tilt_quaternion, tilts_of
 from pipeline.show.page.app import App, rounded_pose
-from pipeline.show.page.scene import tilt_quaternion, tilts_of
 from pipeline.show.words import note_html
 
 _BEYOND_M, _BEYOND_DEG, _MOST_DEG = 0.2, 10.0, 85.0
@@ -33,9 +33,7 @@ class JogPanel:
         self._mode: Any = gui.add_dropdown("working mode", MODES, hint="L or R for arms 1, 2, 3: where the cart is")
         self._shown: Any = gui.add_checkbox("map of kappa", initial_value=True, hint="At the x of the TCP")
         gui.add_html(note_html(_LEGEND))
-        self._gizmo: Any = app.server.scene.add_transform_controls(
-            "/tool", scale=0.28, line_width=3.0, depth_test=False
-        )
+        self._gizmo: Any = app.view.tool
         self._dragged = False
         for control in (*self._sliders.values(), self._mode):
             control.on_update(self._by_control)
@@ -64,9 +62,10 @@ class JogPanel:
         for key, slider in self._sliders.items():
             slider.value = getattr(posture.asked, key)
         self._mode.value = posture.asked.mode
+        self._gizmo.visible = True
         if not self._dragged:
             pose = posture.samples.pose[0]
-            self._gizmo.position, self._gizmo.wxyz = pose[:3], tilt_quaternion(float(pose[3]), float(pose[5]))
+            self._gizmo.position, self._gizmo.wxyz = pose[:3], tilt_quaternion(pose)
 
     def _follow_edit(self) -> None:
         for key, (least, largest) in _ranges(self._app).items():

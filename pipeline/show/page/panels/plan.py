@@ -4,6 +4,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+from pipeline.config.file import results_folder
 from pipeline.show.page.app import App
 from pipeline.show.page.panels.play import PlayPanel
 from pipeline.show.planning.process import Planning
@@ -83,7 +84,7 @@ class PlanPanel:
         file = self._app.session.file
         if self._folder is not None and file.parent == self._folder:
             return self._folder
-        return Path("results") / self._app.session.config.name
+        return results_folder(self._app.session.config)
 
     def _ask_to_stop(self) -> None:
         if self._process is not None:
@@ -118,4 +119,10 @@ class PlanPanel:
             return
         run = load_run(self._folder)
         self._play.load(run)
-        self._said.content = steps + next_html(self._app.session.file, self._folder, Stage.RETIME in run.done)
+        self._said.content = steps + next_html(self._command(), self._folder, Stage.RETIME in run.done)
+
+    def _command(self) -> str:
+        """Give the command that plans the whole of this."""
+        session = self._app.session
+        out = "" if self._folder == results_folder(session.config) else f" --out {shlex.quote(str(self._folder))}"
+        return f"gantry-tau run {shlex.quote(str(session.file))}{out}"

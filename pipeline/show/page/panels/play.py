@@ -6,7 +6,7 @@ from typing import Any
 
 from pipeline.limits import read_limits, task_pose_limits
 from pipeline.machine.geometry import MODES
-from pipeline.show.page.app import App
+from pipeline.show.page.app import App, rounded_pose
 from pipeline.show.playback import Player, Track
 from pipeline.show.session import LoadedRun
 from pipeline.show.words import message_html, moving_html, readings_html
@@ -29,6 +29,7 @@ class PlayPanel:
         self._time: Any = gui.add_slider("time (s)", 0.0, 1.0, 0.01, 0.0, disabled=True)
         self._speed: Any = gui.add_dropdown("speed", _SPEEDS, initial_value="1")
         self._play: Any = gui.add_button("Play / pause", disabled=True)
+        self._take: Any = gui.add_button("Jog from here", disabled=True, hint="To take this pose for the task")
         self._note: Any = gui.add_html(message_html(_NO_RUN))
 
         async def chosen(event: Any) -> None:
@@ -46,6 +47,10 @@ class PlayPanel:
         async def toggled(_: Any) -> None:
             app.jobs.post_every(self._toggle)
 
+        async def taken(_: Any) -> None:
+            app.jobs.post_every(self._jog_from_here)
+
+        self._take.on_click(taken)
         self._which.on_update(chosen)
         self._time.on_update(scrubbed)
         self._speed.on_update(sped)
@@ -77,7 +82,7 @@ class PlayPanel:
     def _choose(self) -> None:
         track = self._track
         self._app.tick = None
-        self._time.disabled = self._play.disabled = track is None
+        self._time.disabled = self._play.disabled = self._take.disabled = track is None
         if track is None:
             self._note.content = message_html(_NO_RUN)
             return
@@ -94,6 +99,14 @@ class PlayPanel:
         self._player = self._player.toggled()
         self._then = monotonic()
         self._app.tick = self._tick if self._player.playing else None
+
+    def _jog_from_here(self) -> None:
+        track = self._track
+        if track is not None:
+            index = track.nearest(self._player.t_s)
+            pose = track.samples.pose[index]
+            self._player = replace(self._player, playing=False)
+            self._app.jog(rounded_pose(pose[:3], (pose[3], pose[5]), track.modes[index]))
 
     def _scrub(self) -> None:
         self._player = replace(self._player, t_s=min(float(self._time.value), self._player.duration_s), playing=False)
@@ -120,6 +133,7 @@ class PlayPanel:
         title = f"{track.name}, {track.t_s[index]:.2f} s, {mode}, kappa {samples.kappa[0]:.3f}."
         with app.server.atomic():
             app.view.move_machine(app.session.machine, samples, sides, any(one.room < 0.0 for one in readings))
+            app.view.tool.visible = False
             app.status.content = moving_html(title, readings) + readings_html(readings)
         app.ask_map(samples, MODES.index(mode))
 
