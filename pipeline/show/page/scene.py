@@ -43,6 +43,8 @@ class SceneView:
         self._window = map_window(config, machine)
         rails = rail_rods(machine)
         scene = self._scene
+        # Shadows cost most of the time of a picture, where there is no graphics card.
+        scene.configure_default_lights(cast_shadow=False)
         scene.add_batched_meshes_simple(
             "/rails", vertices, faces, rails.wxyz, rails.starts_m, batched_scales=rails.scales,
             batched_colors=rails.colours.astype(np.uint8), lod="off",

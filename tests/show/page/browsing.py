@@ -17,7 +17,7 @@ from pipeline.show.page.scene import camera_of
 from tests.report.browser import ARGUMENTS, find_browser
 
 PROJECT = Path(__file__).parents[3]
-PATIENCE_MS = 120_000
+PATIENCE_MS = 60_000
 _FOV_RAD = np.deg2rad(75.0)
 
 
@@ -64,6 +64,12 @@ class Page:
     def press(self, button: str) -> None:
         """Press a button."""
         self.page.get_by_role("button", name=button, exact=True).click()
+
+    def fill(self, number: int, value: str) -> None:
+        """Type a value into a field of the tab, counted from 0."""
+        field = self.page.locator("input:visible:not([type=checkbox])").nth(number)
+        field.fill(value)
+        field.press("Enter")
 
     def text(self) -> str:
         """Give all that is written."""
