@@ -20,6 +20,7 @@ from pipeline.cli.commands import (
     measured,
     report,
     run,
+    show,
     simulate,
     tradeoff,
     tune,
@@ -198,6 +199,7 @@ def _root(
     pass
 
 
-for _group in (init, run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune):
+_GROUPS = (init, show, run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune)
+for _group in _GROUPS:
     for _command, _examples in _group.COMMANDS:
         app.command(cls=_Command, epilog=_epilog(_examples))(_command)

@@ -1,6 +1,5 @@
 """Arguments and options that several commands have, and what they stand for."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,9 +10,6 @@ from pipeline.errors import ConfigError
 if TYPE_CHECKING:
     from pipeline.config import Config
     from pipeline.run.stage_specs import Specs
-
-RESULTS = Path("results")
-"""The folder of all run folders, by default."""
 
 ConfigArgument = Annotated[Path, typer.Argument(metavar="CONFIG", help="The YAML file with machine, task and options.")]
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN", help="The folder a run has written to.")]
@@ -59,11 +55,6 @@ def load_task(path: Path) -> "Config":
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
     return config
-
-
-def results_folder(config: "Config") -> Path:
-    """Name the folder of a run that is given none, in UTF-8 whatever the locale."""
-    return RESULTS / os.fsdecode(config.name.encode())
 
 
 def specs_of(context: typer.Context) -> "Specs":

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.options import results_folder
 from pipeline.cli.reporter import make_reporter
 from pipeline.cli.stage_table import stage_table
 
@@ -24,6 +23,7 @@ def run_stages(path: Path, config: "Config", out: Path | None, options: "RunOpti
         When the run ends without a result, or a part of one is missing.
     """
     from pipeline.artifacts.layout import REPORT
+    from pipeline.config.file import results_folder
     from pipeline.run import run_pipeline
     from pipeline.run.run_report import files_to_open
     from pipeline.run.stage_specs import spec_of

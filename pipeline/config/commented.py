@@ -20,6 +20,18 @@ def commented_yaml(config: Config) -> str:
     return "\n".join(parts)
 
 
+def commented_file(config: Config, *heading: str) -> str:
+    """Write a file to make one's own from: the lines of the heading as they are, then `commented_yaml`."""
+    lines = (
+        *heading,
+        "# Lengths in metres, tilts in degrees. A key that is left out has its default, if it has one.",
+        "# `gantry-tau check` with this file shows the machine at start and goal; `gantry-tau run` plans.",
+        "",
+        commented_yaml(config),
+    )
+    return "\n".join(lines)
+
+
 def _entries(section: BaseModel, indent: int) -> Iterator[list[str]]:
     """Write the lines of every key; a description is not repeated for the next key."""
     said = ""

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +21,7 @@ Read = Callable[[Path, int], bytes]
 """Reads a file of at most so many bytes."""
 
 
+_RESULTS = Path("results")
 _IN_RUN_FOLDERS = "config.yaml"
 _MOST_ISSUES = 100
 """Faults that are explained: a file of another kind has thousands."""
@@ -69,6 +71,11 @@ def dump_config(config: Config) -> str:
 def schema_text() -> str:
     """Write the JSON schema of a configuration, with which editors complete one."""
     return json.dumps(Config.model_json_schema(), indent=2)
+
+
+def results_folder(config: Config) -> Path:
+    """Name the folder of a run that is given none, in UTF-8 whatever the locale."""
+    return _RESULTS / os.fsdecode(config.name.encode())
 
 
 def config_sha256(config: BaseModel | object) -> str:

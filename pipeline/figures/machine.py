@@ -21,7 +21,8 @@ from pipeline.arrays import FloatArray
 from pipeline.errors import ArgumentError
 from pipeline.figures import style
 from pipeline.figures.maps.route import select_steps
-from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, TELESCOPES, Machine, cart_joints, platform_arms
+from pipeline.machine.drawing import DrawnPoints, drawn_points, rail_ends
+from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, TELESCOPES, Machine
 from pipeline.machine.working_modes import mode_names, reach_along_rails
 from pipeline.route.result import Route
 
@@ -136,32 +137,25 @@ def project(points: FloatArray) -> FloatArray:
     return np.stack([points @ right, points @ up], axis=-1)
 
 
-def _joints(machine: Machine, stance: _Stance) -> tuple[FloatArray, FloatArray]:
-    """Compute cart and platform joints C_l, A_l, each (6, 3)."""
-    return cart_joints(machine, stance.q_m[:3]), stance.pose[:3] + platform_arms(machine, stance.pose)
-
-
-def _rails(machine: Machine) -> FloatArray:
-    """Compute both ends of each rail. Shape (3, 2, 3)."""
-    return np.stack(
-        [np.column_stack([machine.travel_m[:, end], machine.rails_m]) for end in (0, 1)],
-        axis=1,
-    )
+def _points(machine: Machine, stance: _Stance) -> DrawnPoints:
+    return drawn_points(machine, stance.pose, stance.q_m)
 
 
 def _window(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Compute the least and largest projected coordinates of everything that is drawn, each (2,)."""
-    parts = [_rails(machine), tcp_m, *(joints for stance in stances for joints in _joints(machine, stance))]
+    drawn = [_points(machine, stance) for stance in stances]
+    joints = [ends for points in drawn for ends in (points.cart_joints_m, points.platform_joints_m)]
+    parts = [rail_ends(machine), tcp_m, *joints]
     seen = np.concatenate([project(part).reshape(-1, 2) for part in parts])
     return seen.min(axis=0) - _MARGIN_M / 2.0, seen.max(axis=0) + _MARGIN_M / 2.0
 
 
 def _draw_machine(axes: Axes, machine: Machine, stance: _Stance, origin: FloatArray) -> None:
-    carts, platform = _joints(machine, stance)
+    points = _points(machine, stance)
     colours = [_COLOURS[side] for side in stance.sides]
-    links = project(np.stack([carts, platform], axis=1)) + origin
+    links = project(np.stack([points.cart_joints_m, points.platform_joints_m], axis=1)) + origin
     of_link = [colours[arm] for arm in ARM_OF_LINK]
-    rails = project(_rails(machine)) + origin
+    rails = project(rail_ends(machine)) + origin
     axes.add_collection(LineCollection(list(rails), colors=style.GREY, linewidths=1.2, zorder=1.0))
     tcp = project(stance.way_m) + origin
     outline = _hull(np.vstack([links[:, 1], tcp[-1:]]))
@@ -169,7 +163,7 @@ def _draw_machine(axes: Axes, machine: Machine, stance: _Stance, origin: FloatAr
     for which, look in ((_FIXED, _LINK), (TELESCOPES, _TELESCOPE)):
         lines = LineCollection([links[k] for k in which], colors=[of_link[k] for k in which], zorder=3.0, **look)
         axes.add_collection(lines)
-    feet = project(np.column_stack([stance.q_m[:3], machine.rails_m])) + origin
+    feet = project(points.feet_m) + origin
     beams = np.stack([feet[ARM_OF_LINK], links[:, 0]], axis=1)
     axes.add_collection(LineCollection(list(beams), colors=style.BLACK, linewidths=0.9, zorder=3.5))
     for foot, colour in zip(feet, colours, strict=True):

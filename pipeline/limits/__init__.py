@@ -17,6 +17,7 @@ from pipeline.limits.interface.limit import (
 )
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
+from pipeline.limits.interface.readings import Reading, ReadLimit, read_limits
 from pipeline.limits.interface.relaxation import RegionFilter, Relaxation
 from pipeline.limits.kinds import (
     KINDS,
@@ -29,6 +30,7 @@ from pipeline.limits.kinds import (
     pose_limits,
     proven_limits,
     relaxations,
+    task_pose_limits,
 )
 
 __all__ = [
@@ -43,6 +45,8 @@ __all__ = [
     "NodeLimit",
     "ProvenLimit",
     "ProvenQuantity",
+    "ReadLimit",
+    "Reading",
     "RegionFilter",
     "Relaxation",
     "ShownLimit",
@@ -60,5 +64,7 @@ __all__ = [
     "path_limits",
     "pose_limits",
     "proven_limits",
+    "read_limits",
     "relaxations",
+    "task_pose_limits",
 ]

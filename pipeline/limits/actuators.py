@@ -6,7 +6,7 @@ Start, goal and poses to visit may be anywhere within travel and strokes; routes
 (`actuator_margins`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import Config
 from pipeline.limits.actuator_margins import given_poses, planned_range_m, within_margins
-from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.limit import Curve, Limit, Wording
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.interface.relaxation import RegionFilter, Relaxation, threshold_filter, with_values
@@ -91,6 +91,11 @@ class ActuatorRange:
             for name, value, (least, largest) in rows
             if not least <= value <= largest
         ]
+
+    def readings(self, samples: PoseSamples) -> Sequence[Curve]:
+        """Return the position of each actuator."""
+        rows = zip(ACTUATORS[self.columns], samples.q_m[:, self.columns].T, self.range_m.tolist(), strict=True)
+        return tuple(Curve(name, "m", values, least, largest) for name, values, (least, largest) in rows)
 
     @property
     def quantities(self) -> tuple[ProvenQuantity, ...]:

@@ -1,12 +1,13 @@
 """Boxes of controlled poses that the TCP must not enter (`task.avoid`), or may be asked to visit."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import BoxConfig, Config
-from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.limit import Curve, Limit, Wording
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry
 from pipeline.limits.interface.relaxation import Relaxation, removals
@@ -53,6 +54,13 @@ class Box:
     def depth_m(self, controlled: FloatArray) -> FloatArray:
         """Compute the distance of controlled poses (..., 5) to the nearest side, in metres and radians; outside < 0."""
         return np.asarray(np.minimum(controlled - self.low, self.high - controlled).min(axis=-1), dtype=float)
+
+    def depth(self, controlled: FloatArray) -> FloatArray:
+        """Compute the depth of controlled poses (..., 5) as a part of the half width: 1 in the middle, outside < 0."""
+        limited = np.isfinite(self.low) & np.isfinite(self.high)
+        low, high = self.low[limited], self.high[limited]
+        middle, half = (low + high) / 2.0, (high - low) / 2.0
+        return np.asarray((1.0 - np.abs(controlled[..., limited] - middle) / half).min(axis=-1), dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +110,10 @@ class AvoidedBox:
     def violations(self, samples: PoseSamples) -> list[str]:
         """State that the pose is inside."""
         return [f"is inside task.avoid[{self.number}]"] if self.box.inside(samples.controlled)[0] else []
+
+    def readings(self, samples: PoseSamples) -> Sequence[Curve]:
+        """Return how deep the TCP is inside, in half widths of the box along its nearest side: negative outside."""
+        return (Curve(f"depth in {self.wording.key}", "half widths", self.box.depth(samples.controlled), -np.inf, 0.0),)
 
 
 def boxes_to_avoid(config: Config) -> list[Box]:

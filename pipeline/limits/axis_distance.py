@@ -85,6 +85,12 @@ class AxisDistance:
         """Return the least distance at each sample."""
         return (Curve(f"least {self.wording.name}", "m", self.values(samples).min(axis=1), self.least, np.inf),)
 
+    def readings(self, samples: PoseSamples) -> Sequence[Curve]:
+        """Return the least distance, named by the pair that is nearest at the first pose."""
+        values = self.values(samples)
+        pair = pair_names(self.pairs, self.from_rail)[int(values[0].argmin())]
+        return (Curve(f"{self.wording.name} ({pair})", "m", values.min(axis=1), self.least, np.inf),)
+
     def node_margin(self, clearance_margin_m: float) -> float:
         """Return what nodes keep on top: refine.clearance_margin_m."""
         return clearance_margin_m

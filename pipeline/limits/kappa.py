@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.errors import ConfigError, ConfigIssue
-from pipeline.limits.interface.limit import Limit, Wording
+from pipeline.limits.interface.limit import Curve, Limit, Wording
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.interface.relaxation import Relaxation, threshold_filter, with_values
@@ -80,6 +80,10 @@ class KappaCap:
             key = "machine.characteristic_length_m"
             stated += f"; with {key}: {length_m:g}, the mean length of the links, it would be {kappa:.1f}"
         return [stated]
+
+    def readings(self, samples: PoseSamples) -> Sequence[Curve]:
+        """Return kappa."""
+        return (Curve("kappa", "", samples.kappa, -np.inf, self.cap),)
 
     @property
     def quantities(self) -> tuple[ProvenQuantity, ...]:

@@ -49,6 +49,15 @@ def pose_limits(machine: Machine, kappa_max: float) -> list[Limit]:
     return sorted(limits, key=lambda limit: limit.cost)
 
 
+def task_pose_limits(config: Config, machine: Machine) -> list[Limit]:
+    """Return what a given pose of the task has to keep, with an x of its own: all that a pose alone can keep.
+
+    Kinds without a limit of poses by themselves, such as tilt and boxes to avoid, have that of a path.
+    """
+    found = [kind.for_poses(machine, config.route.kappa_max) or kind.for_path(config, machine) for kind in KINDS]
+    return [actuators.cart_travel(machine), *(limit for limits in found for limit in limits)]
+
+
 def move_limits(config: Config, machine: Machine) -> list[Limit]:
     """Return what has to hold all along a move between two regions."""
     return [limit for kind in KINDS for limit in kind.for_moves(config, machine)]

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 from contourpy import LineType, contour_generator
-from scipy.spatial import ConvexHull
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
-from pipeline.machine.geometry import MODES, Machine, cart_joints, platform_arms
+from pipeline.machine.drawing import drawn_points, platform_faces, rail_ends
+from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.pose import TILT_COLUMNS
 from pipeline.machine.statics import moment_unit
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
@@ -26,18 +26,12 @@ _POINTS_Y, _POINTS_Z = 84, 68
 def build_scene(machine: Machine) -> Scene:
     """Collect what does not move."""
     return Scene(
-        rails_m=np.stack([np.column_stack([machine.travel_m[:, end], machine.rails_m]) for end in (0, 1)], axis=1),
-        platform_faces=_platform_faces(machine),
+        rails_m=rail_ends(machine),
+        platform_faces=platform_faces(machine),
         q_limits_m=machine.actuator_limits_m,
         qd_limits_mps=machine.velocity_mps,
         moment_unit=moment_unit(machine),
     )
-
-
-def _platform_faces(machine: Machine) -> IntArray:
-    """Triangulate the hull of TCP and joints; coplanar or collinear points are perturbed slightly to have one."""
-    points = np.vstack([np.zeros(3), machine.platform_points_m])
-    return np.asarray(ConvexHull(points, qhull_options="QJ").simplices)
 
 
 def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Motion:
@@ -53,9 +47,9 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
     frames = int(np.clip(math.ceil(trajectory.duration_s * _FRAMES_PER_S), _FEWEST_FRAMES, _MOST_FRAMES))
     t = np.linspace(0.0, trajectory.duration_s, frames + 1)
     samples = sample_at(trajectory, t, float(t[1] - t[0]))
-    carts = samples.q_m[:, :3]
-    reach = reach_along_rails(machine, samples.pose, carts)
+    reach = reach_along_rails(machine, samples.pose, samples.q_m[:, :3])
     modes = np.array([MODES.index(mode) for mode in mode_names(working_modes(reach))])
+    points = drawn_points(machine, samples.pose, samples.q_m)
     return Motion(
         name=name,
         t_s=samples.t_s,
@@ -64,9 +58,9 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
         q_m=samples.q_m,
         qd_mps=samples.qd_mps,
         modes=modes,
-        feet_m=np.concatenate([carts[:, :, None], np.broadcast_to(machine.rails_m, (len(carts), 3, 2))], axis=2),
-        cart_joints_m=cart_joints(machine, carts),
-        platform_joints_m=samples.pose[:, None, :3] + platform_arms(machine, samples.pose),
+        feet_m=points.feet_m,
+        cart_joints_m=points.cart_joints_m,
+        platform_joints_m=points.platform_joints_m,
         maps=_maps(config, machine, samples, modes),
     )
 

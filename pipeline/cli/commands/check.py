@@ -42,18 +42,12 @@ def check(
         return
 
     from pipeline.cli.machine_report import machine_report
-    from pipeline.limits.kappa import require_ends_below_cap
     from pipeline.machine.geometry import build_machine
-    from pipeline.route.regions.counting import require_possible_task
-    from pipeline.route.regions.size import require_table_fits
-    from pipeline.route.straight_ends import require_straight_ends
+    from pipeline.route.checked_task import require_sound_task
 
     loaded = load_task(config)
     machine = build_machine(loaded.machine)
-    ends = require_possible_task(loaded, machine)
-    require_straight_ends(loaded, machine)
-    require_table_fits(loaded, machine)
-    require_ends_below_cap(loaded, [end.kappa for end in ends])
+    ends = require_sound_task(loaded, machine)
     console = results_console()
     for part in machine_report(loaded, machine, ends):
         console.print(part)

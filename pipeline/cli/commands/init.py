@@ -4,7 +4,6 @@ import os
 import shlex
 from collections.abc import Callable, Mapping
 from enum import StrEnum
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -54,14 +53,16 @@ def init(
     it. Nothing is ever overwritten: exits with 2 if the file is there, or
     the folder has files already (hidden ones do not count).
     """
+    from pipeline.config.packaged import packaged_config
+
     if name.suffix.lower() in _ENDINGS:
         file, beside = name, {}
-        config = _read_base(base, name.stem)
+        config = packaged_config(base, name.stem)
     else:
         from pipeline.config.file import schema_text
 
         _require_empty(name)
-        config = _read_base(base, name.resolve().name)
+        config = packaged_config(base, name.resolve().name)
         file, beside = name / f"{config.name}.yaml", {name / _SCHEMA: f"{schema_text()}\n"}
     _write({file: _commented(config, base, bool(beside)), **beside})
 
@@ -72,28 +73,11 @@ def init(
     console.print(f"Next: {folder}gantry-tau run {_argument(file.name)}", soft_wrap=True)
 
 
-def _read_base(base: Base, name: str) -> "Config":
-    from pipeline.config.file import parse_config
-    from pipeline.yaml_text import parse_yaml
-
-    data = parse_yaml((resources.files("pipeline") / "configs" / f"{base}.yaml").read_text(encoding="utf-8"))
-    assert isinstance(data, dict)
-    return parse_config({**data, "name": ""}, source=str(base), default_name=name)
-
-
 def _commented(config: "Config", base: Base, with_schema: bool) -> str:
-    from pipeline.config.commented import commented_yaml
+    from pipeline.config.commented import commented_file
 
-    return "\n".join(
-        (
-            *((f"# yaml-language-server: $schema={_SCHEMA}",) if with_schema else ()),
-            f"# Started from {base}: {_MEANING[base]}.",
-            "# Lengths in metres, tilts in degrees. A key that is left out has its default, if it has one.",
-            "# `gantry-tau check` with this file shows the machine at start and goal; `gantry-tau run` plans.",
-            "",
-            commented_yaml(config),
-        )
-    )
+    schema = (f"# yaml-language-server: $schema={_SCHEMA}",) if with_schema else ()
+    return commented_file(config, *schema, f"# Started from {base}: {_MEANING[base]}.")
 
 
 def _argument(file: str) -> str:

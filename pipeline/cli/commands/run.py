@@ -16,7 +16,6 @@ from pipeline.cli.options import (
     UnprovenOption,
     VerboseOption,
     load_task,
-    results_folder,
     specs_of,
 )
 from pipeline.cli.run_stages import run_stages
@@ -108,6 +107,7 @@ def route(
     options = RunOptions(last=Stage.ROUTE, force=force, verbose=verbose, why_not=not no_why_not)
     if alternatives > 1:
         from pipeline.cli.alternatives import plan_alternatives
+        from pipeline.config.file import results_folder
 
         plan_alternatives(chosen, out or results_folder(chosen), alternatives, options, specs_of(context))
         return

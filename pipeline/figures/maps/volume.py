@@ -12,6 +12,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.figures import style
+from pipeline.machine.drawing import rail_ends
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.workspace.usable import Workspace
 
@@ -40,7 +41,7 @@ def workspace_volume_figure(machine: Machine, workspace: Workspace) -> Figure:
     colours = [_shaded(faces, colour) for faces, (_, _, colour) in zip(shells, _SHOWN, strict=True)]
     # One collection for both: only faces of the same collection are drawn in the order of their distance.
     axes.add_collection3d(Poly3DCollection(np.concatenate(shells), facecolors=np.concatenate(colours), linewidths=0.0))
-    rails = np.stack([np.column_stack([machine.travel_m[:, end], machine.rails_m]) for end in (0, 1)], axis=1)
+    rails = rail_ends(machine)
     for rail in rails:
         axes.plot(*rail.T, color=style.GREY, linewidth=1.2)
     _set_axes(axes, np.concatenate([rails.reshape(-1, 3), *(faces.reshape(-1, 3) for faces in shells)]))

@@ -53,14 +53,12 @@ class SecondProcess:
         """Begin; a second processor is needed, or nothing is."""
         if self._process is not None or _processors() < 2 or not sys.executable:
             return
-        # Where this process finds its modules, in that order, and nothing else.
-        path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
         # The run needs the other processor: linear algebra in threads only waits for it.
         one = {"OPENBLAS_NUM_THREADS": "1"}
         with contextlib.suppress(OSError):
             process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "pipeline.run.beside", os.fspath(self._folder)],
-                env={**os.environ, **one, "PYTHONPATH": path},
+                module_command("pipeline.run.beside", os.fspath(self._folder)),
+                env={**module_environment(), **one},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -120,6 +118,16 @@ class SecondProcess:
         with self._changed:
             self._ended = True
             self._changed.notify_all()
+
+
+def module_command(module: str, *arguments: str) -> list[str]:
+    """Give the command that runs a module in a process of its own."""
+    return [sys.executable, "-P", "-m", module, *arguments]
+
+
+def module_environment() -> dict[str, str]:
+    """Give the environment in which such a process finds modules where this one does, in that order."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)}
 
 
 def _processors() -> int:

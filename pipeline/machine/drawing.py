@@ -1,0 +1,55 @@
+"""Points between which a machine is drawn: ends of its rails, carts, joints, and the hull of its platform."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from pipeline.arrays import FloatArray, IntArray
+from pipeline.machine.geometry import Machine, cart_joints, platform_arms
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnPoints:
+    """What moves of a machine, at poses (...).
+
+    Attributes
+    ----------
+    feet_m : (..., 3, 3)
+        Carts on their rails.
+    cart_joints_m, platform_joints_m : (..., 6, 3)
+        Both ends C_l, A_l of every link.
+    """
+
+    feet_m: FloatArray
+    cart_joints_m: FloatArray
+    platform_joints_m: FloatArray
+
+
+def drawn_points(machine: Machine, pose: FloatArray, q_m: FloatArray) -> DrawnPoints:
+    """Compute what is drawn at poses (..., 6) with actuators (..., 5), in metres."""
+    carts = q_m[..., :3]
+    rails = np.broadcast_to(machine.rails_m, (*carts.shape, 2))
+    return DrawnPoints(
+        feet_m=np.concatenate([carts[..., None], rails], axis=-1),
+        cart_joints_m=cart_joints(machine, carts),
+        platform_joints_m=pose[..., None, :3] + platform_arms(machine, pose),
+    )
+
+
+def rail_ends(machine: Machine) -> FloatArray:
+    """Compute both ends of each rail in metres, shape (3, 2, 3)."""
+    return np.stack([np.column_stack([machine.travel_m[:, end], machine.rails_m]) for end in (0, 1)], axis=1)
+
+
+def platform_corners(machine: Machine) -> FloatArray:
+    """Return the TCP and the platform's joints in its own frame, in metres, shape (7, 3)."""
+    return np.vstack([np.zeros(3), machine.platform_points_m])
+
+
+def platform_faces(machine: Machine) -> IntArray:
+    """Triangulate the hull of `platform_corners`: indices (m, 3).
+
+    Coplanar or collinear points are perturbed slightly to have a hull.
+    """
+    return np.asarray(ConvexHull(platform_corners(machine), qhull_options="QJ").simplices)
