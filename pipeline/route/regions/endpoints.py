@@ -61,7 +61,7 @@ def task_endpoints(config: Config, machine: Machine) -> tuple[Endpoint, Endpoint
     ends = []
     straight = {approach.title: approach for approach in approaches(config)}
     for key, pose in given_poses(config).items():
-        end, found = _place(config, machine, key, pose)
+        end, found = place_endpoint(config, machine, key, pose)
         if key in straight:
             issues += [_of_approach(straight[key], issue) for issue in found]
         else:
@@ -127,13 +127,16 @@ def visited_pose(config: Config, machine: Machine, index: int, pose: PoseConfig)
     ConfigError
         When the machine cannot be there.
     """
-    end, issues = _place(config, machine, f"task.visit[{index}].pose", pose)
+    end, issues = place_endpoint(config, machine, f"task.visit[{index}].pose", pose)
     if issues:
         raise ConfigError(issues)
     return end
 
 
-def _place(config: Config, machine: Machine, key: str, pose: PoseConfig) -> tuple[Endpoint, list[ConfigIssue]]:
+def place_endpoint(
+    config: Config, machine: Machine, key: str, pose: PoseConfig
+) -> tuple[Endpoint, list[ConfigIssue]]:
+    """Place the machine at a pose that is found at a key; the issues say why it cannot be there, if it cannot."""
     mode = MODES.index(pose.mode)
     solution = inverse_kinematics(machine, controlled_pose(pose)[None], np.array([mode]))
     end = Endpoint(mode, PoseSamples(machine, solution.pose, solution.q_m))
