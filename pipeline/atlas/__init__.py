@@ -1,16 +1,8 @@
-"""Routes between all pairs of stations, over one region table and one set of moves."""
+"""Routes between all pairs of stations, over one region table and one set of moves.
 
-from pipeline.atlas.graph import AtlasGraph, build_graph
-from pipeline.atlas.plan import AtlasEntry, plan_pairs
-from pipeline.atlas.stations import Station, atlas_stations, pair_config, require_stations
+`atlas/__init__.pyi` lists what is imported from here; nothing is loaded before it is used.
+"""
 
-__all__ = [
-    "AtlasEntry",
-    "AtlasGraph",
-    "Station",
-    "atlas_stations",
-    "build_graph",
-    "pair_config",
-    "plan_pairs",
-    "require_stations",
-]
+import lazy_loader as lazy
+
+__getattr__, __dir__, __all__ = lazy.attach_stub(__name__, __file__)

@@ -30,8 +30,8 @@ class AtlasEntry:
     pair : tuple of int
         Numbers of the stations.
     status : str
-        That of the route (`Status`), "infeasible" or "impossible" where it is proven that there is none, "time limit" or
-        "failed" where none was found.
+        That of the route (`Status`), "infeasible" or "impossible" where it is proven that there is none, "time limit"
+        or "failed" where none was found.
     route : Route or None
         The route.
     reason, advice : str

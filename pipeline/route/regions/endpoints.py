@@ -133,9 +133,7 @@ def visited_pose(config: Config, machine: Machine, index: int, pose: PoseConfig)
     return end
 
 
-def place_endpoint(
-    config: Config, machine: Machine, key: str, pose: PoseConfig
-) -> tuple[Endpoint, list[ConfigIssue]]:
+def place_endpoint(config: Config, machine: Machine, key: str, pose: PoseConfig) -> tuple[Endpoint, list[ConfigIssue]]:
     """Place the machine at a pose that is found at a key; the issues say why it cannot be there, if it cannot."""
     mode = MODES.index(pose.mode)
     solution = inverse_kinematics(machine, controlled_pose(pose)[None], np.array([mode]))
