@@ -1,12 +1,10 @@
 """The folder of an atlas: locked while it grows, every finished pair on disk at once, old results kept."""
 
 import contextlib
-import errno
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from pydantic import ValidationError
-
+from pipeline.artifacts.atlas_record import read_atlas
 from pipeline.artifacts.files import json_bytes, staged, write_whole
 from pipeline.artifacts.folder import next_numbered
 from pipeline.artifacts.foreign import refuse_links, refuse_no_folder
@@ -25,11 +23,7 @@ from pipeline.artifacts.npz import read_npz, readable
 from pipeline.artifacts.results.route import route_files, unpack_route
 from pipeline.atlas.record import AtlasRecord, PairRecord
 from pipeline.errors import UsageError
-from pipeline.regular_file import read_regular_file
 from pipeline.route.result import Route
-
-_MOST_BYTES = 2**28
-"""Size of the largest atlas that is read: a hundred stations make about a twentieth of it."""
 
 
 class AtlasFolder:
@@ -110,39 +104,6 @@ def open_atlas_folder(path: Path) -> Iterator[AtlasFolder]:
     path.mkdir(parents=True, exist_ok=True)
     with locked(path, new=False, state=ATLAS_JSON):
         yield AtlasFolder(path, record if record is None else read_atlas(path))
-
-
-def read_atlas(path: Path) -> AtlasRecord:
-    """Read the atlas in a folder.
-
-    Raises
-    ------
-    UsageError
-        When there is none, or it is damaged.
-    """
-    file = path / ATLAS_JSON
-    try:
-        return AtlasRecord.model_validate_json(read_regular_file(file, _MOST_BYTES))
-    except (FileNotFoundError, NotADirectoryError):
-        raise UsageError(
-            f"{path} has no {ATLAS_JSON}.\n"
-            "  What to change: give the folder that gantry-tau atlas has written to, such as results/agder-atlas."
-        ) from None
-    except ValidationError as error:
-        fault = error.errors(include_url=False, include_input=False)[0]
-        place = ".".join(str(part) for part in fault["loc"])
-        raise _damaged(file, f"{place}: {fault['msg']}" if place else fault["msg"]) from None
-    except OSError as error:
-        if error.errno not in (errno.EINVAL, errno.EISDIR, errno.EFBIG):
-            raise
-        raise _damaged(file, f"it {error.strerror}") from None
-
-
-def _damaged(file: Path, why: str) -> UsageError:
-    return UsageError(
-        f"{file} is damaged, or was not written by this program: {why}.\n"
-        "  What to change: move it away and call gantry-tau atlas again, or give another folder."
-    )
 
 
 def _route_names(pair: str) -> dict[str, str]:

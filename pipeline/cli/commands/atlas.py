@@ -100,7 +100,7 @@ def atlas_query(
     Nothing is computed. Exit code 1: there is no route, with the reason.
     """
     from pipeline.artifacts import json_bytes
-    from pipeline.artifacts.atlas import read_atlas
+    from pipeline.artifacts.atlas_record import read_atlas
 
     record = read_atlas(folder)
     if origin is None:
