@@ -13,6 +13,7 @@ from pipeline.route.planner import chosen_route, screen_of, solve_problem
 from pipeline.route.regions.counting import require_possible_task
 from pipeline.route.result import Route
 from pipeline.route.straight_ends import require_straight_ends, with_straight_ends
+from pipeline.status import Status
 
 Pair = tuple[int, int]
 """Numbers of the stations that a route begins and ends at."""
@@ -61,8 +62,8 @@ def plan_pairs(
 ) -> Iterator[AtlasEntry]:
     """Find the best route of each pair, in their order; each is the one that `plan_route` finds, or one as good.
 
-    Where reversal gives the answer to a pair, and the opposite pair is known, it is not searched. Every search may
-    take `route.time_limit_s`.
+    Where reversal gives the answer to a pair, and that to the opposite pair is proven, it is not searched. Every search
+    may take `route.time_limit_s`.
 
     Parameters
     ----------
@@ -75,9 +76,9 @@ def plan_pairs(
     guided = guided or graph.config.route.alternative > 1
     for number, pair in enumerate(pairs):
         watched = _watched(graph, pair, number, len(pairs), monitor)
-        opposite = known.get((pair[1], pair[0])) if reversible else None
+        opposite = known.get((pair[1], pair[0]))
         began = time.perf_counter()
-        entry = None if opposite is None else _reversed(graph, pair, opposite, watched)
+        entry = _reversed(graph, pair, opposite, watched) if reversible and opposite is not None else None
         if entry is None:
             entry, screen = _searched(graph, pair, screen, guided, watched)
         known[pair] = _timed(entry, time.perf_counter() - began)
@@ -107,9 +108,12 @@ def _searched(
 
 
 def _reversed(graph: AtlasGraph, pair: Pair, opposite: AtlasEntry, monitor: Monitor) -> AtlasEntry | None:
-    """Give the entry of a pair that follows from the opposite one; None if it has to be searched after all."""
-    if opposite.route is None:
-        return AtlasEntry(pair, opposite.status, None, opposite.reason, opposite.advice, from_reverse=True)
+    """Give the entry of a pair that follows from what is proven of the opposite one; None if it has to be searched."""
+    if opposite.status == Status.INFEASIBLE:
+        reason = f"as there is none the other way round: {opposite.reason}"
+        return AtlasEntry(pair, opposite.status, None, reason, opposite.advice, from_reverse=True)
+    if opposite.route is None or opposite.status != Status.OPTIMAL:
+        return None
     route = reversed_route(graph.problem(pair, monitor), opposite.route)
     return None if route is None else AtlasEntry(pair, str(route.status), route, from_reverse=True)
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import Config
-from pipeline.limits import move_limits
+from pipeline.limits import move_limits, path_limits
 from pipeline.limits.approach import approaches
 from pipeline.machine.geometry import Machine
 from pipeline.route.moves.check import is_directed
@@ -26,6 +26,11 @@ from pipeline.solvers.highs import Outcome
 def is_reversible(config: Config, machine: Machine) -> bool:
     """Tell whether the best route from one station to another, backwards, is the best one back."""
     return not is_directed(move_limits(config, machine)) and not approaches(config) and config.route.alternative == 1
+
+
+def is_path_reversible(config: Config, machine: Machine) -> bool:
+    """Tell whether a path, backwards, keeps all limits of the way back; friction of any drive may prevent that."""
+    return is_reversible(config, machine) and not is_directed(path_limits(config, machine))
 
 
 def reversed_route(problem: RouteProblem, route: Route) -> Route | None:

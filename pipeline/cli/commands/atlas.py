@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.options import ConfigArgument, VerboseOption, results_folder
+from pipeline.cli.options import ConfigArgument, VerboseOption, results_folder, specs_of
 from pipeline.cli.output import check_picture, save_picture, text_table
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
@@ -15,11 +15,13 @@ from pipeline.stage import Stage
 if TYPE_CHECKING:
     from pipeline.atlas.record import AtlasRecord, MotionRecord, PairRecord
     from pipeline.config import Config
+    from pipeline.run.atlas import AtlasOptions
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder that gantry-tau atlas has written to.")]
 
 
 def atlas(
+    context: typer.Context,
     config: ConfigArgument,
     last: Annotated[
         Stage, typer.Option("--to", help="Stop after this stage, from route on; later ones make a run per pair.")
@@ -54,10 +56,11 @@ def atlas(
     from pipeline.atlas.matrix import matrices
     from pipeline.config.file import load_config
     from pipeline.figures.atlas import atlas_figure
+    from pipeline.run.atlas import AtlasOptions
 
     loaded = load_config(config)
     folder = out or results_folder(loaded).with_name(f"{results_folder(loaded).name}-atlas")
-    record = _made(loaded, folder, last, force, verbose)
+    record = _made(loaded, folder, AtlasOptions(last, force, specs_of(context)), verbose)
     drawn = folder / "atlas.png" if picture is None else picture
     save_picture(atlas_figure(matrices(record)), drawn)
     _show(record, folder, as_json)
@@ -66,16 +69,16 @@ def atlas(
         raise _left_open(record, found)
 
 
-def _made(config: "Config", folder: Path, last: Stage, force: bool, verbose: bool) -> "AtlasRecord":
+def _made(config: "Config", folder: Path, options: "AtlasOptions", verbose: bool) -> "AtlasRecord":
     from pipeline.progress import Monitor
-    from pipeline.run.atlas import AtlasOptions, make_atlas
+    from pipeline.run.atlas import make_atlas
 
     with messages_console().status("atlas") as status:
 
         def progress(message: str, fraction: float | None = None) -> None:
             status.update(message)
 
-        return make_atlas(config, folder, AtlasOptions(last, force), Monitor(progress, verbose))
+        return make_atlas(config, folder, options, Monitor(progress, verbose))
 
 
 def _left_open(record: "AtlasRecord", found: "list[PairRecord]") -> NoSolutionError:

@@ -12,7 +12,7 @@ from pipeline.artifacts.atlas import AtlasFolder, open_atlas_folder
 from pipeline.atlas.graph import AtlasGraph, build_graph
 from pipeline.atlas.plan import AtlasEntry, Pair, plan_pairs
 from pipeline.atlas.record import AtlasRecord, PairRecord, StationRecord
-from pipeline.atlas.reversal import is_reversible
+from pipeline.atlas.reversal import is_path_reversible, is_reversible
 from pipeline.atlas.stations import atlas_stations, pair_config, require_stations
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
@@ -26,7 +26,7 @@ from pipeline.run.atlas.motions import MotionMaker
 from pipeline.run.config_parts import route_part
 from pipeline.run.makers.grid_cache import cached_grid
 from pipeline.run.results import Results
-from pipeline.run.stage_specs import SPECS, code_roots
+from pipeline.run.stage_specs import SPECS, Specs, code_roots
 from pipeline.run.up_to_date.source_code import code_sha256
 from pipeline.stage import Stage
 from pipeline.status import Status
@@ -46,10 +46,13 @@ class AtlasOptions:
         The stage to stop after: the route, or a later one.
     force : bool
         Everything is computed again.
+    specs : tuple of StageSpec
+        The stages of the runs.
     """
 
     last: Stage = Stage.ROUTE
     force: bool = False
+    specs: Specs = SPECS
 
 
 def make_atlas(
@@ -138,7 +141,7 @@ class _Build:
         found = {record.name: record for record in self._folder.record.pairs}
         return {
             pair: found[name]
-            for pair in self._pairs
+            for pair in sorted(self._pairs)
             if (name := self._name(pair)) in found and self._holds(pair, found[name])
         }
 
@@ -207,18 +210,21 @@ class _Build:
         self._folder.write(before.model_copy(update={"pairs": ordered}))
 
     def make_motions(self) -> None:
-        """Make the motions of proven routes, up to the stage that is asked for; the way back is the same run."""
+        """Make the motions of proven routes, up to the stage that is asked for, one for both ways if it may be."""
         assert self._folder.record is not None
         records = {(record.origin, record.target): record for record in self._folder.record.pairs}
-        maker = MotionMaker(self._folder.path, self._options.last, self._options.force, self._monitor)
+        options = self._options
+        maker = MotionMaker(self._folder.path, options.last, options.force, options.specs, self._monitor)
         numbers = {station.name: k for k, station in enumerate(self._stations)}
+        reversible = is_path_reversible(self._config, self._machine)
         for (origin, target), record in records.items():
-            there = records[target, origin] if record.from_reverse else record
+            backwards = record.from_reverse and reversible
+            there = records[target, origin] if backwards else record
             if there.status != Status.OPTIMAL:
                 continue
             pair = numbers[there.origin], numbers[there.target]
             made = maker.motions(there.name, self._pair_config(pair), self._given(pair))
-            self._add(record.model_copy(update={"motion": made.backwards if record.from_reverse else made.there}))
+            self._add(record.model_copy(update={"motion": made.backwards if backwards else made.there}))
 
     def _given(self, pair: Pair) -> dict[Stage, Callable[[], Any]]:
         """Give regions and route of a pair to its run, if it needs them."""

@@ -12,6 +12,7 @@ from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.progress import Monitor, Progress
 from pipeline.run.execute import run_pipeline
 from pipeline.run.options import RunOptions
+from pipeline.run.stage_specs import Specs
 from pipeline.stage import Stage
 from pipeline.summary.section import failed_part
 
@@ -35,11 +36,14 @@ class MotionMaker:
         The stage to stop after.
     force : bool
         Stages run also where they are up to date.
+    specs : tuple of StageSpec
+        The stages.
     """
 
-    def __init__(self, folder: Path, last: Stage, force: bool, monitor: Monitor) -> None:
+    def __init__(self, folder: Path, last: Stage, force: bool, specs: Specs, monitor: Monitor) -> None:
         self._folder = folder
         self._options = RunOptions(last=last, force=force, why_not=False, verbose=monitor.verbose)
+        self._specs = specs
         self._monitor = monitor
         self._made: dict[str, Motions] = {}
 
@@ -53,7 +57,7 @@ class MotionMaker:
         run = f"{ATLAS_RUNS}/{name}"
         reporter = _Reporter(name, self._monitor.progress)
         try:
-            report = run_pipeline(config, self._folder / run, self._options, reporter, given=given)
+            report = run_pipeline(config, self._folder / run, self._options, reporter, self._specs, given)
         except (ConfigError, NoSolutionError) as error:
             stage, reason, advice = _failure(error)
             failed = MotionRecord(status="failed", run=run, to=stage, reason=reason, advice=advice)
