@@ -88,7 +88,7 @@ class RunFolder:
         if not names and not edited:
             return
         if self._attic is None:
-            self._attic = _next_numbered(self.path / SUPERSEDED)
+            self._attic = next_numbered(self.path / SUPERSEDED)
             for name in BOOKS:
                 with contextlib.suppress(FileNotFoundError):
                     shutil.copy2(self.path / name, self._attic / name)
@@ -177,7 +177,8 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
     return config, state
 
 
-def _next_numbered(attic: Path) -> Path:
+def next_numbered(attic: Path) -> Path:
+    """Create the next folder for superseded results."""
     taken = [int(entry.name) for entry in attic.glob("*") if _NUMBER.fullmatch(entry.name)]
     folder = attic / f"{max(taken, default=0) + 1:04d}"
     folder.mkdir(parents=True)

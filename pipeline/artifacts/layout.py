@@ -28,6 +28,12 @@ BACK_JSON = "trajectory_back.json"
 REPORT = "report.html"
 FIGURES = "figures"
 
+ATLAS_JSON = "atlas.json"
+ATLAS_PICTURE = "atlas.png"
+ATLAS_ROUTES = "routes"
+ATLAS_RUNS = "runs"
+"""What the folder of an atlas has: its figures, a picture of them, a route and a run per pair of stations."""
+
 _PIXELS, _VECTORS = "png", "pdf"
 FIGURE_PATTERNS = tuple(f"{FIGURES}/*.{kind}" for kind in (_PIXELS, _VECTORS))
 """What the names of figures match."""

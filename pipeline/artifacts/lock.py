@@ -16,7 +16,7 @@ _PROCESS = re.compile(rb"[0-9]{0,20}")
 
 
 @contextlib.contextmanager
-def locked(folder: Path, new: bool) -> Iterator[None]:
+def locked(folder: Path, new: bool, state: str = STATE) -> Iterator[None]:
     """Hold the lock of a run folder.
 
     Parameters
@@ -24,6 +24,8 @@ def locked(folder: Path, new: bool) -> Iterator[None]:
     new : bool
         It was not a run folder before: a lock that is already there belongs to a run that has just begun, or to
         another program.
+    state : str
+        The file that makes it a run folder.
 
     Raises
     ------
@@ -35,7 +37,7 @@ def locked(folder: Path, new: bool) -> Iterator[None]:
     try:
         _hold(folder, descriptor)
         content = os.pread(descriptor, 64, 0)
-        if not _PROCESS.fullmatch(content) or (new and not created and not (folder / STATE).exists()):
+        if not _PROCESS.fullmatch(content) or (new and not created and not (folder / state).exists()):
             raise UsageError(
                 f"{file} is not the lock of a run, but another program's: nothing was changed.\n"
                 "  What to change: give another folder with --out, or move that file away."
@@ -45,7 +47,7 @@ def locked(folder: Path, new: bool) -> Iterator[None]:
         yield
     finally:
         # What did not become a run folder is left as it was.
-        if created and not (folder / STATE).exists():
+        if created and not (folder / state).exists():
             file.unlink(missing_ok=True)
         os.close(descriptor)
 

@@ -12,6 +12,7 @@ from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
 from pipeline.cli.commands import (
+    atlas,
     certify,
     check,
     compare,
@@ -199,7 +200,22 @@ def _root(
     pass
 
 
-_GROUPS = (init, show, run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune)
+_GROUPS = (
+    init,
+    show,
+    run,
+    certify,
+    check,
+    compare,
+    report,
+    export,
+    workspace,
+    tradeoff,
+    atlas,
+    measured,
+    simulate,
+    tune,
+)
 for _group in _GROUPS:
     for _command, _examples in _group.COMMANDS:
         app.command(cls=_Command, epilog=_epilog(_examples))(_command)

@@ -1,3 +1,9 @@
+from .atlas import (
+    AtlasConfig as AtlasConfig,
+)
+from .atlas import (
+    StationConfig as StationConfig,
+)
 from .config import (
     Config as Config,
 )

@@ -5,6 +5,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
+from pipeline.config.atlas import AtlasConfig
 from pipeline.config.drives import DrivesConfig
 from pipeline.config.export import ExportConfig
 from pipeline.config.machine.machine import MachineConfig
@@ -32,6 +33,14 @@ class Config(Section):
     figures: FiguresConfig = Field(default_factory=lambda: FiguresConfig())
     export: ExportConfig = Field(default_factory=lambda: ExportConfig())
     drives: DrivesConfig = Field(default_factory=lambda: DrivesConfig())
+    atlas: AtlasConfig = Field(default_factory=lambda: AtlasConfig())
+
+    @model_validator(mode="after")
+    def _stations_within_tilt(self) -> Self:
+        for k, station in enumerate(self.atlas.stations):
+            if fault := self.task.tilt_fault(f"atlas.stations[{k}].pose", station.pose):
+                raise fault
+        return self
 
     @model_validator(mode="after")
     def _margins_leave_room(self) -> Self:

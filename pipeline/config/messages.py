@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic_core import ErrorDetails
 
+from pipeline.config.atlas import STATION_PATTERN
 from pipeline.config.config import Config
 from pipeline.config.export import JOINT_PATTERN
 from pipeline.config.section import MODE_PATTERN, NAME_PATTERN
@@ -19,6 +20,7 @@ _Schema = dict[str, Any]
 _PATTERNS = {
     MODE_PATTERN: "three letters L or R, one per arm, such as LLL",
     JOINT_PATTERN: "letters, digits, '_', '/', '-' and '.', the first a letter or '_'",
+    STATION_PATTERN: "letters, digits and '_', in parts joined by '-' or '.'",
     NAME_PATTERN: "letters, digits, '_', '-' and '.', the first a letter, a digit or '_'",
 }
 _KINDS = {"number": "a number", "integer": "a whole number", "boolean": "on or off, without quotes", "null": "null"}

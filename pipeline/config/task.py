@@ -107,9 +107,15 @@ class TaskConfig(Section):
             raise wrong("locked_axes", f"is [{', '.join(self.locked_axes)}]; allowed is each axis once")
         visited = ((f"visit[{k}].pose", visit.pose) for k, visit in enumerate(self.visit) if visit.pose is not None)
         for key, pose in (("start", self.start), ("goal", self.goal), *visited):
-            for axis, value in (("rx", pose.rx_deg), ("rz", pose.rz_deg)):
-                limit = 0.0 if axis in self.locked_axes else self.tilt_max_deg
-                if abs(value) > limit:
-                    why = "task.locked_axes" if axis in self.locked_axes else "task.tilt_max_deg"
-                    raise wrong(f"{key}.{axis}_deg", f"is {value:g}; allowed is at most {limit:g} either way ({why})")
+            if fault := self.tilt_fault(key, pose):
+                raise fault
         return self
+
+    def tilt_fault(self, key: str, pose: PoseConfig) -> PydanticCustomError | None:
+        """Make the error of a pose, found at a key, that is tilted more than allowed; None if it is not."""
+        for axis, value in (("rx", pose.rx_deg), ("rz", pose.rz_deg)):
+            limit = 0.0 if axis in self.locked_axes else self.tilt_max_deg
+            if abs(value) > limit:
+                why = "task.locked_axes" if axis in self.locked_axes else "task.tilt_max_deg"
+                return wrong(f"{key}.{axis}_deg", f"is {value:g}; allowed is at most {limit:g} either way ({why})")
+        return None

@@ -155,7 +155,8 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
     near = [near_route(regions, problem.steps, route.region, options.alternative_distance) for route in better]
     graph = expand_states(regions, problem.moves, np.array(near, dtype=bool).reshape(-1, len(regions)), options)
     progress("route: shortest paths")
-    bounds = priced_bounds(graph.regions, graph.moves, problem.cost, problem.budgets, progress)
+    shortest = problem.shortest if graph.regions is regions else None
+    bounds = priced_bounds(graph.regions, graph.moves, problem.cost, problem.budgets, progress, shortest)
     require_route(problem, graph, bounds)
     best: Optimum | None = None
     for round_ in range(1, options.max_rounds + 1):
@@ -169,7 +170,8 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
             proven = best.proven and all(route.status is Status.OPTIMAL for route in better)
             status = Status.OPTIMAL if proven else Status.UNPROVEN
             search = _search(placed, best, screen, len(problem.moves), round_)
-            least = _least_kappa_max(problem, graph, float(placed.steps.kappa.max()))
+            largest = float(placed.steps.kappa.max())
+            least = _least_kappa_max(problem, graph, largest) if problem.guided else np.inf
             return _route(problem, placed, replace(search, least_kappa_max=least), status)
         for step, rejection in found:
             # Gates may have been exchanged for their twins: forbid the move between either.
@@ -181,6 +183,13 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
         f"({screen.report})",
         "raise route.max_rounds, or choose a finer grid: moves become shorter and fail less",
     )
+
+
+def with_guide(problem: RouteProblem, route: Route) -> Route:
+    """Add what guides stage two to the best route of a problem that was not `guided`."""
+    graph = expand_states(problem.regions, problem.moves, np.empty((0, len(problem.regions)), dtype=bool))
+    least = _least_kappa_max(problem, graph, route.kappa_max)
+    return replace(route, search=replace(route.search, least_kappa_max=least))
 
 
 def _least_kappa_max(problem: RouteProblem, graph: StateGraph, largest: float) -> float:

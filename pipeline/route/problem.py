@@ -7,6 +7,7 @@ from pipeline.config import Config, RouteConfig
 from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.budgets import Budget, task_budgets
+from pipeline.route.bounds.shortest_paths import Bounds
 from pipeline.route.cost.interface import MoveCost
 from pipeline.route.cost.objectives import COSTS
 from pipeline.route.deadline import Deadline
@@ -34,6 +35,10 @@ class RouteProblem:
         Receives progress and decides whether solvers write their logs.
     deadline : Deadline
         When the search ends.
+    shortest : Bounds, optional
+        The shortest paths over regions and moves, budgets and travel left out, where they are known.
+    guided : bool
+        Whether `Search.least_kappa_max` is computed, which guides stage two; it is infinite otherwise.
     """
 
     config: Config
@@ -45,6 +50,8 @@ class RouteProblem:
     cost: MoveCost
     monitor: Monitor
     deadline: Deadline
+    shortest: Bounds | None = None
+    guided: bool = True
 
     @classmethod
     def of(

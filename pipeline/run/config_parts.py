@@ -26,8 +26,8 @@ Part = dict[str, Any]
 
 
 def whole_config(config: Config) -> Part:
-    """Give all keys."""
-    return config.model_dump(mode="json")
+    """Give all keys of a run; those of an atlas are not."""
+    return config.model_dump(mode="json", exclude={"atlas"})
 
 
 def regions_part(config: Config) -> Part:

@@ -1,7 +1,7 @@
 """Running stages: which ones are up to date, which ones run, and what happens to old results."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, Literal
@@ -38,6 +38,7 @@ def run_pipeline(
     options: RunOptions = _DEFAULT,
     reporter: Reporter | None = None,
     specs: Specs = SPECS,
+    given: Mapping[Stage, Callable[[], Any]] | None = None,
 ) -> RunReport:
     """Run the stages whose inputs have changed, and write their results to the folder `out`.
 
@@ -51,6 +52,8 @@ def run_pipeline(
         Is notified when stages begin and end.
     specs : tuple of StageSpec
         The stages.
+    given : mapping, optional
+        Functions that give regions and route, where they are known for this configuration.
 
     Raises
     ------
@@ -72,7 +75,7 @@ def run_pipeline(
     patterns = [pattern for spec in specs for pattern in spec.patterns]
     with open_run_folder(out, patterns) as folder, SecondProcess(out) as beside:
         recompute = Stage.REGIONS in options.forced
-        results = Results(config, machine, out, specs, recompute, options.tolerances, beside)
+        results = Results(config, machine, out, specs, recompute, options.tolerances, beside, given or {})
         run = _Run(folder, results, options, reporter or Quiet())
         if options.first is not None:
             run.require_earlier(options.first)

@@ -1,6 +1,6 @@
 """The results of a run: those it made, and those of earlier runs, loaded when first used."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -44,6 +44,8 @@ class Results:
         The proof also searches calibration tolerances, whatever the configuration says.
     beside : SecondProcess or None
         Makes a part of the figures and the report, once it is begun.
+    given : mapping
+        Functions that give results of stages which were found elsewhere, for the same configuration.
     """
 
     config: Config
@@ -53,6 +55,7 @@ class Results:
     recompute: bool = False
     tolerances: bool = False
     beside: "SecondProcess | None" = None
+    given: Mapping[Stage, Callable[[], Any]] = field(default_factory=dict)
     _known: dict[Stage, Any] = field(default_factory=dict, init=False, repr=False)
     _derived: dict[Callable[["Results"], Any], Any] = field(default_factory=dict, init=False, repr=False)
 

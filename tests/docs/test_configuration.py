@@ -13,7 +13,7 @@ from tests.docs.pages import PAGES, blocks, inline_code, page_name
 
 _SECTIONS = tuple(name for name in Config.model_fields if name != "name")
 _KEY = re.compile(rf"(?:{'|'.join(_SECTIONS)})(?:\.[a-z0-9_]+)+")
-_ELSEWHERE = re.compile(r"(route|path|trajectory|certificate)\.(csv|npz|json|\w+_bound.*)|export\.\w+\.py")
+_ELSEWHERE = re.compile(r"(route|path|trajectory|certificate|atlas)\.(csv|npz|json|png|\w+_bound.*)|export\.\w+\.py")
 IN_THE_SUMMARY = {
     "path.quality",
     "route.steps",

@@ -31,9 +31,13 @@ def priced_bounds(
     cost: MoveCost,
     budgets: tuple[Budget, ...],
     progress: Progress = silent,
+    shortest: Bounds | None = None,
 ) -> Bounds:
-    """Compute the bounds of `shortest_paths`, with prices on travel and on the budgets where they bind."""
-    bounds = shortest_paths(regions, moves, cost)
+    """Compute the bounds of `shortest_paths`, with prices on travel and on the budgets where they bind.
+
+    `shortest` are those without any price, if they are known.
+    """
+    bounds = shortest_paths(regions, moves, cost) if shortest is None else shortest
     travels = cost.counts_x and cost.priced_travel(regions) != 0.0
     if not np.isfinite(bounds.optimum) or not (budgets or travels):
         return bounds

@@ -66,6 +66,16 @@ class Screen:
         """Reject a move for a reason found otherwise."""
         self._known[int(self._keys(np.array([source]), np.array([target]))[0])] = rejection
 
+    def learn(self, other: "Screen") -> None:
+        """Take over what is known of a table with another start and another goal, of moves that neither takes part in.
+
+        They are the last two rows of both tables, which are alike but for them.
+        """
+        ends = self._regions - 2
+        for key, found in other._known.items():
+            if max(divmod(key, self._regions)) < ends:
+                self._known.setdefault(key, found)
+
     def without_bad(self, moves: Moves, base: IntArray) -> Moves:
         """Leave out the moves known to be bad; `base` as of `screen`."""
         bad = self._bad

@@ -30,20 +30,32 @@ def add_task_rows(config: Config, machine: Machine, grid: RegionTable) -> Region
         When no region lies in a box to visit, or the rows would take up more than `route.memory_gb`.
     """
     start, goal = task_endpoints(config, machine)
-    for box in grown_boxes(config) if config.task.avoid else []:
-        grid = cut_windows([box], grid, step_sizes(config.route))
-        _require_rows(config, len(grid), "avoid")
+    grid = without_boxes(config, grid)
     visits, rows = [], len(grid)
     for number, visit in enumerate(config.task.visit, start=1):
         visits.append(_visit_rows(config, machine, grid, number, visit))
         rows += len(visits[-1])
         _require_rows(config, rows, "visit")
-    return RegionTable.concatenate([grid, *visits, _row(start), _row(goal)])
+    return RegionTable.concatenate([grid, *visits, endpoint_row(start), endpoint_row(goal)])
+
+
+def without_boxes(config: Config, grid: RegionTable) -> RegionTable:
+    """Cut the windows of a table of grid and gates at the boxes to avoid, and leave out what is inside.
+
+    Raises
+    ------
+    NoSolutionError
+        When the rows would take up more than `route.memory_gb`.
+    """
+    for box in grown_boxes(config) if config.task.avoid else []:
+        grid = cut_windows([box], grid, step_sizes(config.route))
+        _require_rows(config, len(grid), "avoid")
+    return grid
 
 
 def _visit_rows(config: Config, machine: Machine, grid: RegionTable, number: int, visit: VisitConfig) -> RegionTable:
     if visit.pose is not None:
-        return _row(visited_pose(config, machine, number - 1, visit.pose), number)
+        return endpoint_row(visited_pose(config, machine, number - 1, visit.pose), number)
     assert visit.box is not None
     box, rows = Box.of(visit.box), grid.take(rows_to_visit(grid, visit))
     windows = np.clip(rows.x_window_m, box.low[0], box.high[0])
@@ -90,7 +102,8 @@ def _extent(grid: RegionTable) -> str:
     return "for " + ", ".join(shown)
 
 
-def _row(end: Endpoint, visit: int = 0) -> RegionTable:
+def endpoint_row(end: Endpoint, visit: int = 0) -> RegionTable:
+    """Give an endpoint as a table of one row, which has its own x only; `visit` is the entry it was laid out for."""
     samples, x = end.samples, end.pose[0]
     return RegionTable(
         controlled=samples.controlled,

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 def make_route(results: "Results", monitor: Monitor) -> Product:
     """Search for the best route through the regions."""
-    route = plan_route(results.config, results.machine, results.regions, monitor)
-    return route_product(results, route)
+    if Stage.ROUTE in results.given:
+        return route_product(results, results.given[Stage.ROUTE]())
+    return route_product(results, plan_route(results.config, results.machine, results.regions, monitor))
 
 
 def route_product(results: "Results", route: Route) -> Product:

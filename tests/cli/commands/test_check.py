@@ -116,7 +116,19 @@ class TestCheck:
     def test_schema(self, call: Call, tmp_path: Path) -> None:
         """The schema is pure JSON, names every key, and refuses unknown ones."""
         schema = json.loads(call("check", "--schema").stdout)
-        sections = {"name", "machine", "task", "route", "refine", "certify", "retime", "figures", "export", "drives"}
+        sections = {
+            "name",
+            "machine",
+            "task",
+            "route",
+            "refine",
+            "certify",
+            "retime",
+            "figures",
+            "export",
+            "drives",
+            "atlas",
+        }
         assert set(schema["properties"]) == sections
         assert schema["additionalProperties"] is False
         assert "$defs" in schema

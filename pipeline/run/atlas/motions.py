@@ -1,0 +1,117 @@
+"""Motions between stations: a run per proven route, that of the way back being the same run, backwards."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.artifacts.layout import ATLAS_RUNS
+from pipeline.atlas.record import MotionRecord
+from pipeline.config import Config
+from pipeline.errors import ConfigError, NoSolutionError
+from pipeline.progress import Monitor, Progress
+from pipeline.run.execute import run_pipeline
+from pipeline.run.options import RunOptions
+from pipeline.run.stage_specs import Specs
+from pipeline.stage import Stage
+from pipeline.summary.section import failed_part
+
+
+@dataclass(frozen=True)
+class Motions:
+    """The motion there, and the same one backwards."""
+
+    there: MotionRecord
+    backwards: MotionRecord
+
+
+class MotionMaker:
+    """Runs the later stages for routes of an atlas, each pair once, in a run folder of its own.
+
+    Parameters
+    ----------
+    folder : Path
+        That of the atlas.
+    last : Stage
+        The stage to stop after.
+    force : bool
+        Stages run also where they are up to date.
+    specs : tuple of StageSpec
+        The stages.
+    """
+
+    def __init__(self, folder: Path, last: Stage, force: bool, specs: Specs, monitor: Monitor) -> None:
+        self._folder = folder
+        self._options = RunOptions(last=last, force=force, why_not=False, verbose=monitor.verbose)
+        self._specs = specs
+        self._monitor = monitor
+        self._made: dict[str, Motions] = {}
+
+    def motions(self, name: str, config: Config, given: Mapping[Stage, Callable[[], Any]]) -> Motions:
+        """Make the motion of a pair, or look up what was made of it; `given` has its regions and its route."""
+        if name not in self._made:
+            self._made[name] = self._make(name, config, given)
+        return self._made[name]
+
+    def _make(self, name: str, config: Config, given: Mapping[Stage, Callable[[], Any]]) -> Motions:
+        run = f"{ATLAS_RUNS}/{name}"
+        reporter = _Reporter(name, self._monitor.progress)
+        try:
+            report = run_pipeline(config, self._folder / run, self._options, reporter, self._specs, given)
+        except (ConfigError, NoSolutionError) as error:
+            stage, reason, advice = _failure(error)
+            failed = MotionRecord(status="failed", run=run, to=stage, reason=reason, advice=advice)
+            return Motions(failed, failed.model_copy(update={"backwards": True}))
+        made = _record(run, self._options.last, report.summary)
+        return Motions(made, _backwards(made, report.summary))
+
+
+class _Reporter:
+    """Passes on what the stages of a pair report, with its name."""
+
+    def __init__(self, name: str, progress: Progress) -> None:
+        self._name = name
+        self._progress = progress
+
+    def begin(self, stage: Stage) -> Progress:
+        """Note that a stage begins."""
+
+        def progress(message: str, fraction: float | None = None) -> None:
+            self._progress(f"{self._name}: {stage}: {message.removeprefix(f'{stage}: ')}", fraction)
+
+        progress("started")
+        return progress
+
+    def end(self, stage: Stage, outcome: str, seconds: float) -> None:
+        """Ignore the outcome: the record has it."""
+
+
+def _failure(error: ConfigError | NoSolutionError) -> tuple[str, str, str]:
+    """Say at which stage, why, and what to change."""
+    if isinstance(error, NoSolutionError):
+        return error.stage, error.reason, error.advice
+    return "", "; ".join(str(issue) for issue in error.issues), ""
+
+
+def _record(run: str, last: Stage, summary: dict[str, Any]) -> MotionRecord:
+    path, certificate, trajectory = (summary[key] for key in ("path", "certificate", "trajectory"))
+    return MotionRecord(
+        status="done",
+        run=run,
+        to=str(last),
+        kappa_integral=path.get("kappa_integral"),
+        kappa_max=path.get("kappa_max"),
+        min_link_distance_m=path.get("min_link_distance_m"),
+        verdict=certificate["verdict"],
+        kappa_bound=certificate.get("kappa_bound"),
+        duration_s=trajectory.get("duration_s"),
+    )
+
+
+def _backwards(made: MotionRecord, summary: dict[str, Any]) -> MotionRecord:
+    """Give the record of the way back: the same path, with a time law of its own."""
+    back = summary["trajectory"].get("back", {})
+    changes: dict[str, object] = {"backwards": True, "duration_s": back.get("duration_s")}
+    if (failure := failed_part(summary["trajectory"])) is not None:
+        changes |= {"status": "failed", "to": "retime", "reason": failure["reason"], "advice": failure["advice"]}
+    return made.model_copy(update=changes)
