@@ -10,7 +10,18 @@ from typing import TypeVar
 
 _T = TypeVar("_T")
 
-WORKERS = min(os.cpu_count() or 1, 4)
+THREADS = "GANTRY_TAU_THREADS"
+"""The variable that says how many processors a process may take, where it shares them with others of its kind."""
+
+
+def processors() -> int:
+    """Count the processors that this process may use: those the system gives it, or fewer by the variable."""
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    allowed = os.environ.get(THREADS, "")
+    return min(available, int(allowed)) if allowed.isdecimal() and int(allowed) > 0 else available
+
+
+WORKERS = min(processors(), 4)
 """Number of threads; more than a few only wait for memory and for each other."""
 
 

@@ -21,6 +21,7 @@ from pipeline.cli.commands import (
     report,
     run,
     simulate,
+    study,
     tradeoff,
     tune,
     workspace,
@@ -183,6 +184,20 @@ def _root(
     pass
 
 
-for _group in (init, run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune):
+for _group in (
+    init,
+    run,
+    certify,
+    check,
+    compare,
+    report,
+    export,
+    workspace,
+    tradeoff,
+    measured,
+    simulate,
+    tune,
+    study,
+):
     for _command, _examples in _group.COMMANDS:
         app.command(cls=_Command, epilog=_epilog(_examples))(_command)

@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from pipeline.config import Config
+from pipeline.parallel import processors
 
 
 class SecondProcess:
@@ -38,7 +39,7 @@ class SecondProcess:
 
     def begin(self, config: Config) -> None:
         """Begin with what needs no more than regions, route and path; a second processor is needed, or nothing is."""
-        if self._process is not None or _processors() < 2 or not sys.executable:
+        if self._process is not None or processors() < 2 or not sys.executable:
             return
         # Where this process finds its modules, in that order, and nothing else.
         path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
@@ -75,8 +76,3 @@ class SecondProcess:
             with contextlib.suppress(OSError):
                 self._process.stdin.write(line.encode() + b"\n")
                 self._process.stdin.flush()
-
-
-def _processors() -> int:
-    """Count the processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
