@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 
 from from_code.command_line import command_reference
-from from_code.configuration import configuration_reference, configuration_yaml
+from from_code.configuration import configuration_reference, configuration_yaml, study_reference
 from from_code.files import benchmark_pages, figure_list, trajectory_columns
 from from_code.notebooks import notebook_page
 from from_code.python_interface import python_reference
@@ -19,6 +19,7 @@ PARTS: dict[str, Callable[..., str]] = {
     "notebook": notebook_page,
     "python interface": python_reference,
     "reference run": reference_run,
+    "study keys": study_reference,
     "trajectory columns": trajectory_columns,
 }
 _MARK = re.compile(r"^<!-- from code: ([a-z ]+?)(?: \[(\S+)\])? -->$", re.MULTILINE)

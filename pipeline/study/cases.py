@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, load_config, parse_config
 from pipeline.errors import ConfigError, ConfigIssue
+from pipeline.machine.geometry import LINKS, build_machine
 from pipeline.study.config import Last, PerturbConfig, StudyConfig, TwinConfig
 from pipeline.study.design import Point, count_points, points
 from pipeline.study.keys import UnknownKeyError, replaced, value_at
@@ -119,7 +121,8 @@ def parse_case(data: Mapping[str, Any]) -> tuple[Config, PerturbConfig, TwinConf
     """
     perturb, twin = PerturbConfig.model_validate(data["perturb"]), TwinConfig.model_validate(data["twin"])
     config = {key: value for key, value in data.items() if key not in SECTIONS}
-    return parse_config(_perturbed(config, perturb) if perturb.geometry_m else config), perturb, twin
+    exact = parse_config(config)
+    return parse_config(_perturbed(config, exact, perturb)) if perturb.geometry_m else exact, perturb, twin
 
 
 def _tried(study: StudyConfig) -> Iterator[tuple[str, Point]]:
@@ -148,8 +151,8 @@ def _issue(base: Mapping[str, Any], place: str, point: Point) -> ConfigIssue | N
         parse_case(replaced(base, whole))
     except ConfigError as error:
         return None if _together(error, whole) else ConfigIssue(place, "; ".join(map(str, error.issues)))
-    except ValueError as error:
-        return ConfigIssue(place, f"{', '.join(whole)}: {_first_line(error)}")
+    except ValidationError as error:
+        return ConfigIssue(place, f"{', '.join(whole)}: {error.errors()[0]['msg']}")
     return None
 
 
@@ -158,12 +161,6 @@ def _together(error: ConfigError, point: Point) -> bool:
     return not any(
         issue.path.startswith(path) or path.startswith(issue.path) for issue in error.issues for path in point
     )
-
-
-def _first_line(error: ValueError) -> str:
-    """Say what pydantic found: the line below the key."""
-    lines = [line.strip() for line in str(error).splitlines()]
-    return lines[2] if len(lines) > 2 else lines[0]
 
 
 def _like(known: object, value: object) -> object:
@@ -175,8 +172,11 @@ def _like(known: object, value: object) -> object:
     return round(value) if isinstance(known, int) else value
 
 
-def _perturbed(config: Mapping[str, Any], perturb: PerturbConfig) -> dict[str, Any]:
-    """Move joints and rails, and change lengths, by normal deviations that depend on the seed alone."""
+def _perturbed(config: Mapping[str, Any], exact: Config, perturb: PerturbConfig) -> dict[str, Any]:
+    """Move joints and rails, and change lengths, by normal deviations that depend on the seed alone.
+
+    Link 3c has the length then that it has in the exact machine, also where that follows from a right angle.
+    """
     random = np.random.default_rng(perturb.seed)
 
     def off(value: Any) -> Any:
@@ -187,8 +187,10 @@ def _perturbed(config: Mapping[str, Any], perturb: PerturbConfig) -> dict[str, A
     moved = {"y_m", "z_m", "platform_point_m", "cart_offset_m", "length_m"}
     machine = config["machine"]
     rails = [{key: off(value) if key in moved else value for key, value in rail.items()} for rail in machine["rails"]]
+    lengths_m = dict(zip(LINKS, build_machine(exact.machine).lengths_m.tolist(), strict=True))
+    given = {**machine["links"], "l3c": {**machine["links"]["l3c"], "length_m": lengths_m["3c"]}}
     links = {
         name: {key: off(value) if key in moved else value for key, value in link.items()}
-        for name, link in machine["links"].items()
+        for name, link in given.items()
     }
     return {**config, "machine": {**machine, "rails": rails, "links": links}}

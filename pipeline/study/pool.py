@@ -1,5 +1,6 @@
 """The workers of a study: those of this machine, or of a cluster that is there already."""
 
+import asyncio
 import contextlib
 import logging
 import signal
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
 
 MEMORY = "memory_gb"
 """The resource of Dask's that every run takes a part of."""
-CONNECT_S = 8.0
-"""Time in which a scheduler has to answer."""
+CONNECT_S = 3.0
+"""Time in which a scheduler has to be reached, and again, in which it has to answer."""
 _MOST_DEATHS = 2
 _LEAN: dict[str, Any] = {
     # Histories that people look at in a dashboard, which there is none of: they are the scheduler's growth.
@@ -113,14 +114,8 @@ def remote_pool(address: str, program: str) -> Iterator[Pool]:
     """
     distributed = library("distributed")
     logging.getLogger("distributed").setLevel("CRITICAL")
-    try:
-        client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
-    except (OSError, ValueError, TimeoutError, RuntimeError) as error:
-        raise UsageError(
-            f"no scheduler answers at {address} ({type(error).__name__}).\n"
-            "  What to change: start one with `dask scheduler`, and give the address that it prints, such as "
-            "tcp://10.0.0.1:8786; or leave out --scheduler to use this machine."
-        ) from None
+    _require_scheduler(address)
+    client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
     try:
         require_program(client, program)
         client.register_plugin(_resources(distributed))
@@ -128,6 +123,36 @@ def remote_pool(address: str, program: str) -> Iterator[Pool]:
     finally:
         with contextlib.suppress(Exception):
             client.close(timeout=2)
+
+
+def _require_scheduler(address: str) -> None:
+    """Require that a scheduler answers at an address; a client would try for longer, and leave threads behind.
+
+    Raises
+    ------
+    UsageError
+        When it does not answer in time, or something else does.
+    """
+    try:
+        kind = asyncio.run(asyncio.wait_for(_kind_of(address), CONNECT_S))
+    except (OSError, ValueError, TypeError, MemoryError, TimeoutError) as error:
+        # What does not speak Dask's language may be read as a message of any size.
+        raise _silent(address, str(error) or type(error).__name__) from None
+    if kind != "Scheduler":
+        raise _silent(address, f"a {kind} does")
+
+
+async def _kind_of(address: str) -> str:
+    async with library("distributed").rpc(address, timeout=CONNECT_S) as peer:
+        return str((await peer.identity())["type"])
+
+
+def _silent(address: str, why: str) -> UsageError:
+    return UsageError(
+        f"no scheduler answers at {address} ({why}).\n"
+        "  What to change: start one with `dask scheduler`, and give the address that it prints, such as "
+        "tcp://10.0.0.1:8786; or leave out --scheduler to use this machine."
+    )
 
 
 def require_program(client: "Client", program: str) -> None:

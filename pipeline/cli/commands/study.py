@@ -67,14 +67,20 @@ def study(
         raise UsageError(f"{folder}: only the word report is followed by a folder; --out says where a study goes")
     if scheduler is not None and workers is not None:
         raise UsageError("--workers is for this machine: a scheduler has workers of its own")
-    from pipeline.progress import Monitor
+    from pipeline.progress import Monitor, Progress
     from pipeline.study.config import load_study
     from pipeline.study.study import Workers, run_study
 
     target = out or RESULTS / load_study(study).name
     with make_reporter(messages_console(), verbose=False) as reporter:
-        monitor = Monitor(reporter.begin("study"))
-        outcome = run_study(study, target, Workers(scheduler, workers), retry, monitor)
+        began: list[Progress] = []
+
+        def progress(message: str, fraction: float | None = None) -> None:
+            # Only once the study is known to be valid.
+            began[:] = began or [reporter.begin("study")]
+            began[0](message, fraction)
+
+        outcome = run_study(study, target, Workers(scheduler, workers), retry, Monitor(progress))
     _show(outcome)
 
 

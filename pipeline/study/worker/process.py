@@ -45,6 +45,11 @@ class Process:
         )
 
     @property
+    def pid(self) -> int:
+        """The number of the process."""
+        return self._process.pid
+
+    @property
     def lives(self) -> bool:
         """Whether the process can take another case."""
         return self._process.poll() is None
