@@ -17,7 +17,7 @@ from pipeline.study.pool import MEMORY, Pool, other_program
 from pipeline.study.rows import Ending, Row
 from pipeline.study.store import Store
 from pipeline.study.worker.process import run_request
-from pipeline.study.worker.task import failed_row
+from pipeline.study.worker.task import failed_row, known_row
 
 if TYPE_CHECKING:
     from distributed import Future
@@ -156,7 +156,7 @@ class Engine:
         if self._again:
             return self._again.popleft()
         while (case := source.ask()) is not None:
-            row = self.store.row(case.key)
+            row = self.store.row(case.key) or self._left(case)
             if row is None or self._is_open(row):
                 if case.folder not in self._parked:
                     return case
@@ -167,6 +167,13 @@ class Engine:
             self._count(row)
             source.tell(case, row)
         return None
+
+    def _left(self, case: Case) -> Row | None:
+        """Take the row that a run has left in its folder, if the client did not live to see it end."""
+        row = known_row(self.setting.request(case, again=False))
+        if row is not None:
+            self.store.add(row)
+        return row
 
     def _is_open(self, row: Row) -> bool:
         return not row.is_final(self.setting.run.time_limit_s) or (self.setting.retry and row.is_unsure)

@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import logging
-import signal
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -82,16 +81,17 @@ def local_pool(workers: int | None, threads: int, memory_gb: float) -> Iterator[
             f"  What to change: lower route.memory_gb to what a run takes up, or give at most --workers {fitting}."
         )
     count = workers or max(1, min(processors() // threads, fitting))
-    with dask.config.set(_LEAN), _interrupts_blocked():
+    with dask.config.set(_LEAN):
         cluster = distributed.LocalCluster(
             n_workers=count,
             threads_per_worker=1,
             processes=True,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",
             host="127.0.0.1",
             memory_limit=0,
             resources={MEMORY: free_gb / count},
             silence_logs=50,
+            preload=["pipeline.study.worker.preload"],
         )
         client = distributed.Client(cluster, set_as_default=False)
     try:
@@ -204,13 +204,3 @@ def _resources(distributed: Any) -> Any:
                 await worker.set_resources(memory_gb=limit / 1e9)
 
     return OfferMemory()
-
-
-@contextlib.contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C in threads and processes that are begun: only the client answers it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -9,7 +9,7 @@ import yaml
 
 from pipeline.config import Config
 from pipeline.config.file import dump_config
-from pipeline.study.cases import Cases, build_cases
+from pipeline.study.cases import Case, Cases, build_cases
 from pipeline.study.config import load_study
 from pipeline.study.pool import Pool
 from pipeline.study.rows import Ending, Row
@@ -68,9 +68,19 @@ class FakeClient:
 def done(request: dict[str, Any]) -> dict[str, Any]:
     """Answer with a row whose figures follow from the request."""
     tilt = request["data"]["task"]["tilt_max_deg"]
-    figures = {"path.kappa_integral": 1000.0 / tilt, "trajectory.duration_s": tilt, "path.status": "converged"}
+    figures = {
+        "path.kappa_max": 30.0,
+        "path.kappa_integral": 1000.0 / tilt,
+        "trajectory.duration_s": tilt,
+        "path.status": "converged",
+    }
     row = Row(request["key"], Ending.DONE.value, figures=figures, time_limit_s=request["time_limit_s"])
     return {"row": row.data()}
+
+
+def done_row(case: Case) -> Row:
+    """Make the row of a case as such workers do."""
+    return Row.read(done({"key": case.key, "data": case.data, "time_limit_s": 1.0})["row"])
 
 
 def study_file(folder: Path, config: Config, **keys: Any) -> Path:

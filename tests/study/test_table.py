@@ -11,7 +11,7 @@ from pipeline.config import Config
 from pipeline.study.rows import Ending, Row
 from pipeline.study.store import Store
 from pipeline.study.table import CSV, PARQUET, Table, build_table, table_of, unknown_figures, write_table
-from tests.study.fakes import cases_of, done
+from tests.study.fakes import cases_of, done_row
 
 
 @pytest.fixture
@@ -20,9 +20,8 @@ def table(tmp_path: Path, quick_config: Config) -> Table:
     cases = cases_of(tmp_path, quick_config)
     ended = []
     for case in cases:
-        row = Row.read(done({"key": case.key, "data": case.data, "time_limit_s": 1.0})["row"])
         failed = Row(case.key, Ending.NO_SOLUTION, "no route", "none", {"route.steps": 3})
-        ended.append((case, failed if case.number == 2 else row))
+        ended.append((case, failed if case.number == 2 else done_row(case)))
     return table_of(cases, ended)
 
 
@@ -52,7 +51,7 @@ def test_a_study_that_is_not_finished_has_the_rows_it_has(tmp_path: Path, quick_
     first = next(iter(cases))
     with Store(tmp_path) as store:
         assert len(build_table(cases, store)) == 0
-        store.add(Row.read(done({"key": first.key, "data": first.data, "time_limit_s": 1.0})["row"]))
+        store.add(done_row(first))
         table = build_table(cases, store)
         (said,) = unknown_figures(table, store)
     assert len(table) == 1
