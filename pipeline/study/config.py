@@ -41,6 +41,14 @@ class Kind(StrEnum):
     SOBOL = "sobol"
 
 
+class Keep(StrEnum):
+    """Which run folders are kept when their rows are."""
+
+    ALL = "all"
+    FAILED = "failed"
+    NONE = "none"
+
+
 SAMPLED = (Kind.RANDOM, Kind.SOBOL)
 """Designs that draw points, and need to know how many."""
 
@@ -120,6 +128,9 @@ class RunConfig(Section):
 
     time_limit_s: float = Field(3600.0, gt=0.0, le=1e7, description="after it a run is stopped, and marked")
     threads: int = Field(1, ge=1, le=256, description="processors that a run may use")
+    keep: Keep = Field(
+        Keep.ALL, description="run folders that are kept with all their files; of the others only the row is"
+    )
     why_not: bool = Field(False, description="where no route exists, find out what prevents it: minutes per run")
 
 

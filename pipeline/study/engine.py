@@ -88,6 +88,7 @@ class Setting:
             "time_limit_s": self.run.time_limit_s,
             "threads": self.run.threads,
             "why_not": self.run.why_not,
+            "keep": self.run.keep.value,
             "program": self.program,
             "again": again,
         }

@@ -1,6 +1,5 @@
 """Key paths such as `machine.rails[0].y_m`: where they lead in nested data."""
 
-import copy
 import difflib
 import re
 from collections.abc import Mapping
@@ -54,14 +53,19 @@ def value_at(data: Mapping[str, Any], path: str) -> Any:
 
 
 def replaced(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Copy nested data with other values at some paths, each of which leads somewhere."""
-    copied: dict[str, Any] = copy.deepcopy(dict(data))
+    """Copy nested data with other values at some paths, each of which leads somewhere; the rest is shared."""
+    copied = dict(data)
     for path, value in changes.items():
-        *parents, last = parts_of(path)
-        place: Any = copied
-        for part in parents:
-            place = place[part]
-        place[last] = value
+        copied = _with(copied, parts_of(path), value)
+    return copied
+
+
+def _with(data: Any, parts: Parts, value: Any) -> Any:
+    """Copy what leads to a value, and share the rest with the original."""
+    if not parts:
+        return value
+    copied = list(data) if isinstance(data, list) else dict(data)
+    copied[parts[0]] = _with(data[parts[0]], parts[1:], value)  # type: ignore[index]  # an index leads into a list
     return copied
 
 

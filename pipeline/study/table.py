@@ -5,7 +5,7 @@ import difflib
 import io
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -46,12 +46,14 @@ class Table:
 
 def build_table(cases: Cases, store: Store) -> Table:
     """Collect the rows of all runs of a design that have ended."""
-    ended = [(case, row) for case in cases if (row := store.row(case.key)) is not None]
-    return table_of(cases, ended)
+    return table_of(cases, ((case, row) for case in cases if (row := store.row(case.key)) is not None))
 
 
-def table_of(cases: Cases, ended: Sequence[tuple[Case, Row]]) -> Table:
+def table_of(cases: Cases, rows: Iterable[tuple[Case, Row]]) -> Table:
     """Put cases and their rows into columns."""
+    # Of a million cases not all configurations, nor all figures, are held at a time.
+    wanted = cases.study.figures
+    ended = [(_slim_case(case), _slim_row(row, wanted) if wanted else row) for case, row in rows]
     parameters = tuple(dict.fromkeys(path for case, _ in ended for path in case.point))
     figures = cases.study.figures or _numbers(row for _, row in ended)
     columns = {
@@ -67,6 +69,14 @@ def table_of(cases: Cases, ended: Sequence[tuple[Case, Row]]) -> Table:
         "run": [f"{RUNS}/{case.folder}" for case, _ in ended],
     }
     return Table(parameters, tuple(figures), columns)
+
+
+def _slim_case(case: Case) -> Case:
+    return replace(case, data={})
+
+
+def _slim_row(row: Row, wanted: Sequence[str]) -> Row:
+    return replace(row, figures={name: row.figures.get(name) for name in wanted})
 
 
 def unknown_figures(table: Table, store: Store) -> list[str]:

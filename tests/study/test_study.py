@@ -115,4 +115,4 @@ def test_a_run_that_another_worker_has_begun_is_waited_for(tmp_path: Path) -> No
     request["data"] = next(iter(build_cases(study, tmp_path / "s.yaml", "1"))).data
     with locked_study(folder):
         Timer(0.2, keep_row, (request, row)).start()
-        assert run_case({**request, "program": "1", "why_not": False}) == row
+        assert run_case({**request, "program": "1", "why_not": False, "keep": "all"}) == row

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import shutil
 import time
 import traceback
 from collections.abc import Mapping
@@ -16,7 +17,7 @@ from pipeline.regular_file import read_regular_file
 from pipeline.run import RunOptions, run_pipeline
 from pipeline.stage import Stage
 from pipeline.study.cases import parse_case
-from pipeline.study.config import Last, TwinConfig
+from pipeline.study.config import Keep, Last, TwinConfig
 from pipeline.study.keys import scalars
 from pipeline.study.rows import Ending, Row, why
 
@@ -27,7 +28,7 @@ _LOCKED_S = 0.5
 _NO_FIGURES = ("name", "config_sha256", "versions.")
 
 Request = dict[str, Any]
-"""What a worker is asked: `key`, `data`, `to`, `folder`, `time_limit_s`, `why_not`, `again`, `program`, `threads`."""
+"""What a worker is asked: `key`, `data`, `to`, `folder`, `time_limit_s`, `keep`, `why_not`, `again`, `program`, ...."""
 
 
 def row_file(request: Mapping[str, Any]) -> Path:
@@ -59,10 +60,24 @@ def run_case(request: Request) -> Row:
             return known
         began = time.perf_counter()
         try:
-            return keep_row(request, _attempt(request, began))
+            row = keep_row(request, _attempt(request, began))
         except LockedError:
             # A worker that was given up may still be at it, or one that plans the same motion for another twin.
             time.sleep(_LOCKED_S)
+            continue
+        _clear(request, row)
+        return row
+
+
+def _clear(request: Mapping[str, Any], row: Row) -> None:
+    """Remove all of a run but its rows, unless it is to be kept: a million run folders fill a disk."""
+    if request["keep"] == Keep.ALL or (request["keep"] == Keep.FAILED and row.ending != Ending.DONE):
+        return
+    for entry in Path(request["folder"]).iterdir():
+        if entry.is_dir():
+            shutil.rmtree(entry, ignore_errors=True)
+        elif not entry.name.startswith("row-"):
+            entry.unlink(missing_ok=True)
 
 
 def failed_row(request: Mapping[str, Any], ending: Ending, message: str, seconds: float) -> Row:

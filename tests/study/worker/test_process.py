@@ -37,7 +37,14 @@ def request(folder: Path, config: Config, **keys: Any) -> dict[str, Any]:
     """Ask for the regions of a tiny grid."""
     case = next(iter(cases_of(folder, config)))
     asked = {"key": case.key, "data": case.data, "to": "regions", "folder": str(folder / "runs" / case.folder)}
-    rest = {"time_limit_s": 120.0, "threads": 1, "why_not": False, "again": False, "program": program_version()}
+    rest = {
+        "time_limit_s": 120.0,
+        "threads": 1,
+        "keep": "all",
+        "why_not": False,
+        "again": False,
+        "program": program_version(),
+    }
     return {**asked, **rest, **keys}
 
 
@@ -51,6 +58,15 @@ def test_a_run_leaves_its_folder_and_its_row(tmp_path: Path, tiny_config: Config
     assert known is not None
     assert known.data() == row == run_request(asked)["row"]
     assert known_row({**asked, "again": True}) is None
+
+
+@pytest.mark.parametrize("keep", ["none", "failed"])
+def test_a_folder_need_not_be_kept(tmp_path: Path, tiny_config: Config, process: Process, keep: str) -> None:
+    """The row is, and it is known from then on."""
+    asked = request(tmp_path, tiny_config, keep=keep)
+    assert process.ask(asked)["ending"] == "done"
+    assert not (Path(asked["folder"]) / "regions.npz").exists()
+    assert known_row(asked) is not None
 
 
 def test_a_configuration_that_is_refused_is_a_row(tmp_path: Path, tiny_config: Config, process: Process) -> None:
