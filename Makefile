@@ -45,6 +45,15 @@ reference: $(DEV)
 	mv results/workspace_3d.png $(REFERENCE)/figures/
 	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
 
+# The study of 4-DOF machines that is kept in git: ten minutes.
+FOUR_DOF := results/reference/four_dof
+.PHONY: reference-study
+reference-study: $(DEV)
+	$(BIN)/gantry-tau study configs/studies/four_dof.yaml --out results/four_dof
+	mkdir -p $(FOUR_DOF)
+	cp results/four_dof/study.csv $(FOUR_DOF)/
+	$(BIN)/python -m tests.benchmarks.four_dof $(FOUR_DOF)/study.csv $(FOUR_DOF)/four_dof.png
+
 # The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.
 .PHONY: notebooks
 notebooks: $(DEV)

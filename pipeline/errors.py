@@ -62,6 +62,10 @@ class UsageError(PipelineError):
     exit_code = 2
 
 
+class LockedError(UsageError):
+    """Another process is writing to the folder that a command was given."""
+
+
 class ArgumentError(UsageError, ValueError):
     """A function was given an argument that its docstring excludes: which one, what it is, what is expected."""
 

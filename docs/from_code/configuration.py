@@ -8,9 +8,17 @@ from from_code.markdown import literal, plain, table
 from pipeline.config import Config
 from pipeline.config.commented import commented_yaml
 from pipeline.config.file import load_config
+from pipeline.study.config import StudyConfig
 
 Schema = Mapping[str, Any]
-_NAMES = {"boolean": "on, off", "number": "number", "integer": "whole number", "string": "text", "null": "null"}
+_NAMES = {
+    "boolean": "on, off",
+    "number": "number",
+    "integer": "whole number",
+    "string": "text",
+    "null": "null",
+    "object": "key paths with values",
+}
 _REFERENCE_MACHINE = Path(__file__).parents[2] / "configs" / "agder.yaml"
 _BOUNDS = (
     ("minimum", "at least"),
@@ -28,6 +36,12 @@ def configuration_yaml() -> str:
 def configuration_reference() -> str:
     """Write a section with a table of keys for every section of the configuration, nested ones by their dotted path."""
     schema = Config.model_json_schema()
+    return "\n".join(_tables(schema, schema["$defs"], "", {}))
+
+
+def study_reference() -> str:
+    """Write a section with a table of keys for every section of the file of a study."""
+    schema = StudyConfig.model_json_schema()
     return "\n".join(_tables(schema, schema["$defs"], "", {}))
 
 
@@ -99,6 +113,8 @@ def _type(value: Schema, named: Schema, titles: Mapping[str, str]) -> str:
         items = value.get("prefixItems") or [value.get("items", {})]
         count = f"{len(items)} times " if len(items) > 1 else "list of "
         return count + _kind(items[0], named, titles)
+    if "type" not in value:
+        return "any value"
     bounds = [f"{word} {value[bound]:,g}" for bound, word in _BOUNDS if bound in value]
     pattern = [f"like {literal(value['pattern'])}"] if "pattern" in value else []
     return ", ".join([_NAMES[value["type"]], *bounds, *pattern])

@@ -4,8 +4,9 @@ import re
 from collections.abc import Callable
 
 from from_code.command_line import command_reference
-from from_code.configuration import configuration_reference, configuration_yaml
+from from_code.configuration import configuration_reference, configuration_yaml, study_reference
 from from_code.files import benchmark_pages, figure_list, trajectory_columns
+from from_code.four_dof import four_dof_table
 from from_code.notebooks import notebook_page
 from from_code.python_interface import python_reference
 from from_code.reference_run import reference_run
@@ -16,9 +17,11 @@ PARTS: dict[str, Callable[..., str]] = {
     "configuration keys": configuration_reference,
     "configuration yaml": configuration_yaml,
     "figures": figure_list,
+    "four dof": four_dof_table,
     "notebook": notebook_page,
     "python interface": python_reference,
     "reference run": reference_run,
+    "study keys": study_reference,
     "trajectory columns": trajectory_columns,
 }
 _MARK = re.compile(r"^<!-- from code: ([a-z ]+?)(?: \[(\S+)\])? -->$", re.MULTILINE)

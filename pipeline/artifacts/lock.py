@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeline.artifacts.files import naming
 from pipeline.artifacts.layout import LOCK, STATE
-from pipeline.errors import UsageError
+from pipeline.errors import LockedError, UsageError
 
 _PROCESS = re.compile(rb"[0-9]{0,20}")
 """What a lock holds: the number of the process that holds it, or held it last."""
@@ -29,21 +29,22 @@ def locked(folder: Path, new: bool, state: str = STATE) -> Iterator[None]:
 
     Raises
     ------
+    LockedError
+        When another run holds it; nothing was changed.
     UsageError
-        When another run holds it, or the file is another program's; nothing was changed.
+        When the file is another program's; nothing was changed.
     """
     file = folder / LOCK
     descriptor, created = _open(file)
     try:
-        _hold(folder, descriptor)
+        _hold(folder, descriptor, "run")
         content = os.pread(descriptor, 64, 0)
         if not _PROCESS.fullmatch(content) or (new and not created and not (folder / state).exists()):
             raise UsageError(
                 f"{file} is not the lock of a run, but another program's: nothing was changed.\n"
                 "  What to change: give another folder with --out, or move that file away."
             )
-        os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+        _sign(descriptor)
         yield
     finally:
         # What did not become a run folder is left as it was.
@@ -52,14 +53,37 @@ def locked(folder: Path, new: bool, state: str = STATE) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _hold(folder: Path, descriptor: int) -> None:
+@contextlib.contextmanager
+def locked_study(folder: Path) -> Iterator[None]:
+    """Hold the lock of the folder of a study, which is left there: one client at a time leads it.
+
+    Raises
+    ------
+    LockedError
+        When another client holds it; nothing was changed.
+    """
+    descriptor, _ = _open(folder / LOCK)
+    try:
+        _hold(folder, descriptor, "study")
+        _sign(descriptor)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _sign(descriptor: int) -> None:
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+
+
+def _hold(folder: Path, descriptor: int, what: str) -> None:
     try:
         with naming(folder / LOCK):
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         process = os.pread(descriptor, 64, 0).decode(errors="replace").strip()
-        raise UsageError(
-            f"another run (process {process or 'unknown'}) is writing to {folder}.\n"
+        raise LockedError(
+            f"another {what} (process {process or 'unknown'}) is writing to {folder}.\n"
             "  What to change: wait until it ends, or give another folder with --out."
         ) from None
 

@@ -9,14 +9,14 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn
 from rich.table import Column
 
 from pipeline.progress import Progress as ProgressFunction
-from pipeline.stage import STAGES, Stage
+from pipeline.stage import STAGES
 
 _EVERY_S = 5.0
 """Least time between two plain lines of a stage."""
 _WIDTH = max(len(stage) for stage in STAGES)
 
 
-def _without_stage(message: str, stage: Stage) -> str:
+def _without_stage(message: str, stage: str) -> str:
     """Remove the name of the stage from a message: the line already has it."""
     return message.removeprefix(f"{stage}: ")
 
@@ -35,7 +35,7 @@ class PlainReporter:
     ) -> None:
         pass
 
-    def begin(self, stage: Stage) -> ProgressFunction:
+    def begin(self, stage: str) -> ProgressFunction:
         """Report that a stage begins; later messages appear if the last one is old enough."""
         self._console.print(f"{stage}: started", soft_wrap=True)
         said = time.monotonic()
@@ -49,7 +49,7 @@ class PlainReporter:
 
         return progress
 
-    def end(self, stage: Stage, outcome: str, seconds: float) -> None:
+    def end(self, stage: str, outcome: str, seconds: float) -> None:
         """Report how a stage ended."""
         took = "" if outcome == "unchanged" else f" ({seconds:.1f} s)"
         self._console.print(f"{stage}: {outcome}{took}", soft_wrap=True)
@@ -82,7 +82,7 @@ class LiveReporter:
     ) -> None:
         self._live.stop()
 
-    def begin(self, stage: Stage) -> ProgressFunction:
+    def begin(self, stage: str) -> ProgressFunction:
         """Show a stage as running."""
         self._task = self._live.add_task("", total=None, stage=f"{stage:<{_WIDTH}}")
         task = self._live.tasks[-1]
@@ -94,7 +94,7 @@ class LiveReporter:
 
         return progress
 
-    def end(self, stage: Stage, outcome: str, seconds: float) -> None:
+    def end(self, stage: str, outcome: str, seconds: float) -> None:
         """Leave a line for a stage that ended."""
         if self._task is not None:
             self._live.remove_task(self._task)

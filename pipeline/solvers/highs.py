@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from pipeline.arrays import BoolArray, FloatArray
+from pipeline.parallel import THREADS, processors
 from pipeline.progress import QUIET, Monitor, Progress
 from pipeline.status import Status
 
@@ -109,6 +110,8 @@ def solve_program(
     solver = highspy.Highs()
     # Switching off all output would also switch off the progress reports.
     solver.setOptionValue("log_to_console", monitor.verbose)
+    if THREADS in os.environ:
+        solver.setOptionValue("threads", processors())
     solver.setOptionValue("mip_rel_gap", relative_gap)
     solver.setOptionValue("mip_abs_gap", 1e-7)
     solver.setOptionValue("primal_feasibility_tolerance", 1e-9)

@@ -9,6 +9,7 @@ import yaml
 
 from pipeline.config import Config
 from pipeline.config.file import parse_config
+from pipeline.study.config import parse_study
 from tests.docs.pages import PAGES, blocks, inline_code, page_name
 
 _SECTIONS = tuple(name for name in Config.model_fields if name != "name")
@@ -47,8 +48,11 @@ def merged(data: Any, changes: Any) -> Any:
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_yaml_is_configuration(page: Path, quick_config: Config) -> None:
-    """Every YAML block is a part of a configuration that the program reads."""
+    """Every YAML block is a part of a configuration that the program reads, or the file of a study."""
     for code in blocks(page, "yaml"):
+        if "base" in yaml.safe_load(code):
+            parse_study(yaml.safe_load(code))
+            continue
         parse_config(merged(quick_config.model_dump(mode="json"), yaml.safe_load(code)))
 
 

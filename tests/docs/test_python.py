@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from pipeline import Config, RunOptions, Stage, dump_config, load_config, run_pipeline
+from pipeline.study.table import table_of, write_table
 from tests.docs.pages import PAGES, PROJECT, blocks, inline_code, page_name
+from tests.study.fakes import cases_of, done_row
 
 COARSE = {
     "name": "quick",
@@ -25,12 +27,14 @@ COARSE = {
 
 @pytest.fixture(scope="module")
 def finished_run(tmp_path_factory: pytest.TempPathFactory, vary: Callable[[Config, dict[str, object]], Config]) -> Path:
-    """Run a coarse copy of `quick.yaml` up to its trajectory, as `configs/quick.yaml` of an otherwise empty folder."""
+    """Run a coarse copy of `quick.yaml` up to its trajectory, as `configs/quick.yaml`, and tabulate a study."""
     folder = tmp_path_factory.mktemp("reader")
     config = vary(load_config(PROJECT / "configs" / "tiny.yaml"), COARSE)
     (folder / "configs").mkdir()
     (folder / "configs" / "quick.yaml").write_text(dump_config(config))
     run_pipeline(config, folder / "results" / "quick", RunOptions(last=Stage.RETIME))
+    cases = cases_of(tmp_path_factory.mktemp("study"), config)
+    write_table(folder / "results" / "tilts", table_of(cases, [(case, done_row(case)) for case in cases]))
     return folder
 
 

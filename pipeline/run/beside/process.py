@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import BinaryIO, Self
 
 from pipeline.config import Config
+from pipeline.parallel import module_command, module_environment, processors
 from pipeline.stage import Stage
 
 
@@ -51,7 +52,7 @@ class SecondProcess:
 
     def begin(self, config: Config) -> None:
         """Begin; a second processor is needed, or nothing is."""
-        if self._process is not None or _processors() < 2 or not sys.executable:
+        if self._process is not None or processors() < 2 or not sys.executable:
             return
         # The run needs the other processor: linear algebra in threads only waits for it.
         one = {"OPENBLAS_NUM_THREADS": "1"}
@@ -118,18 +119,3 @@ class SecondProcess:
         with self._changed:
             self._ended = True
             self._changed.notify_all()
-
-
-def module_command(module: str, *arguments: str) -> list[str]:
-    """Give the command that runs a module in a process of its own."""
-    return [sys.executable, "-P", "-m", module, *arguments]
-
-
-def module_environment() -> dict[str, str]:
-    """Give the environment in which such a process finds modules where this one does, in that order."""
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)}
-
-
-def _processors() -> int:
-    """Count the processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

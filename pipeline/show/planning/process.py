@@ -9,7 +9,7 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-from pipeline.run.beside.process import module_command, module_environment
+from pipeline.parallel import module_command, module_environment
 from pipeline.stage import Stage
 
 Listen = Callable[[dict[str, Any]], None]

@@ -1,0 +1,120 @@
+"""The page of a study: one HTML file with styles, scripts, the plotting library and all numbers in it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+from pipeline.artifacts import jsonable
+from pipeline.study.config import StudyConfig
+from pipeline.study.report.pareto import front, objectives
+from pipeline.study.report.plots import Plot, by_parameter, failures, parallel, pareto, shown_figures
+from pipeline.study.rows import Ending
+from pipeline.study.table import Table
+
+REPORT = "report.html"
+MOST_ROWS = 2_000
+"""Runs that the page lists; the table of the study has all."""
+_PACKAGE = "pipeline.study.report"
+
+
+@dataclass(frozen=True)
+class RunLine:
+    """A run as the page lists it: its cells, how it ended, why, and the file that tells more."""
+
+    cells: tuple[str, ...]
+    status: str
+    reason: str
+    message: str
+    seconds: float
+    link: str
+
+
+def render_study(study: StudyConfig, table: Table, total: int | None, link: Callable[[str], str]) -> bytes:
+    """Render the page. All text of the study is escaped; only the assets of this program are inserted as they are.
+
+    Parameters
+    ----------
+    total : int or None
+        How many runs the study has, ended or not.
+    link : callable
+        Gives what to link to of a run, by its folder; both are relative to the page.
+    """
+    named = objectives(study.pareto, table)
+    figures = shown_figures(table, study.figures, named)
+    plots = [
+        parallel(table, figures),
+        pareto(table, named),
+        *(by_parameter(table, name, figures) for name in table.parameters),
+        failures(table),
+    ]
+    shown = [plot for plot in plots if plot is not None]
+    lines = [
+        _line(row, table.parameters, figures, link) for _, row in zip(range(MOST_ROWS), table.rows(), strict=False)
+    ]
+    page = _environment().get_template("study.html.j2")
+    return page.render(
+        study=study,
+        count=len(table),
+        total=total,
+        done=sum(status == Ending.DONE for status in table.columns["status"]),
+        plots=shown,
+        payload=[jsonable(_themed(plot)) for plot in shown],
+        header=(*table.parameters, *figures),
+        lines=lines,
+        best={table.columns["number"][index] for index in front(table, named)},
+        styles=_asset("pipeline.report", "page.css"),
+        plotly=Markup(get_plotlyjs()),
+    ).encode()
+
+
+def _line(
+    row: dict[str, Any], parameters: tuple[str, ...], figures: tuple[str, ...], link: Callable[[str], str]
+) -> RunLine:
+    cells = (row["number"], *(row[name] for name in (*parameters, *figures)))
+    return RunLine(
+        tuple(_text(cell) for cell in cells),
+        row["status"],
+        row["reason"] or "",
+        (row["message"] or "").strip(),
+        row["seconds"],
+        link(row["run"]),
+    )
+
+
+def _text(value: object) -> str:
+    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _themed(plot: Plot) -> dict[str, Any]:
+    """Give a picture the looks of the others."""
+    common = {
+        "font": {"size": 13, "color": "#1b1f24"},
+        "margin": {"l": 80, "r": 20, "t": 30, "b": 60},
+        "plot_bgcolor": "#ffffff",
+        "paper_bgcolor": "#ffffff",
+        "autosize": True,
+    }
+    layout = {**common, **plot.figure["layout"]}
+    layout["margin"] = {**common["margin"], **plot.figure["layout"].get("margin", {})}  # type: ignore[dict-item]
+    return {"data": plot.figure["data"], "layout": layout}
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader(_PACKAGE, "assets"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def _asset(package: str, name: str) -> Markup:
+    return Markup((resources.files(package) / "assets" / name).read_text("utf-8"))

@@ -1,0 +1,49 @@
+"""The runs of a study that no other run beats in every objective."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.arrays import FloatArray
+from pipeline.study.table import Table
+
+_USUAL = ("path.kappa_integral", "trajectory.duration_s")
+"""What is weighed where a study does not say: the singularities' distance against time."""
+
+
+def objectives(wanted: Sequence[str], table: Table) -> tuple[str, ...]:
+    """Name the objectives: those a study says, or the usual ones that it has; of `-name` more is better."""
+    if wanted:
+        return tuple(name for name in wanted if name.lstrip("-") in table.columns)
+    return tuple(name for name in _USUAL if name in table.figures) or numeric(table, table.figures)[:2]
+
+
+def numeric(table: Table, names: Sequence[str]) -> tuple[str, ...]:
+    """Keep the names of columns that have numbers."""
+    return tuple(name for name in names if any(_is_number(value) for value in table.columns.get(name, ())))
+
+
+def front(table: Table, names: Sequence[str]) -> list[int]:
+    """List the rows that are done and that no other row beats in one objective without losing in another."""
+    signs = np.array([-1.0 if name.startswith("-") else 1.0 for name in names])
+    columns = [table.columns[name.lstrip("-")] for name in names]
+    done = [
+        index
+        for index, status in enumerate(table.columns["status"])
+        if status == "done" and all(_is_number(column[index]) for column in columns)
+    ]
+    costs = signs * np.array([[column[index] for column in columns] for index in done], dtype=float)
+    return [index for index, best in zip(done, undominated(costs), strict=True) if best] if done and names else []
+
+
+def undominated(costs: FloatArray) -> list[bool]:
+    """Mark the rows (n, m) that no other row is at most equal to everywhere, and below somewhere."""
+    marks = []
+    for row in costs:
+        no_worse, better = (costs <= row).all(axis=1), (costs < row).any(axis=1)
+        marks.append(not bool((no_worse & better).any()))
+    return marks
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
