@@ -28,7 +28,7 @@ def run_stages(path: Path, config: "Config", out: Path | None, options: "RunOpti
     from pipeline.run.run_report import files_to_open
     from pipeline.run.stage_specs import spec_of
 
-    folder = out or results_folder(config)
+    folder = out or results_folder(config.name)
     with make_reporter(messages_console(), options.verbose) as reporter:
         report = run_pipeline(config, folder, options, reporter, specs)
     console = results_console()

@@ -73,9 +73,9 @@ def schema_text() -> str:
     return json.dumps(Config.model_json_schema(), indent=2)
 
 
-def results_folder(config: Config) -> Path:
-    """Name the folder of a run that is given none, in UTF-8 whatever the locale."""
-    return _RESULTS / os.fsdecode(config.name.encode())
+def results_folder(name: str) -> Path:
+    """Give the folder of a run or study of a name that is given none, in UTF-8 whatever the locale."""
+    return _RESULTS / os.fsdecode(name.encode())
 
 
 def config_sha256(config: BaseModel | object) -> str:

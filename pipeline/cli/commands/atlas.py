@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.options import ConfigArgument, VerboseOption, results_folder, specs_of
+from pipeline.cli.options import ConfigArgument, VerboseOption, specs_of
 from pipeline.cli.output import check_picture, save_picture, text_table
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
@@ -54,12 +54,12 @@ def atlas(
         raise UsageError("--to regions makes no atlas: allowed are route and later stages")
     check_picture(picture)
     from pipeline.atlas.matrix import matrices
-    from pipeline.config.file import load_config
+    from pipeline.config.file import load_config, results_folder
     from pipeline.figures.atlas import atlas_figure
     from pipeline.run.atlas import AtlasOptions
 
     loaded = load_config(config)
-    folder = out or results_folder(loaded).with_name(f"{results_folder(loaded).name}-atlas")
+    folder = out or results_folder(f"{loaded.name}-atlas")
     record = _made(loaded, folder, AtlasOptions(last, force, specs_of(context)), verbose)
     drawn = folder / "atlas.png" if picture is None else picture
     save_picture(atlas_figure(matrices(record)), drawn)

@@ -109,7 +109,7 @@ def route(
         from pipeline.cli.alternatives import plan_alternatives
         from pipeline.config.file import results_folder
 
-        plan_alternatives(chosen, out or results_folder(chosen), alternatives, options, specs_of(context))
+        plan_alternatives(chosen, out or results_folder(chosen.name), alternatives, options, specs_of(context))
         return
     run_stages(config, chosen, out, options, specs_of(context))
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.options import RESULTS
 from pipeline.cli.output import text_table
 from pipeline.cli.reporter import make_reporter
 from pipeline.errors import UsageError
@@ -67,11 +66,12 @@ def study(
         raise UsageError(f"{folder}: only the word report is followed by a folder; --out says where a study goes")
     if scheduler is not None and workers is not None:
         raise UsageError("--workers is for this machine: a scheduler has workers of its own")
+    from pipeline.config.file import results_folder
     from pipeline.progress import Monitor, Progress
     from pipeline.study.config import load_study
     from pipeline.study.study import Workers, run_study
 
-    target = out or RESULTS / load_study(study).name
+    target = out or results_folder(load_study(study).name)
     with make_reporter(messages_console(), verbose=False) as reporter:
         began: list[Progress] = []
 

@@ -84,7 +84,7 @@ class PlanPanel:
         file = self._app.session.file
         if self._folder is not None and file.parent == self._folder:
             return self._folder
-        return results_folder(self._app.session.config)
+        return results_folder(self._app.session.config.name)
 
     def _ask_to_stop(self) -> None:
         if self._process is not None:
@@ -124,5 +124,5 @@ class PlanPanel:
     def _command(self) -> str:
         """Give the command that plans the whole of this."""
         session = self._app.session
-        out = "" if self._folder == results_folder(session.config) else f" --out {shlex.quote(str(self._folder))}"
+        out = "" if self._folder == results_folder(session.config.name) else f" --out {shlex.quote(str(self._folder))}"
         return f"gantry-tau run {shlex.quote(str(session.file))}{out}"
