@@ -12,10 +12,8 @@ from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
 from pipeline.cli.commands import (
-    atlas,
     certify,
     check,
-    compare,
     export,
     init,
     measured,
@@ -23,11 +21,9 @@ from pipeline.cli.commands import (
     run,
     show,
     simulate,
-    study,
-    tradeoff,
     tune,
-    workspace,
 )
+from pipeline.cli.commands.analyses import atlas, compare, study, tradeoff, workspace
 from pipeline.cli.console import discard_output, print_error, print_message
 from pipeline.cli.interrupts import ignore_interrupts
 from pipeline.errors import PipelineError, UsageError

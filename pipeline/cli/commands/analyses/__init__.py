@@ -1,0 +1,1 @@
+"""Commands that compare, vary and bound: several runs, many tasks, the workspace."""
