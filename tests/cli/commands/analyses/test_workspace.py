@@ -7,7 +7,7 @@ import pytest
 
 from tests.cli.calls import invoke as call
 
-AGDER = Path(__file__).parents[3] / "configs" / "agder.yaml"
+AGDER = Path(__file__).parents[4] / "configs" / "agder.yaml"
 
 
 def test_table() -> None:
