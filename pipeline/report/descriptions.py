@@ -48,7 +48,7 @@ def _timeline(motion: Motion) -> str:
 
 def _proof(proof: Proof) -> str:
     known = np.isfinite(proof.bound)
-    bound = f"at most {proof.bound.max():.2f}" if known.all() else f"missing in {np.count_nonzero(~known)} boxes"
+    bound = f"at most {proof.bound.max():.2f}" if known.all() else f"missing in {np.count_nonzero(~known)} of them"
     return (
         f"The proven bound of κ over {len(proof.bound)} boxes, {bound}, and the sampled κ, at most "
         f"{proof.kappa.max():.2f}, along the {proof.length[-1]:.1f} steps of the path. "

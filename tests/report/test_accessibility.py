@@ -108,12 +108,12 @@ def test_tab_goes_through_the_page_in_order(desk: Opened) -> None:
     """Tab stops follow the order of the page, and each of them shows that it has the focus."""
     desk.page.set_viewport_size(DESKTOP)
     desk.page.evaluate(UNFOLD)
-    desk.page.evaluate("() => { document.activeElement.blur(); scrollTo(0, 0); }")
-    stops = []
-    for _ in range(100):
+    desk.page.locator(".skip").focus()
+    stops = [desk.page.evaluate(FOCUS)]
+    while len(stops) < 100:
         desk.page.keyboard.press("Tab")
         stop = desk.page.evaluate(FOCUS)
-        if stop[0] == "BODY" or (stops and stop[1] <= stops[-1][1]):
+        if stop[1] <= stops[-1][1]:
             break
         stops.append(stop)
     tags = [tag for tag, *_ in stops]

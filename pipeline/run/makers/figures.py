@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pipeline.artifacts.layout import REPORT
 from pipeline.artifacts.state import State, read_state
-from pipeline.figures import FIGURES
+from pipeline.figures import FIGURES, RunFigure
 from pipeline.progress import Monitor
 from pipeline.run.makers.pictures import picture
 from pipeline.run.makers.report_page import report_page
@@ -23,13 +23,19 @@ def make_figures(results: "Results", monitor: Monitor) -> Product:
     That begins with the first figure and this one with the last; the report is made where its parts are.
     """
     beside, made = results.beside, dict[str, dict[str, bytes]]()
-    monitor.progress("drawing")
+
+    def announce(figure: RunFigure) -> None:
+        number = len(made) + 1
+        monitor.progress(f"figure {number} of {len(FIGURES)}, {figure.name}", number / len(FIGURES))
+
     for figure in reversed(FIGURES):
         if beside is None or beside.take(figure.name):
+            announce(figure)
             made[figure.name] = picture(figure, results)
     files = dict[str, bytes]()
     for figure in FIGURES:
         if figure.name not in made:
+            announce(figure)
             there = None if beside is None else beside.files(figure.name)
             made[figure.name] = picture(figure, results) if there is None else there
         files |= made[figure.name]

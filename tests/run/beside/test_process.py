@@ -13,7 +13,7 @@ from pipeline.artifacts import read_run_folder
 from pipeline.config import Config
 from pipeline.figures import FIGURES
 from pipeline.machine import build_machine
-from pipeline.progress import QUIET
+from pipeline.progress import Monitor
 from pipeline.run import Results
 from pipeline.run.beside.process import SecondProcess
 from pipeline.run.makers.figures import make_figures
@@ -34,7 +34,7 @@ def folder(fast_config: Config, change: Callable[..., Config], stages: FakeStage
 
 @needs_two
 def test_figures_and_report_are_the_same(folder: Path) -> None:
-    """Made in two processes or in one: the same files, to the byte, in the same order, and none is written."""
+    """In two processes or in one: the same files, to the byte, in order; none is written, every figure is counted."""
     config, _ = read_run_folder(folder)
     machine = build_machine(config.machine)
     before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
@@ -44,8 +44,10 @@ def test_figures_and_report_are_the_same(folder: Path) -> None:
             beside.done(stage)
         # The first figure is made there, and so is the report.
         there = {name: beside.files(name) for name in ("report.html", FIGURES[0].name)}
-        both = make_figures(Results(config, machine, folder, beside=beside), QUIET)
-    alone = make_figures(Results(config, machine, folder), QUIET)
+        said, watch = _listener()
+        both = make_figures(Results(config, machine, folder, beside=beside), watch)
+    said_alone, watch = _listener()
+    alone = make_figures(Results(config, machine, folder), watch)
     assert list(both.files) == list(alone.files)
     assert {name: alone.files[name] == content for name, content in both.files.items()} == dict.fromkeys(
         both.files, True
@@ -53,7 +55,17 @@ def test_figures_and_report_are_the_same(folder: Path) -> None:
     for files in there.values():
         assert files is not None
         assert files.items() <= alone.files.items()
+    counted = [f"figure {i} of {len(FIGURES)}" for i in range(1, len(FIGURES) + 1)]
+    for messages in (said, said_alone):
+        assert [message.split(",")[0] for message in messages] == [*counted, "writing the report"]
+        assert {message.split(", ")[1] for message in messages[:-1]} == {row.name for row in FIGURES}
     assert {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()} == before
+
+
+def _listener() -> tuple[list[str], Monitor]:
+    """Give a list of messages, and what adds to it."""
+    messages: list[str] = []
+    return messages, Monitor(lambda message, fraction=None: messages.append(message))
 
 
 @needs_two
