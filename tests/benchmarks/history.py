@@ -83,7 +83,7 @@ def _seconds(one: dict[str, Any], name: str) -> str:
 
 
 def _names(history: dict[str, dict[str, Any]]) -> Sequence[str]:
-    return list(dict.fromkeys(name for one in history.values() for name in one["runs"]))
+    return sorted({name for one in history.values() for name in one["runs"]})
 
 
 def runs_picture(history: dict[str, dict[str, Any]]) -> bytes:
