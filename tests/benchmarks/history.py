@@ -37,6 +37,7 @@ def runs_page(history: dict[str, dict[str, Any]]) -> str:
         f"`gantry-tau --help` {last['start']['help_s']:.2f} s.",
         "## By date",
         "![Seconds of whole runs over the dates at which they were measured](history/runs.png)",
+        "Open circles are what a run was compared with, on the same day.",
         _dates(history),
     ]
     return "\n\n".join(parts) + "\n"
