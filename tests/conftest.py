@@ -9,6 +9,9 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
 
+# Before numpy is there: tests run in two processes, and their matrices are small; threads would wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, settings

@@ -37,6 +37,7 @@ def runs_page(history: dict[str, dict[str, Any]]) -> str:
         f"`gantry-tau --help` {last['start']['help_s']:.2f} s.",
         "## By date",
         "![Seconds of whole runs over the dates at which they were measured](history/runs.png)",
+        "Open circles are what a run was compared with, on the same day.",
         _dates(history),
     ]
     return "\n\n".join(parts) + "\n"
@@ -83,7 +84,7 @@ def _seconds(one: dict[str, Any], name: str) -> str:
 
 
 def _names(history: dict[str, dict[str, Any]]) -> Sequence[str]:
-    return list(dict.fromkeys(name for one in history.values() for name in one["runs"]))
+    return sorted({name for one in history.values() for name in one["runs"]})
 
 
 def runs_picture(history: dict[str, dict[str, Any]]) -> bytes:
