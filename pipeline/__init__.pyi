@@ -105,6 +105,21 @@ from .export import (
     format_samples as format_samples,
 )
 
+# Routes and motions between many stations
+from .atlas import (
+    AtlasRecord as AtlasRecord,
+    MotionRecord as MotionRecord,
+    PairRecord as PairRecord,
+    StationRecord as StationRecord,
+)
+from .run.atlas import (
+    AtlasOptions as AtlasOptions,
+    make_atlas as make_atlas,
+)
+from .artifacts.atlas_record import (
+    read_atlas as read_atlas,
+)
+
 # Comparisons
 from .route.metric import (
     step_sizes as step_sizes,
@@ -129,6 +144,9 @@ from .workspace import (
     usable_workspace as usable_workspace,
     WorkspaceRow as WorkspaceRow,
     workspace_rows as workspace_rows,
+    Installation as Installation,
+    SpaceUse as SpaceUse,
+    measure_space as measure_space,
 )
 
 # Measured motions

@@ -30,6 +30,7 @@ postures_figure proof_figure read_measurement refine_path regions_figure retime_
 runs_markdown sample_path sample_trajectory save_path simulate_measurement simulate_motion slowed statics_matrix
 step_sizes trajectory_figure tune_drives usable_workspace usage_figure way_back workspace_figure workspace_rows
 workspace_volume_figure
+AtlasOptions AtlasRecord MotionRecord PairRecord StationRecord make_atlas read_atlas Installation SpaceUse measure_space
 """
 PUBLIC = NAMES.split()
 MADE_STEP_BY_STEP = {"Results"}

@@ -63,11 +63,6 @@ class AtlasFolder:
         except (UsageError, OSError):
             return None
 
-    def write_picture(self, content: bytes) -> Path:
-        """Write the picture; return its path."""
-        write_whole(self.path / ATLAS_PICTURE, content)
-        return self.path / ATLAS_PICTURE
-
     def supersede(self, pairs: Iterable[PairRecord]) -> None:
         """Move the routes of pairs away, beside a copy of the record that they belong to."""
         files = [name for pair in pairs for name in _route_names(pair.name).values() if (self.path / name).is_file()]

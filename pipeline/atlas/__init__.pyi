@@ -19,6 +19,9 @@ from .record import (
 from .record import (
     PairRecord as PairRecord,
 )
+from .record import (
+    StationRecord as StationRecord,
+)
 from .stations import (
     Station as Station,
 )

@@ -114,7 +114,11 @@ def _reversed(graph: AtlasGraph, pair: Pair, opposite: AtlasEntry, monitor: Moni
         return AtlasEntry(pair, opposite.status, None, reason, opposite.advice, from_reverse=True)
     if opposite.route is None or opposite.status != Status.OPTIMAL:
         return None
-    route = reversed_route(graph.problem(pair, monitor), opposite.route)
+    try:
+        route = reversed_route(graph.problem(pair, monitor), opposite.route)
+    except NoSolutionError:
+        # Rounding broke a rule: a search decides.
+        return None
     return None if route is None else AtlasEntry(pair, str(route.status), route, from_reverse=True)
 
 

@@ -8,6 +8,8 @@ QUALITY = "quality"
 """The key of the motion's quality, which refining and timing know in part each."""
 DRIVES = "drives"
 """The key of what the drives feel, which timing finds and which is a part of its own."""
+WORKSPACE = "workspace"
+"""The key of the workspace against the installation space, found with the regions, which is a part of its own."""
 
 Section = dict[str, Any]
 

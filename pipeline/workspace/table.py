@@ -7,6 +7,8 @@ import numpy as np
 from pipeline.limits import pose_limits
 from pipeline.limits.actuators import cart_travel
 from pipeline.machine.geometry import MODES, Machine
+from pipeline.summary.workspace import space_figures
+from pipeline.workspace.installation import SpaceUse, installation_of
 from pipeline.workspace.usable import Workspace, WorkspaceSetting, usable_workspace
 
 UNION = "union"
@@ -88,6 +90,18 @@ def setting_text(machine: Machine, setting: WorkspaceSetting) -> str:
     return f"{tilt}, {limits}, grid step {setting.step_m:g} m"
 
 
+def space_text(machine: Machine, setting: WorkspaceSetting, union: WorkspaceRow) -> str:
+    """Say in one line how the workspace of all modes compares with the space that the machine takes up."""
+    use = SpaceUse(setting, installation_of(machine), union.volume_m3, union.area_m2)
+    box = use.installation
+    if use.volume_ratio is None or use.area_ratio is None:
+        return "The rails lie in a plane: there is no installation space to compare with."
+    return (
+        f"Rails span {box.x_m:g} x {box.y_m:g} x {box.z_m:g} m = {box.volume_m3:.4g} m^3: {use.volume_ratio:.3f} of it "
+        f"usable together; across the rails, {use.area_ratio:.3f} of {box.frame_m2:.4g} m^2"
+    )
+
+
 def workspace_data(machine: Machine, setting: WorkspaceSetting, rows: list[WorkspaceRow]) -> dict[str, object]:
     """Put the setting, all rows, and the ratios of the union to all-left and all-right into a mapping, unrounded."""
     ratios = {row.mode: row.union_ratio for row in rows}
@@ -103,6 +117,9 @@ def workspace_data(machine: Machine, setting: WorkspaceSetting, rows: list[Works
             "step_m": setting.step_m,
             "coarse_step_m": 2.0 * setting.step_m,
         },
+        "installation": space_figures(
+            SpaceUse(setting, installation_of(machine), rows[-1].volume_m3, rows[-1].area_m2)
+        ),
         "rows": rows,
         "union_over_lll": ratios["LLL"],
         "union_over_rrr": ratios["RRR"],

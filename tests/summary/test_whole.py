@@ -30,6 +30,14 @@ def test_what_the_drives_feel_is_a_part_of_its_own(quick_config: Config) -> None
     assert "drives" not in summarise(quick_config, {"trajectory": {"status": "failed"}})
 
 
+def test_the_workspace_is_a_part_of_its_own(quick_config: Config) -> None:
+    """It is found with the regions, and follows them."""
+    sections = {"regions": {"count": 9, "workspace": {"status": "done"}}, "route": {"status": "skipped"}}
+    summary = summarise(quick_config, sections)
+    assert list(summary)[-3:] == ["regions", "workspace", "route"]
+    assert summary["regions"] == {"count": 9}
+
+
 def test_a_run_without_time_has_the_rest(quick_config: Config) -> None:
     """Without a trajectory, or with one of an earlier version, the path has what it knows itself."""
     path = {"kappa_max": 30.0, "quality": LENGTHS}

@@ -78,7 +78,7 @@ def make_atlas(
     require_stations(config, machine, stations)
     with open_atlas_folder(Path(out)) as folder:
         build = _Build(config, folder, options, monitor)
-        kept = build.kept()
+        kept = {} if options.force else build.kept()
         folder.supersede(pair for pair in (folder.record.pairs if folder.record else ()) if pair not in kept.values())
         folder.write(
             AtlasRecord(
@@ -91,7 +91,7 @@ def make_atlas(
                 pairs=tuple(kept.values()),
             )
         )
-        build.find_routes()
+        build.find_routes(kept)
         if options.last is not Stage.ROUTE:
             build.make_motions()
         assert folder.record is not None
@@ -136,7 +136,7 @@ class _Build:
 
     def kept(self) -> dict[Pair, PairRecord]:
         """Find the records that are up to date, or as good as what would be found now."""
-        if self._folder.record is None or self._options.force:
+        if self._folder.record is None:
             return {}
         found = {record.name: record for record in self._folder.record.pairs}
         return {
@@ -158,12 +158,12 @@ class _Build:
         options = {key: value for key, value in part["route"].items() if key not in _LIMITS}
         return config_sha256({**part, "route": options, "version": package_version(), "code": self._code})
 
-    def find_routes(self) -> None:
+    def find_routes(self, kept: dict[Pair, PairRecord]) -> None:
         """Find the routes that are missing."""
-        entries = {pair: self._entry(pair, record) for pair, record in self.kept().items()}
-        missing = [pair for pair in self._pairs if pair not in entries]
+        missing = [pair for pair in self._pairs if pair not in kept]
         if not missing:
             return
+        entries = {pair: self._entry(pair, record) for pair, record in kept.items()}
         guided = self._options.last is not Stage.ROUTE
         for entry in plan_pairs(self._graph, missing, entries, self._monitor, guided=guided):
             self._add(self._record(entry))

@@ -34,7 +34,7 @@ def atlas(
     as_json: Annotated[bool, typer.Option("--json", help="Print atlas.json instead of tables.")] = False,
     picture: Annotated[
         Path | None,
-        typer.Option("--picture", metavar="FILE", readable=False, help="Draw the tables here: .png, .pdf or .svg."),
+        typer.Option("--picture", metavar="FILE", readable=False, help="Draw the tables here, too: .png, .pdf, .svg."),
     ] = None,
     verbose: VerboseOption = False,
 ) -> None:
@@ -53,6 +53,7 @@ def atlas(
     if last is Stage.REGIONS:
         raise UsageError("--to regions makes no atlas: allowed are route and later stages")
     check_picture(picture)
+    from pipeline.artifacts.layout import ATLAS_PICTURE
     from pipeline.atlas.matrix import matrices
     from pipeline.config.file import load_config, results_folder
     from pipeline.figures.atlas import atlas_figure
@@ -61,10 +62,11 @@ def atlas(
     loaded = load_config(config)
     folder = out or results_folder(f"{loaded.name}-atlas")
     record = _made(loaded, folder, AtlasOptions(last, force, specs_of(context)), verbose)
-    drawn = folder / "atlas.png" if picture is None else picture
-    save_picture(atlas_figure(matrices(record)), drawn)
     _show(record, folder, as_json)
-    messages_console().print(f"{drawn}: the tables as a picture", soft_wrap=True)
+    figure = atlas_figure(matrices(record))
+    for path in (folder / ATLAS_PICTURE, *(() if picture is None else (picture,))):
+        save_picture(figure, path)
+        messages_console().print(f"{path}: the tables as a picture", soft_wrap=True)
     if found := record.problems():
         raise _left_open(record, found)
 

@@ -49,6 +49,7 @@ def workspace(
         TABLE_HEADER,
         at_two_steps,
         setting_text,
+        space_text,
         table_cells,
         workspace_data,
         workspace_rows,
@@ -67,6 +68,7 @@ def workspace(
         console = results_console()
         console.print(text_table(f"{loaded.name}: usable workspace", TABLE_HEADER, table_cells(rows)))
         console.print(setting_text(machine, setting), soft_wrap=True)
+        console.print(space_text(machine, setting, rows[-1]), soft_wrap=True)
     if picture is not None:
         from pipeline.figures.maps.workspace import workspace_figure
 
