@@ -221,8 +221,8 @@ def _on_paper(found: dict[str, Any]) -> list[str]:
         "with runs; its histories are cut to a hundred entries.",
         "- **Client and scheduler** take rows one by one. With runs shorter than the table says, workers would wait "
         "for them. What was not measured is a scheduler with a thousand connections.",
-        "- **A configuration per case** would be tens of kilobytes each in memory: copies share what does not vary, and "
-        "the table drops them. Name the `figures` you need: without, the table has a hundred per run.",
+        "- **A configuration per case** would be tens of kilobytes each in memory: copies share what does not vary, "
+        "and the table drops them. Name the `figures` you need: without, the table has a hundred per run.",
         "- **A start again** makes all cases once more to see which are done. It costs minutes, and no run.",
     ]
 

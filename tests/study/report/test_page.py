@@ -17,6 +17,14 @@ from pipeline.study.table import table_of
 from tests.study.fakes import cases_of, done_row
 
 
+def test_a_study_without_a_result_has_a_page(tmp_path: Path, quick_config: Config) -> None:
+    """Also where it says what to weigh."""
+    cases = cases_of(tmp_path, quick_config, pareto=["path.kappa_max", "-route.steps"], figures=["path.kappa_max"])
+    for ended in ([], [(case, Row(case.key, Ending.NO_SOLUTION, "no route")) for case in cases]):
+        text = render_study(cases.study, table_of(cases, ended), 3, lambda run: run).decode()
+        assert f"0 of {len(ended)} runs have a result" in text
+
+
 def page(folder: Path, config: Config, **keys: Any) -> str:
     """Render a study whose second run has no route, for a reason that looks like HTML."""
     cases = cases_of(folder, config, **keys)
