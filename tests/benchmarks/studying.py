@@ -32,6 +32,8 @@ from tests.benchmarks.study_kills import ROOT, environment
 RESULTS = ROOT / "results" / "benchmarks"
 _MANY, _WORKERS, _RUN_S = 1_000_000, 1_000, 20.0
 """The study on paper: runs, workers, and seconds that a run of `quick.yaml` takes."""
+_REPEATS = 3
+"""Studies with one and with two workers, in turn; the fastest of each counts, as others use the machine, too."""
 _SETTLED = 200
 """Short runs after which the memory of client and scheduler is taken as settled."""
 
@@ -141,13 +143,17 @@ def measure(runs: int, quick_runs: int, short: int) -> dict[str, Any]:
         found: dict[str, Any] = {"host": describe_host(), "throughput": {}}
         for base, count in (("tiny.yaml", runs), ("quick.yaml", quick_runs)):
             led = {workers: lead(folder / f"{base}{workers}", workers, routes(base, count)) for workers in (1, 2)}
+            for repeat in range(1, _REPEATS):
+                for workers, best in led.items():
+                    again = lead(folder / f"{base}{workers}-{repeat}", workers, routes(base, count))
+                    led[workers] = max(best, again, key=lambda one: one.per_second)
             found["throughput"][base] = {
                 "runs": count,
                 "per_second": {workers: one.per_second for workers, one in led.items()},
                 "ratio": led[2].per_second / led[1].per_second,
                 "seconds_per_run": led[1].seconds / led[1].runs,
                 "overhead_per_run_s": (led[1].seconds - led[1].own_s) / led[1].runs,
-                "loop_seconds_per_run": loop(folder / f"loop{base}", base, 10),
+                "loop_seconds_per_run": loop(folder / f"loop{base}", base, 5),
                 "folder_bytes": folder_bytes(folder / f"{base}1", "*"),
                 "row_bytes": folder_bytes(folder / f"{base}1", "row-*"),
             }
@@ -166,7 +172,7 @@ def report(found: dict[str, Any]) -> str:
         "",
         "Routes on two grids, each with 60 to 100 for the largest kappa admitted. A run's own work is what its process "
         "says; all else between two runs is overhead. The loop is `gantry-tau run --to route`, once per run, with one "
-        "thread, as a worker has.",
+        "thread, as a worker has. Of three studies each, in turn, the fastest one counts: others use the machine, too.",
         "",
         "| grid | runs | one worker, runs/s | two, runs/s | ratio | s per run | of it overhead, s | loop, s per run |",
         "|---|---|---|---|---|---|---|---|",

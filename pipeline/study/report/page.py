@@ -15,7 +15,7 @@ from pipeline.report.embedding import compressed, drawing_library, security_poli
 from pipeline.report.page import asset, theme
 from pipeline.study.config import StudyConfig
 from pipeline.study.report.pareto import front, objectives
-from pipeline.study.report.plots import by_parameter, failures, parallel, pareto, shown_figures
+from pipeline.study.report.plots import by_parameter, failures, parallel, pareto, shown_figures, varied
 from pipeline.study.rows import Ending
 from pipeline.study.table import Table
 
@@ -55,7 +55,7 @@ def render_study(study: StudyConfig, table: Table, total: int | None, link: Call
     plots = [
         parallel(table, figures),
         pareto(table, named),
-        *(by_parameter(table, name, figures) for name in table.parameters),
+        *(by_parameter(table, name, figures) for name in varied(table)),
         failures(table),
     ]
     shown = [plot for plot in plots if plot is not None]

@@ -43,7 +43,7 @@ class Plot:
 def parallel(table: Table, figures: Sequence[str]) -> Plot | None:
     """Draw every run that is done as a line across parameters and figures; None if there are none."""
     done = _thinned([k for k, status in enumerate(table.columns["status"]) if status == Ending.DONE])
-    shown = [*table.parameters, *figures][:_MOST_AXES]
+    shown = [*varied(table), *figures][:_MOST_AXES]
     if len(done) < 2 or len(shown) < 2:
         return None
     axes = [_axis(name, [table.columns[name][k] for k in done]) for name in shown]
@@ -113,6 +113,11 @@ def failures(table: Table) -> Plot | None:
     trace = {"type": "bar", "orientation": "h", "y": reasons, "x": counted, "marker": {"color": style.VERMILLION}}
     layout = {"height": 120 + 34 * len(reasons), "margin": {"l": 220}, "xaxis": {"title": {"text": "runs"}}}
     return Plot("Runs without a result, by reason", "", {"data": [trace], "layout": layout})
+
+
+def varied(table: Table) -> tuple[str, ...]:
+    """Name the parameters that have more than one value."""
+    return tuple(name for name in table.parameters if len(set(table.columns[name])) > 1)
 
 
 def shown_figures(table: Table, names: Sequence[str], objectives: Sequence[str]) -> tuple[str, ...]:
