@@ -103,6 +103,12 @@ consumers: $(VENV)/.consumers.ready
 bench-simulate: $(DEV)
 	$(BIN)/python -m tests.benchmarks.simulating $(ARGS)
 
+# Studies: throughput and overheads, then 25 kills of client, scheduler and workers: ten minutes.
+.PHONY: bench-study
+bench-study: $(DEV)
+	$(BIN)/python -m tests.benchmarks.studying $(ARGS)
+	$(BIN)/python -m tests.benchmarks.study_kills --kills 25
+
 # The source distribution, and the wheel built from it.
 .PHONY: dist
 dist: $(DEV)

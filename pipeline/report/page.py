@@ -37,8 +37,8 @@ _SCRIPTS = (
 
 def render_page(report: Report) -> str:
     """Render the page. All text of the report is escaped; only the assets of this package are inserted as they are."""
-    styles = f"{_theme()}\n{_asset(_STYLES)}"
-    script = "".join(_asset(name) for name in _SCRIPTS)
+    styles = f"{theme()}\n{asset(_STYLES)}"
+    script = "".join(asset(name) for name in _SCRIPTS)
     library, packed_library = drawing_library()
     draws = bool(report.motions or report.proof)
     return (
@@ -61,7 +61,7 @@ def _numbers(report: Report) -> str:
     return compressed(json.dumps(payload(report), separators=(",", ":"), allow_nan=False))
 
 
-def _theme() -> str:
+def theme() -> str:
     """Write the colours as custom properties: dark ones on screens whose user prefers them; paper is light."""
     light, dark = (
         " ".join(f"--{name}: {colour};" for name, colour in asdict(colours).items())
@@ -87,5 +87,6 @@ def _environment() -> Environment:
 
 
 @cache
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """Read an asset of this package."""
     return (resources.files(_PACKAGE) / _ASSETS / name).read_text("utf-8")

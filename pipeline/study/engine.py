@@ -208,7 +208,8 @@ class Engine:
         future = self.pool.client.submit(
             run_request,
             self.setting.request(case, again=known is not None),
-            key=f"{case.key}-{tried}",
+            # The scheduler keeps what it knows of every prefix of keys: there must be one only.
+            key=f"run-{case.key}-{tried}",
             resources={MEMORY: case.memory_gb},
             retries=0,
         )

@@ -112,7 +112,14 @@ def report_study(folder: Path) -> Outcome:
         raise UsageError(f"{folder} is not the folder of a study: it has no {STORE}")
     with locked_study(folder), Store(folder) as store:
         study = load_study(folder / STUDY)
-        cases = build_cases(study, folder / STUDY, store.program() or program_version())
+        program = store.program() or program_version()
+        cases = build_cases(study, folder / STUDY, program)
+        if next(store.rows(), None) is not None and not any(store.row(case.key) for case in cases):
+            raise UsageError(
+                f"{folder} has results of {program} alone, and this program has other keys: nothing was changed.\n"
+                f"  What to change: read its table as it is, or run it again, with gantry-tau study {folder / STUDY} "
+                f"--out {folder}."
+            )
         return _write(folder, cases, store)
 
 

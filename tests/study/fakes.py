@@ -45,12 +45,17 @@ class FakeClient:
     answer: Answer
     memory_gb: float = 64.0
     status: str = "running"
+    programs: dict[str, str] = field(default_factory=dict)
     asked: list[str] = field(default_factory=list)
 
     def scheduler_info(self, n_workers: int) -> dict[str, Any]:
         """Describe two workers."""
         worker = {"nthreads": 1, "resources": {"memory_gb": self.memory_gb}}
         return {"workers": {"a": worker, "b": worker}}
+
+    def run(self, _function: Any) -> dict[str, str]:
+        """Name the programs of the workers."""
+        return self.programs
 
     def submit(self, _function: Any, request: dict[str, Any], **_options: Any) -> FakeFuture:
         """Answer a request."""

@@ -1,5 +1,6 @@
 """The page of a study: one HTML file with styles, scripts, the plotting library and all numbers in it."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -8,12 +9,13 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from pipeline.artifacts import jsonable
+from pipeline.report.embedding import compressed, drawing_library, security_policy
+from pipeline.report.page import asset, theme
 from pipeline.study.config import StudyConfig
 from pipeline.study.report.pareto import front, objectives
-from pipeline.study.report.plots import Plot, by_parameter, failures, parallel, pareto, shown_figures
+from pipeline.study.report.plots import by_parameter, failures, parallel, pareto, shown_figures, varied
 from pipeline.study.rows import Ending
 from pipeline.study.table import Table
 
@@ -21,6 +23,9 @@ REPORT = "report.html"
 MOST_ROWS = 2_000
 """Runs that the page lists; the table of the study has all."""
 _PACKAGE = "pipeline.study.report"
+_STYLES, _LIBRARY = "page.css", "library.js"
+"""Of the report of a run."""
+_OWN_STYLES, _SCRIPT = "study.css", "study.js"
 
 
 @dataclass(frozen=True)
@@ -50,13 +55,16 @@ def render_study(study: StudyConfig, table: Table, total: int | None, link: Call
     plots = [
         parallel(table, figures),
         pareto(table, named),
-        *(by_parameter(table, name, figures) for name in table.parameters),
+        *(by_parameter(table, name, figures) for name in varied(table)),
         failures(table),
     ]
     shown = [plot for plot in plots if plot is not None]
     lines = [
         _line(row, table.parameters, figures, link) for _, row in zip(range(MOST_ROWS), table.rows(), strict=False)
     ]
+    styles = f"{theme()}\n{asset(_STYLES)}\n{_own(_OWN_STYLES)}"
+    script = f"{asset(_LIBRARY)}\n{_own(_SCRIPT)}"
+    library, packed_library = drawing_library()
     page = _environment().get_template("study.html.j2")
     return page.render(
         study=study,
@@ -64,12 +72,14 @@ def render_study(study: StudyConfig, table: Table, total: int | None, link: Call
         total=total,
         done=sum(status == Ending.DONE for status in table.columns["status"]),
         plots=shown,
-        payload=[jsonable(_themed(plot)) for plot in shown],
+        policy=security_policy((script, library), (styles,)),
+        numbers=compressed(json.dumps([jsonable(plot.figure) for plot in shown], separators=(",", ":"))),
         header=(*table.parameters, *figures),
         lines=lines,
         best={table.columns["number"][index] for index in front(table, named)},
-        styles=_asset("pipeline.report", "page.css"),
-        plotly=Markup(get_plotlyjs()),
+        styles=Markup(styles),
+        script=Markup(script),
+        library=packed_library,
     ).encode()
 
 
@@ -91,20 +101,6 @@ def _text(value: object) -> str:
     return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _themed(plot: Plot) -> dict[str, Any]:
-    """Give a picture the looks of the others."""
-    common = {
-        "font": {"size": 13, "color": "#1b1f24"},
-        "margin": {"l": 80, "r": 20, "t": 30, "b": 60},
-        "plot_bgcolor": "#ffffff",
-        "paper_bgcolor": "#ffffff",
-        "autosize": True,
-    }
-    layout = {**common, **plot.figure["layout"]}
-    layout["margin"] = {**common["margin"], **plot.figure["layout"].get("margin", {})}  # type: ignore[dict-item]
-    return {"data": plot.figure["data"], "layout": layout}
-
-
 @cache
 def _environment() -> Environment:
     return Environment(
@@ -116,5 +112,5 @@ def _environment() -> Environment:
     )
 
 
-def _asset(package: str, name: str) -> Markup:
-    return Markup((resources.files(package) / "assets" / name).read_text("utf-8"))
+def _own(name: str) -> str:
+    return (resources.files(_PACKAGE) / "assets" / name).read_text("utf-8")

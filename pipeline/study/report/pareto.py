@@ -32,8 +32,10 @@ def front(table: Table, names: Sequence[str]) -> list[int]:
         for index, status in enumerate(table.columns["status"])
         if status == "done" and all(_is_number(column[index]) for column in columns)
     ]
+    if not done or not names:
+        return []
     costs = signs * np.array([[column[index] for column in columns] for index in done], dtype=float)
-    return [index for index, best in zip(done, undominated(costs), strict=True) if best] if done and names else []
+    return [index for index, best in zip(done, undominated(costs), strict=True) if best]
 
 
 def undominated(costs: FloatArray) -> list[bool]:

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.colors import to_hex
 
 from pipeline.figures import style
 from pipeline.study.report.pareto import front, numeric
@@ -15,6 +17,8 @@ from pipeline.study.table import Table
 MOST_POINTS = 5_000
 """Runs that pictures show at most, spread evenly over the design."""
 _MOST_GROUPS = 24
+SHADES = tuple(to_hex(mpl.colormaps["viridis_r"](part)) for part in (0.05, 0.25, 0.45, 0.65, 0.85))
+"""Colours of lines, from the least to the largest of what they are drawn by."""
 _MOST_AXES = 12
 _PANEL_PX = 190
 _COLOURS = {
@@ -39,23 +43,33 @@ class Plot:
 def parallel(table: Table, figures: Sequence[str]) -> Plot | None:
     """Draw every run that is done as a line across parameters and figures; None if there are none."""
     done = _thinned([k for k, status in enumerate(table.columns["status"]) if status == Ending.DONE])
-    shown = [*table.parameters, *figures][:_MOST_AXES]
+    shown = [*varied(table), *figures][:_MOST_AXES]
     if len(done) < 2 or len(shown) < 2:
         return None
     axes = [_axis(name, [table.columns[name][k] for k in done]) for name in shown]
-    colour = axes[-1]["values"]
-    trace = {
-        "type": "parcoords",
-        "dimensions": axes,
-        "line": {"color": colour, "colorscale": "Viridis", "showscale": False},
-        "labelangle": -12,
+    shades = _shades(axes[-1].heights)
+    traces = []
+    for shade, colour in enumerate(SHADES):
+        mine = [k for k in range(len(done)) if shades[k] == shade]
+        traces.append(_lines(axes, mine, [table.columns["number"][done[k]] for k in mine], colour))
+    layout = {
+        "height": 460,
+        "showlegend": False,
+        "hovermode": "closest",
+        "margin": {"l": 70, "r": 70, "t": 20, "b": 110},
+        "xaxis": {
+            "tickvals": list(range(len(axes))),
+            "ticktext": shown,
+            "tickangle": -20,
+            "showgrid": True,
+            "range": [-0.2, len(axes) - 0.8],
+            "fixedrange": True,
+        },
+        "yaxis": {"visible": False, "range": [-0.06, 1.06], "fixedrange": True},
+        "annotations": [note for place, axis in enumerate(axes) for note in axis.notes(place)],
     }
-    layout = {"height": 460, "margin": {"l": 70, "r": 60, "t": 90, "b": 30}}
-    return Plot(
-        "Parallel coordinates",
-        "Every line is a run that is done. Drag along an axis to keep runs in that range, drag its name to move it.",
-        {"data": [trace], "layout": layout},
-    )
+    about = f"Every line is a run that is done, the darker the larger its {shown[-1]}."
+    return Plot("Parallel coordinates", about, {"data": traces, "layout": layout})
 
 
 def by_parameter(table: Table, name: str, figures: Sequence[str]) -> Plot:
@@ -99,6 +113,11 @@ def failures(table: Table) -> Plot | None:
     trace = {"type": "bar", "orientation": "h", "y": reasons, "x": counted, "marker": {"color": style.VERMILLION}}
     layout = {"height": 120 + 34 * len(reasons), "margin": {"l": 220}, "xaxis": {"title": {"text": "runs"}}}
     return Plot("Runs without a result, by reason", "", {"data": [trace], "layout": layout})
+
+
+def varied(table: Table) -> tuple[str, ...]:
+    """Name the parameters that have more than one value."""
+    return tuple(name for name in table.parameters if len(set(table.columns[name])) > 1)
 
 
 def shown_figures(table: Table, names: Sequence[str], objectives: Sequence[str]) -> tuple[str, ...]:
@@ -173,21 +192,54 @@ def _scatter(table: Table, rows: list[int], names: tuple[str, str], looks: dict[
     }
 
 
-def _axis(name: str, values: list[Any]) -> dict[str, Any]:
-    """Make an axis of numbers; words get a number each, in their order."""
-    if all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values):
-        return {"label": name, "values": values}
-    words = [_text(one) for one in _ordered(values)]
-    places = {word: index for index, word in enumerate(words)}
-    numbers = [places[_text(value)] for value in values]
-    return {"label": name, "values": numbers, "tickvals": list(places.values()), "ticktext": words}
+@dataclass(frozen=True)
+class _Axis:
+    """An axis of parallel coordinates: heights from 0 to 1, of runs and of the texts beside it."""
+
+    heights: list[float | None]
+    ticks: dict[float, str]
+
+    def notes(self, place: int) -> list[dict[str, Any]]:
+        """Write the texts beside the axis."""
+        common = {"x": place, "xanchor": "left", "xshift": 4, "showarrow": False, "font": {"size": 11}}
+        return [{**common, "y": height, "text": text} for height, text in self.ticks.items()]
+
+
+def _axis(name: str, values: list[Any]) -> _Axis:
+    """Make an axis of numbers; words get a height each, in their order."""
+    distinct = [value for value in _ordered(values) if value is not None]
+    if len(distinct) > 1 and all(_is_number(value) for value in distinct):
+        low, high = distinct[0], distinct[-1]
+        heights = [None if value is None else (value - low) / (high - low) for value in values]
+        return _Axis(heights, {0.0: f"{low:.4g}", 1.0: f"{high:.4g}"})
+    spots = np.linspace(0.0, 1.0, len(distinct)) if len(distinct) > 1 else [0.5] * len(distinct)
+    places = {_text(value): float(spot) for value, spot in zip(distinct, spots, strict=True)}
+    shown = places if len(places) <= _MOST_GROUPS else {}
+    return _Axis([places.get(_text(value)) for value in values], {spot: text for text, spot in shown.items()})
+
+
+def _shades(heights: list[float | None]) -> list[int]:
+    return [min(int((height or 0.0) * len(SHADES)), len(SHADES) - 1) for height in heights]
+
+
+def _lines(axes: list[_Axis], runs: list[int], numbers: list[int], colour: str) -> dict[str, Any]:
+    """Draw runs as lines of one colour: one trace, with gaps between them."""
+    x = [place for _ in runs for place in (*range(len(axes)), None)]
+    y = [height for run in runs for height in (*(axis.heights[run] for axis in axes), None)]
+    text = [label for number in numbers for label in (*[f"run {number}"] * len(axes), "")]
+    line = {"color": colour, "width": 1.2}
+    return {"type": "scatter", "mode": "lines", "x": x, "y": y, "text": text, "hoverinfo": "text", "line": line}
 
 
 def _ordered(values: list[Any]) -> list[Any]:
     """List distinct values: numbers by size, words as they come first."""
     distinct = list(dict.fromkeys(values))
-    numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in distinct)
-    return sorted(distinct) if numbers else distinct
+    given = [value for value in distinct if value is not None]
+    return sorted(given) if all(_is_number(value) for value in given) else distinct
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _text(value: object) -> str:
