@@ -159,8 +159,10 @@ def note_html(text: str) -> str:
 
 
 def number(value: float) -> str:
-    """Format a number as `check` does: with four decimals; large ones have fewer."""
-    return f"{value:.4f}" if abs(value) < 100.0 else f"{value:.1f}"
+    """Format a number as `check` does: with four decimals; a margin without a limit is none."""
+    if abs(value) == float("inf"):
+        return "-"
+    return f"{value:.4f}"
 
 
 def _colour(reading: Reading) -> str:

@@ -17,7 +17,7 @@ from pipeline.show.page.scene import camera_of
 from tests.report.browser import ARGUMENTS, find_browser
 
 PROJECT = Path(__file__).parents[3]
-PATIENCE_MS = 60_000
+PATIENCE_MS = 180_000
 _FOV_RAD = np.deg2rad(75.0)
 
 
