@@ -44,6 +44,7 @@ reference: $(DEV)
 	$(BIN)/gantry-tau workspace configs/agder.yaml --picture-3d results/workspace_3d.png
 	mv results/workspace_3d.png $(REFERENCE)/figures/
 	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
+	$(BIN)/python -m tests.show.page.picture $(REFERENCE)/show.png
 
 # The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.
 .PHONY: notebooks

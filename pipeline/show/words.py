@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Iterable, Mapping
 from html import escape
+from math import isfinite
 from pathlib import Path
 
 from pipeline.config import BoxConfig, Config, PoseConfig
@@ -72,7 +73,7 @@ def _row(reading: Reading) -> str:
         ("right", f"{number(reading.value)}{escape(unit)}"),
         ("left", escape(reading.allowed)),
         ("right", f"<span style='color:{colour}'>{number(reading.margin)}</span>"),
-        ("left", bar),
+        ("left", bar if isfinite(reading.margin) else ""),
     )
     inner = "".join(
         f"<td style='white-space:nowrap;padding-right:6px;text-align:{side}'>{text}</td>" for side, text in cells
@@ -160,9 +161,7 @@ def note_html(text: str) -> str:
 
 def number(value: float) -> str:
     """Format a number as `check` does: with four decimals; a margin without a limit is none."""
-    if abs(value) == float("inf"):
-        return "-"
-    return f"{value:.4f}"
+    return f"{value:.4f}" if isfinite(value) else "-"
 
 
 def _colour(reading: Reading) -> str:
