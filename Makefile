@@ -44,6 +44,7 @@ reference: $(DEV)
 	$(BIN)/gantry-tau workspace configs/agder.yaml --picture-3d results/workspace_3d.png
 	mv results/workspace_3d.png $(REFERENCE)/figures/
 	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
+	$(BIN)/python -m tests.show.page.picture $(REFERENCE)/show.png
 
 # The study of 4-DOF machines that is kept in git: ten minutes.
 FOUR_DOF := results/reference/four_dof

@@ -10,7 +10,7 @@ from rich.table import Table
 from pipeline.cli.machine_notes import machine_notes
 from pipeline.cli.output import text_table
 from pipeline.config import Config
-from pipeline.limits import KINDS, ShownLimit
+from pipeline.limits import KINDS, ShownLimit, read_measures, unlimited_measures
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.actuator_space import actuator_rates, amplification, drive_figures, mode_words
@@ -165,16 +165,16 @@ def _limited(
 ) -> Iterator[tuple[str, str, list[float], str]]:
     """Give the limited quantities at start and goal; of kinds without a limit, what is measured all the same."""
     for kind in KINDS:
-        limits = kind.for_poses(machine, config.route.kappa_max)
-        for limit in limits:
+        for limit in kind.for_poses(machine, config.route.kappa_max):
             if isinstance(limit, ShownLimit):
                 for start, goal in zip(*(limit.curves(end.samples) for end in ends), strict=True):
                     yield start.name, start.unit, [float(start.values[0]), float(goal.values[0])], start.allowed
-        if not limits and not kind.for_path(config, machine):
-            for measure in kind.MEASURES:
-                values = [measure.reduce(end.samples) for end in ends]
-                if np.isfinite(values).all():
-                    yield measure.name, measure.unit, values, "not checked"
+    measures = unlimited_measures(config, machine)
+    at_start, at_goal = (read_measures(measures, end.samples) for end in ends)
+    others = {other.name: other.value for other in at_goal}
+    for one in at_start:
+        if one.name in others:
+            yield one.name, one.unit, [one.value, others[one.name]], one.allowed
 
 
 def _drives(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> RenderableType:

@@ -17,7 +17,7 @@ from pipeline.limits.interface.limit import (
 )
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
-from pipeline.limits.interface.readings import Reading, ReadLimit, read_limits
+from pipeline.limits.interface.readings import Reading, ReadLimit, read_limits, read_measures
 from pipeline.limits.interface.relaxation import RegionFilter, Relaxation
 from pipeline.limits.kinds import (
     KINDS,
@@ -31,6 +31,7 @@ from pipeline.limits.kinds import (
     proven_limits,
     relaxations,
     task_pose_limits,
+    unlimited_measures,
 )
 
 __all__ = [
@@ -65,6 +66,8 @@ __all__ = [
     "pose_limits",
     "proven_limits",
     "read_limits",
+    "read_measures",
     "relaxations",
     "task_pose_limits",
+    "unlimited_measures",
 ]

@@ -58,6 +58,16 @@ def task_pose_limits(config: Config, machine: Machine) -> list[Limit]:
     return [actuators.cart_travel(machine), *(limit for limits in found for limit in limits)]
 
 
+def unlimited_measures(config: Config, machine: Machine) -> tuple[Measure, ...]:
+    """Return what is measured of kinds for which the configuration has no limit; some are NaN or infinite then."""
+    without = [
+        kind
+        for kind in KINDS
+        if not kind.for_poses(machine, config.route.kappa_max) and not kind.for_path(config, machine)
+    ]
+    return tuple(measure for kind in without for measure in kind.MEASURES)
+
+
 def move_limits(config: Config, machine: Machine) -> list[Limit]:
     """Return what has to hold all along a move between two regions."""
     return [limit for kind in KINDS for limit in kind.for_moves(config, machine)]

@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.config import Config, PoseConfig
 from pipeline.config.file import parse_config
 from pipeline.errors import ConfigError, ConfigIssue
-from pipeline.limits import Reading, read_limits, task_pose_limits
+from pipeline.limits import Reading, read_limits, read_measures, task_pose_limits, unlimited_measures
 from pipeline.limits.actuator_margins import controlled_pose
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
@@ -61,7 +61,13 @@ def place_machine(config: Config, machine: Machine, asked: PoseConfig, last: Pos
     reached = bool(np.isfinite(end.samples.q_m).all())
     samples = end.samples if reached else last
     refusals = tuple(dict.fromkeys(_words(issue) for issue in [*_invalid(config, asked), *issues]))
-    return Posture(asked, samples, reached, refusals, tuple(read_limits(task_pose_limits(config, machine), samples)))
+    return Posture(asked, samples, reached, refusals, readings_at(config, machine, samples))
+
+
+def readings_at(config: Config, machine: Machine, samples: PoseSamples) -> tuple[Reading, ...]:
+    """Read every limit where the machine stands (n = 1), and what is measured without a limit."""
+    limited = read_limits(task_pose_limits(config, machine), samples)
+    return (*limited, *read_measures(unlimited_measures(config, machine), samples))
 
 
 def first_posture(config: Config, machine: Machine) -> Posture:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from pipeline.artifacts.files import write_new, write_whole
+from pipeline.artifacts.state import is_of_a_run
 from pipeline.config import Config
 from pipeline.config.commented import commented_file
 from pipeline.config.file import load_config
@@ -18,12 +19,14 @@ def save_config(config: Config, path: Path, replace: bool = False) -> Config:
     Raises
     ------
     UsageError
-        When the name does not end in .yaml, or the file is there and not to be replaced.
+        When the name does not end in .yaml, the file is there and not to be replaced, or its folder is that of a run.
     OSError
         When it cannot be written; names the file.
     """
     if path.suffix.lower() not in _ENDINGS:
         raise UsageError(f"{path}: the name of a configuration ends in .yaml")
+    if is_of_a_run(path.parent):
+        raise UsageError(f"{path} is in the folder of a run, whose files are not overwritten: give another name")
     named = renamed(config, path.stem)
     content = commented_file(named, "# Saved by gantry-tau show.").encode()
     if replace and path.exists():

@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Iterable, Mapping
 from html import escape
+from math import inf
 from pathlib import Path
 
 from pipeline.config import BoxConfig, Config, PoseConfig
@@ -69,10 +70,10 @@ def _row(reading: Reading) -> str:
             "left;white-space:normal;min-width:100px",
             f"<span title='{escape(reading.key, quote=True)}'>{escape(reading.name)}</span>",
         ),
-        ("right", f"{number(reading.value)}{escape(unit)}"),
+        ("right", f"{reading.value:.4f}{escape(unit)}"),
         ("left", escape(reading.allowed)),
         ("right", f"<span style='color:{colour}'>{number(reading.margin)}</span>"),
-        ("left", bar),
+        ("left", bar if reading.margin < inf else ""),
     )
     inner = "".join(
         f"<td style='white-space:nowrap;padding-right:6px;text-align:{side}'>{text}</td>" for side, text in cells
@@ -159,8 +160,8 @@ def note_html(text: str) -> str:
 
 
 def number(value: float) -> str:
-    """Format a number as `check` does: with four decimals; large ones have fewer."""
-    return f"{value:.4f}" if abs(value) < 100.0 else f"{value:.1f}"
+    """Format a number as `check` does: with four decimals; a margin without a limit is none."""
+    return "-" if value == inf else f"{value:.4f}"
 
 
 def _colour(reading: Reading) -> str:

@@ -1,13 +1,15 @@
 """The saved file: complete, commented, accepted by `check`, and never written over something unasked."""
 
+import json
 from pathlib import Path
 
 import pytest
 
 from pipeline.config import Config
-from pipeline.config.file import load_config
+from pipeline.config.file import dump_config, load_config
 from pipeline.errors import UsageError
 from pipeline.show.saving import is_saved, save_config
+from pipeline.summary.versions import versions
 
 
 def test_what_is_saved_is_read_back(quick_config: Config, tmp_path: Path) -> None:
@@ -31,6 +33,15 @@ def test_nothing_is_overwritten_unasked(quick_config: Config, tmp_path: Path) ->
     assert not is_saved(quick_config, path)
     assert save_config(quick_config, path, replace=True) == load_config(path)
     assert is_saved(quick_config, path)
+
+
+def test_a_run_keeps_its_configuration(quick_config: Config, tmp_path: Path) -> None:
+    """Nothing is saved into the folder of a run, even to be replaced: its results would not belong to it any more."""
+    (tmp_path / "summary.json").write_text(json.dumps({"versions": versions(), "config_sha256": "of it"}))
+    (tmp_path / "config.yaml").write_text(dump_config(quick_config))
+    with pytest.raises(UsageError, match="in the folder of a run"):
+        save_config(quick_config, tmp_path / "config.yaml", replace=True)
+    assert is_saved(quick_config, tmp_path / "config.yaml")
 
 
 def test_other_files_are_no_configurations(quick_config: Config, tmp_path: Path) -> None:

@@ -7,7 +7,10 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from pipeline.limits.interface.limit import Curve, Limit, ShownLimit
+from pipeline.limits.interface.measure import Measure
 from pipeline.machine.samples import PoseSamples
+
+NOT_CHECKED = "not checked"
 
 
 @runtime_checkable
@@ -73,6 +76,16 @@ def read_limits(limits: Iterable[Limit], samples: PoseSamples) -> list[Reading]:
             )
             found.append(reading)
     return found
+
+
+def read_measures(measures: Iterable[Measure], samples: PoseSamples) -> list[Reading]:
+    """Read at a single pose (n = 1) what is measured without a limit, as far as it is known."""
+    values = [(measure, measure.reduce(samples)) for measure in measures]
+    return [
+        Reading(measure.name, measure.unit, value, -np.inf, np.inf, NOT_CHECKED, "")
+        for measure, value in values
+        if np.isfinite(value)
+    ]
 
 
 def _curves(limit: Limit, samples: PoseSamples) -> Sequence[Curve]:

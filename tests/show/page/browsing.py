@@ -17,7 +17,10 @@ from pipeline.show.page.scene import camera_of
 from tests.report.browser import ARGUMENTS, find_browser
 
 PROJECT = Path(__file__).parents[3]
-PATIENCE_MS = 60_000
+PATIENCE_MS = 180_000
+_CELLS = """
+() => [...document.querySelectorAll('.gantry-readings tr')].slice(1).map(row => [...row.cells].map(c => c.innerText))
+"""
 _FOV_RAD = np.deg2rad(75.0)
 
 
@@ -92,8 +95,7 @@ class Page:
 
     def readings(self) -> dict[str, tuple[str, str, str]]:
         """Read the table of limits: value, what is allowed, and margin."""
-        rows = self.page.locator(".gantry-readings tr").all()[1:]
-        cells = [[cell.inner_text() for cell in row.locator("td").all()] for row in rows]
+        cells = self.page.evaluate(_CELLS)
         return {name: (value, allowed, margin) for name, value, allowed, margin, _ in cells}
 
     def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:

@@ -4,10 +4,10 @@ from dataclasses import replace
 from time import monotonic
 from typing import Any
 
-from pipeline.limits import read_limits, task_pose_limits
 from pipeline.machine.geometry import MODES
 from pipeline.show.page.app import App, rounded_pose
 from pipeline.show.playback import Player, Track
+from pipeline.show.posture import readings_at
 from pipeline.show.session import LoadedRun
 from pipeline.show.words import message_html, moving_html, readings_html
 
@@ -128,7 +128,7 @@ class PlayPanel:
             return
         index = track.nearest(self._player.t_s)
         samples, mode = track.at(index), track.modes[index]
-        readings = read_limits(task_pose_limits(app.session.config, app.session.machine), samples)
+        readings = readings_at(app.session.config, app.session.machine, samples)
         sides = tuple(-1.0 if letter == "L" else 1.0 for letter in mode)
         title = f"{track.name}, {track.t_s[index]:.2f} s, {mode}, kappa {samples.kappa[0]:.3f}."
         with app.server.atomic():
