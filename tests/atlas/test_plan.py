@@ -37,16 +37,22 @@ def assert_as_alone(graph: AtlasGraph, entries: dict[Pair, AtlasEntry], grid=Non
 
 
 @pytest.mark.parametrize(
-    ("seed", "objective", "apart_m"),
-    [(1, "sum", 0.1), (2, "integral", 0.0), (1, "integral", 0.05), (1, "time", 0.0), (2, "bottleneck", 0.1)],
+    ("seed", "objective", "count", "apart_m"),
+    [
+        (1, "sum", 3, 0.1),
+        (2, "integral", 2, 0.0),
+        (1, "integral", 2, 0.05),
+        (1, "time", 2, 0.0),
+        (2, "bottleneck", 2, 0.1),
+    ],
 )
 def test_every_route_is_as_good_as_the_one_planned_alone(
-    seed: int, objective: str, apart_m: float, with_stations, plan_all, small_grid, assert_rules
+    seed: int, objective: str, count: int, apart_m: float, with_stations, plan_all, small_grid, assert_rules
 ) -> None:
     """Shared moves, screens and shortest paths, and reversal, change no optimum and break no rule."""
-    config = with_stations(seed, changes={"route.objective": objective}, off_grid_m=0.04, apart_m=apart_m)
+    config = with_stations(seed, count, {"route.objective": objective}, off_grid_m=0.04, apart_m=apart_m)
     graph, entries = plan_all(config)
-    assert assert_as_alone(graph, entries, small_grid) >= 4
+    assert assert_as_alone(graph, entries, small_grid) >= 2
     for pair, entry in entries.items():
         assert entry.from_reverse == (pair[0] > pair[1])
         if entry.route is not None:
