@@ -229,7 +229,7 @@ def _on_paper(found: dict[str, Any]) -> list[str]:
         "- **A scheduler that is given all tasks at a time** would hold a million of them, some gigabytes. The client "
         "keeps a tenth more with the workers than they can run, so that the scheduler's memory goes with workers, not "
         "with runs; its histories are cut to a hundred entries.",
-        "- **Names of tasks** were all different at first: Dask keeps statistics for every prefix of names for good, 6 kB "
+        "- **Names of tasks** were all different at first: Dask keeps statistics of every prefix for good, 6 kB "
         "per run, which would have been 6 GB. They have one prefix now, and memory stays flat.",
         "- **Client and scheduler** take rows one by one. With runs shorter than the table says, workers would wait "
         "for them. What was not measured is a scheduler with a thousand connections.",
