@@ -1,10 +1,8 @@
 """The result of a proof: a certificate, or where and why it ends."""
 
-import hashlib
 from dataclasses import dataclass
 
-import numpy as np
-
+from pipeline.arrays import arrays_sha256
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.chain import Chain
 from pipeline.certify.reasons import ProofFailure
@@ -103,8 +101,7 @@ def proven_chain(chain: Chain, uncertainty: Uncertainty) -> ProvenChain:
 def path_sha256(path: Path) -> str:
     """Hash everything that positions and poses along a path follow from, bit by bit.
 
-    These are the degree, knots and coefficients of its splines and the known poses with their s: each by its name, type
-    and shape, so that no other path has the same bytes. Bytes are those of little-endian numbers on every processor.
+    These are the degree, knots and coefficients of its splines and the known poses with their s.
     """
     arrays = {
         "knots": path.spline.t,
@@ -112,9 +109,4 @@ def path_sha256(path: Path) -> str:
         "node_s": path.node_s,
         "node_pose": path.node_pose,
     }
-    digest = hashlib.sha256(f"degree {int(path.spline.k)}\n".encode())
-    for name, value in arrays.items():
-        array = np.ascontiguousarray(value)
-        digest.update(f"{name} {array.dtype.kind}{array.dtype.itemsize} {array.shape}\n".encode())
-        digest.update(array.astype(array.dtype.newbyteorder("<")).tobytes())
-    return digest.hexdigest()
+    return arrays_sha256(f"degree {int(path.spline.k)}", arrays)

@@ -16,6 +16,7 @@ from pipeline.regular_file import open_regular_file
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
+    from pipeline.certify.recheck import Claim
     from pipeline.run.results import Results
 
 
@@ -85,6 +86,7 @@ def verify_file(file: Path) -> None:
     stated = read_certificate(file)
     began = time.perf_counter()
     claims = verify(config, machine, path, task_endpoints(config, machine), stated)
+    claims += _motion_claims(results)
     seconds = time.perf_counter() - began
     rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in claims]
     header = ("claim", "verified", "found")
@@ -93,8 +95,25 @@ def verify_file(file: Path) -> None:
         raise NoSolutionError(
             Stage.CERTIFY,
             f"{file} does not hold: {wrong[0]}",
-            "certify the path again: gantry-tau certify CONFIG --force",
+            "make it again: gantry-tau run CONFIG --from certify --force",
         )
+
+
+def _motion_claims(results: "Results") -> "list[Claim]":
+    """Verify what the run states of its motion and of the way back, as far as it has any."""
+    from dataclasses import replace
+
+    from pipeline.artifacts.results.proven_motion import stated_motions
+    from pipeline.certify.recheck.time_law import verify_time_law
+    from pipeline.retime import law_sha256, way_back
+
+    claims = []
+    for name, stated in stated_motions(results.folder).items():
+        there = results.trajectory
+        motion = there if name == "trajectory" else way_back(results.config, there)
+        found = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated)
+        claims += [replace(claim, what=f"{name}: {claim.what}") for claim in found]
+    return claims
 
 
 def _run_beside(file: Path) -> "Results":
