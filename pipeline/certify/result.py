@@ -1,6 +1,7 @@
 """The result of a proof: a certificate, or where and why it ends."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from pipeline.arrays import arrays_sha256
 from pipeline.certify.bounds import Bounds
@@ -35,7 +36,7 @@ class ProvenChain:
 
 @dataclass(frozen=True, eq=False)
 class Tolerance:
-    """A calibration tolerance: the largest eps found for which the chain closes, and that chain.
+    """A tolerance of calibration or following errors: the largest eps found for which the chain closes, and that chain.
 
     Attributes
     ----------
@@ -75,6 +76,10 @@ class Certificate:
         Where and why the proof ends; None if the path is certified.
     link_length, coordinates : Tolerance or None
         Calibration tolerances; None if they were not searched.
+    following : mapping
+        Tolerances of following errors, by the names of `following_weights`; empty if they were not searched.
+    out_of_step_s : float or None
+        By how much actuators at their velocity limits may be early or late at most; None if that was not searched.
     """
 
     path_sha256: str
@@ -85,6 +90,8 @@ class Certificate:
     failure: ProofFailure | None
     link_length: Tolerance | None = None
     coordinates: Tolerance | None = None
+    following: Mapping[str, Tolerance] = field(default_factory=dict)
+    out_of_step_s: float | None = None
 
     @property
     def verdict(self) -> str:

@@ -25,7 +25,7 @@ def stated_motions(folder: pathlib.Path) -> dict[str, StatedMotion]:
     """
     file = folder / SUMMARY
     try:
-        there = json.loads(file.read_bytes())["trajectory"]
+        there = json.loads(file.read_bytes()).get("trajectory", {})
         sections = {"trajectory": there, "way back": there.get("back", {})}
         return {name: _stated(part[PROVEN]) for name, part in sections.items() if part.get("status") == "done"}
     except FileNotFoundError:

@@ -33,6 +33,10 @@ def certify(
         bool,
         typer.Option("--tolerance", help="Also search the calibration errors the path is proven to bear."),
     ] = False,
+    following: Annotated[
+        bool,
+        typer.Option("--following", help="Also search by how much drives may be off the path, and these tolerances."),
+    ] = False,
     check: Annotated[
         Path | None,
         typer.Option("--check", metavar="FILE", help="Verify a certificate, or that of a run, again; prove nothing."),
@@ -44,18 +48,20 @@ def certify(
     date. With --check, a certificate is verified again by other code in other
     arithmetic; the run's config.yaml and path.npz must be beside it.
     Tolerances once found are kept as long as the path is; with
-    certify.what: tolerances in CONFIG every run searches them.
+    certify.what: tolerances (or following) in CONFIG every run searches them.
     """
     if check is not None:
-        if config is not None or out is not None or force or tolerance or unproven:
+        if config is not None or out is not None or force or tolerance or following or unproven:
             raise UsageError("--check FILE excludes other options: the configuration is the one beside the certificate")
         verify_file(check)
         return
     if config is None:
         raise UsageError("certify needs a CONFIG, or --check FILE")
+    from pipeline.config.choices import Proof
     from pipeline.run import RunOptions
 
-    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, unproven=unproven, tolerances=tolerance)
+    proof = Proof.FOLLOWING if following else Proof.TOLERANCES if tolerance else None
+    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, unproven=unproven, proof=proof)
     run_stages(config, load_task(config), out, options, specs_of(context))
 
 
@@ -131,6 +137,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau certify configs/agder.yaml",
             "gantry-tau certify configs/agder.yaml --tolerance    (a minute more)",
+            "gantry-tau certify configs/agder.yaml --following    (two minutes more)",
             "gantry-tau certify --check results/agder/certificate.json",
         ),
     ),
