@@ -8,12 +8,14 @@ from pipeline.certify.bounds import combine_bounds
 from pipeline.certify.chain import close_chain
 from pipeline.certify.endpoints import check_ends
 from pipeline.certify.examiner import build_examiner
+from pipeline.certify.following import BY_VELOCITY
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.problem import build_problem
 from pipeline.certify.reasons import ProofFailure
 from pipeline.certify.result import Certificate, path_sha256, proven_chain
-from pipeline.certify.tolerance import search_tolerances
+from pipeline.certify.tolerance import search_following, search_tolerances
 from pipeline.config import Config
+from pipeline.config.choices import Proof
 from pipeline.errors import ForwardKinematicsError, NoSolutionError
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import CERTAIN
@@ -36,7 +38,8 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
     (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`); the bounds of the certificate are wider by another 1e-5
     (`PROOF_SLACK_M`, `PROOF_SLACK_RAD`), so that other arithmetic can verify them.
 
-    With `certify.what` "tolerances" the largest calibration errors for which this still holds are searched as well.
+    With `certify.what` "tolerances" the largest calibration errors for which the chain still closes are searched as
+    well, and with "following" those of the actuators, too.
 
     Raises
     ------
@@ -48,10 +51,22 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
         certificate = prove_path(config, machine, path, ends, monitor)
         if certificate.failure is not None:
             raise _refusal(certificate, certificate.failure)
-        if config.certify.what == "tolerances":
+        if config.certify.what in (Proof.TOLERANCES, Proof.FOLLOWING):
             lengths, coordinates = search_tolerances(config.certify, machine, path, monitor)
             certificate = replace(certificate, link_length=lengths, coordinates=coordinates)
+        if config.certify.what == Proof.FOLLOWING:
+            certificate = _with_following(config, machine, path, certificate, monitor)
     return certificate
+
+
+def _with_following(
+    config: Config, machine: Machine, path: Path, certificate: Certificate, monitor: Monitor
+) -> Certificate:
+    """Search the tolerances of following errors."""
+    found = search_following(config.certify, machine, path, monitor)
+    by_velocity = found.get(BY_VELOCITY)
+    late = None if by_velocity is None else by_velocity.eps_m / float(machine.velocity_mps.max())
+    return replace(certificate, following=found, out_of_step_s=late)
 
 
 def prove_path(

@@ -25,7 +25,8 @@ from pipeline.certify.reasons import (
     Reason,
 )
 from pipeline.errors import ForwardKinematicsError
-from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion, added, along, ball_matrix, include, magnitudes, times
+from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion, along, include
+from pipeline.inclusion.matrices import added, ball_matrix, magnitudes, times
 from pipeline.inclusion.pieces import Piece, exact, middle
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.progress import QUIET, Monitor
@@ -148,14 +149,16 @@ def prove_joint(problem: ProofProblem, piece: Piece, s: float) -> Inclusion | Re
 def holds(inclusion: Inclusion, joint: Inclusion) -> bool:
     """Return whether the image of a joint lies within a box at the same s, for every value of the uncertain parameters.
 
-    The image is x' + C' e + [-k', k'] with the bound k' of the joint's inclusion; it holds the joint's one solution.
+    The image is x' + C' e + P' a + [-k', k'] with the bound k' of the joint's inclusion; it holds the joint's one
+    solution.
 
-    Each of the two has its own e; they differ by at most D |x - x'|, since what the parameters change depends on the
-    pose.
+    Both have the same a, but each its own e; these differ by at most D |x - x'|, since what the parameters change
+    depends on the pose.
     """
-    C = ball_matrix(inclusion.inverse[0]) + ball_matrix(inclusion.inverse[1]) * _offset(inclusion.box, joint.box.first)
+    offset = _offset(inclusion.box, joint.box.first)
+    C = ball_matrix(inclusion.inverse[0]) + ball_matrix(inclusion.inverse[1]) * offset
     apart = _apart(inclusion.box, joint.box)
-    reach = added(apart, joint.image)
+    reach = added(added(apart, joint.image), inclusion.following.change(offset, joint.following))
     if any(e > 0 for e in joint.residual_change):
         reach = added(reach, times(magnitudes(C - ball_matrix(joint.inverse[0])), joint.residual_change))
         reach = added(reach, times(magnitudes(C), times(inclusion.jacobian_change, apart)))

@@ -1,4 +1,4 @@
-"""The least calibration error at which a sampled machine fails, for comparison with the proven tolerance.
+"""The least error at which a sampled machine fails, for comparison with the proven tolerance.
 
 Machines are drawn with an error of plus or minus eps in every uncertain parameter. The first is the likely worst: to
 first order it lowers det H fastest where kappa is largest. Each is followed along the path from eps = 0 on.
@@ -20,25 +20,29 @@ _SAMPLES = 400
 _STEPS = 24
 _HALVINGS = 6
 _LARGEST_M = 0.05
+_LARGEST_FOLLOWING_M = 0.3
 _MISS_M = 1e-9
+_NEAR = 0.3
+"""Metres and radians that a pose moves by at most from step to step: farther away Newton's method may change branch."""
 _PROBE_M = 1e-6
 _SEED = 1
 
 
 @dataclass(frozen=True, eq=False)
 class _Errors:
-    """Signs -1, 0 or 1 of the errors of a machine: joints, rails, link lengths (telescopes included)."""
+    """Errors of a machine relative to eps: joints, rails, link lengths (telescopes included), actuators."""
 
     points: FloatArray
     offsets: FloatArray
     rails: FloatArray
     lengths: FloatArray
+    drives: FloatArray
 
     @classmethod
     def from_signs(cls, signs: FloatArray) -> "_Errors":
-        """Split a vector (48,) into 18 and 18 joint coordinates, 6 of rails and 6 lengths."""
-        points, offsets, rails, lengths = np.split(signs, [18, 36, 42])
-        return cls(points.reshape(6, 3), offsets.reshape(6, 3), rails.reshape(3, 2), lengths)
+        """Split a vector (53,) into 18 and 18 joint coordinates, 6 of rails, 6 lengths and 5 actuators."""
+        points, offsets, rails, lengths, drives = np.split(signs, [18, 36, 42, 48])
+        return cls(points.reshape(6, 3), offsets.reshape(6, 3), rails.reshape(3, 2), lengths, drives)
 
     def applied(self, machine: Machine, eps: float) -> Machine:
         """Return the machine with errors of size eps."""
@@ -52,37 +56,48 @@ class _Errors:
 
     def actuators(self, q_m: FloatArray, eps: float) -> FloatArray:
         """Compute the true positions of carts and telescopes."""
-        return q_m + eps * np.concatenate([np.zeros(3), self.lengths[[2, 4]]])
+        return q_m + eps * (np.concatenate([np.zeros(3), self.lengths[[2, 4]]]) + self.drives)
 
 
 def failing_eps(machine: Machine, path: Path, kind: Callable[[float], Uncertainty], samples: int) -> float:
     """Return the least eps in metres at which a sampled machine cannot follow the path; infinite if all can."""
     s = np.linspace(0.0, 1.0, _SAMPLES)
     pose, q = path.pose(s), path.q(s)
-    lengths_only = kind(1.0).coordinate_m == 0.0
-    free = np.concatenate([np.full(42, not lengths_only), np.full(6, True)])
+    unit = kind(1.0)
+    free = np.concatenate([np.full(42, unit.coordinate_m), np.full(6, unit.length_m), unit.actuator_m])
+    # Errors of actuators may be larger before a machine fails, and have few combinations.
+    largest, steps, most = (_LARGEST_M, _STEPS, samples)
+    if any(unit.actuator_m):
+        largest, steps, most = _LARGEST_FOLLOWING_M, 2 * _STEPS, min(14, (1 << int(np.count_nonzero(free))) - 2)
     random = np.random.default_rng(_SEED)
     worst = _steepest(machine, pose, q, free)
-    draws = [worst, -worst] + [random.choice([-1.0, 1.0], 48) * free for _ in range(samples)]
-    least = _LARGEST_M
+    draws = [worst, -worst] + [random.choice([-1.0, 1.0], len(free)) * free for _ in range(min(samples, most))]
+    least = largest
     found = np.inf
     for signs in draws:
-        failed = _first_failure(machine, _Errors.from_signs(signs), pose, q, least)
+        failed = _first_failure(machine, _Errors.from_signs(signs), (pose, q), (least, least / steps))
         if failed < least:
             least = found = failed
     return float(found)
 
 
-def _first_failure(machine: Machine, errors: _Errors, nominal: FloatArray, q_m: FloatArray, most: float) -> float:
-    """Follow a machine from eps = 0 to `most`, halving the step if it fails; infinite if it never does."""
+def _first_failure(
+    machine: Machine, errors: _Errors, motion: tuple[FloatArray, FloatArray], reach: tuple[float, float]
+) -> float:
+    """Follow a machine along poses and actuators from eps = 0 to the first of `reach`, infinite if it never fails.
+
+    By steps of the second, halved where it fails.
+    """
+    (nominal, q_m), (most, step) = motion, reach
     sign = np.sign(np.linalg.det(statics_matrix(machine, nominal, q_m[:, :3])))
-    eps, step, pose, halvings = 0.0, most / _STEPS, nominal, 0
+    eps, pose, halvings = 0.0, nominal, 0
     while eps < most:
         wrong = errors.applied(machine, eps + step)
         actuators = errors.actuators(q_m, eps + step)
         moved, miss = newton(wrong, actuators, pose)
         held = np.sign(np.linalg.det(statics_matrix(wrong, moved, actuators[:, :3]))) == sign
-        if (miss <= _MISS_M).all() and held.all():
+        near = np.abs(moved - pose).max() <= _NEAR
+        if (miss <= _MISS_M).all() and held.all() and near:
             eps, pose = eps + step, moved
         elif halvings == _HALVINGS:
             return eps + step
@@ -92,15 +107,15 @@ def _first_failure(machine: Machine, errors: _Errors, nominal: FloatArray, q_m: 
 
 
 def _steepest(machine: Machine, pose: FloatArray, q_m: FloatArray, free: FloatArray) -> FloatArray:
-    """Return the signs (48,) that lower |det H| fastest at the pose with the largest kappa."""
+    """Return the errors (53,), of the sizes `free`, that lower |det H| fastest at the pose with the largest kappa."""
     row = [int(np.argmax(condition_number(statics_matrix(machine, pose, q_m[:, :3]))))]
-    signs = np.zeros(48)
+    signs, unit = np.zeros(len(free)), np.eye(len(free))
     for k in np.flatnonzero(free):
         size = []
         for side in (-1.0, 1.0):
-            errors = _Errors.from_signs(side * np.eye(48)[k])
+            errors = _Errors.from_signs(side * unit[k])
             wrong, actuators = errors.applied(machine, _PROBE_M), errors.actuators(q_m[row], _PROBE_M)
             moved, _ = newton(wrong, actuators, pose[row])
             size.append(abs(float(np.linalg.det(statics_matrix(wrong, moved, actuators[:, :3]))[0])))
-        signs[k] = -1.0 if size[1] > size[0] else 1.0
+        signs[k] = -free[k] if size[1] > size[0] else free[k]
     return signs

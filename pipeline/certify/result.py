@@ -1,10 +1,9 @@
 """The result of a proof: a certificate, or where and why it ends."""
 
-import hashlib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-import numpy as np
-
+from pipeline.arrays import arrays_sha256
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.chain import Chain
 from pipeline.certify.reasons import ProofFailure
@@ -37,7 +36,7 @@ class ProvenChain:
 
 @dataclass(frozen=True, eq=False)
 class Tolerance:
-    """A calibration tolerance: the largest eps found for which the chain closes, and that chain.
+    """A tolerance of calibration or following errors: the largest eps found for which the chain closes, and that chain.
 
     Attributes
     ----------
@@ -77,6 +76,10 @@ class Certificate:
         Where and why the proof ends; None if the path is certified.
     link_length, coordinates : Tolerance or None
         Calibration tolerances; None if they were not searched.
+    following : mapping
+        Tolerances of following errors, by the names of `following_weights`; empty if they were not searched.
+    out_of_step_s : float or None
+        By how much actuators at their velocity limits may be early or late at most; None if that was not searched.
     """
 
     path_sha256: str
@@ -87,6 +90,8 @@ class Certificate:
     failure: ProofFailure | None
     link_length: Tolerance | None = None
     coordinates: Tolerance | None = None
+    following: Mapping[str, Tolerance] = field(default_factory=dict)
+    out_of_step_s: float | None = None
 
     @property
     def verdict(self) -> str:
@@ -103,8 +108,7 @@ def proven_chain(chain: Chain, uncertainty: Uncertainty) -> ProvenChain:
 def path_sha256(path: Path) -> str:
     """Hash everything that positions and poses along a path follow from, bit by bit.
 
-    These are the degree, knots and coefficients of its splines and the known poses with their s: each by its name, type
-    and shape, so that no other path has the same bytes. Bytes are those of little-endian numbers on every processor.
+    These are the degree, knots and coefficients of its splines and the known poses with their s.
     """
     arrays = {
         "knots": path.spline.t,
@@ -112,9 +116,4 @@ def path_sha256(path: Path) -> str:
         "node_s": path.node_s,
         "node_pose": path.node_pose,
     }
-    digest = hashlib.sha256(f"degree {int(path.spline.k)}\n".encode())
-    for name, value in arrays.items():
-        array = np.ascontiguousarray(value)
-        digest.update(f"{name} {array.dtype.kind}{array.dtype.itemsize} {array.shape}\n".encode())
-        digest.update(array.astype(array.dtype.newbyteorder("<")).tobytes())
-    return digest.hexdigest()
+    return arrays_sha256(f"degree {int(path.spline.k)}", arrays)

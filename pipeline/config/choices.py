@@ -56,3 +56,4 @@ class Proof(StrEnum):
     NOTHING = "nothing"
     PATH = "path"
     TOLERANCES = "tolerances"
+    FOLLOWING = "following"

@@ -11,16 +11,8 @@ from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.closure import Closure, Geometry
-from pipeline.inclusion.krawczyk import (
-    Piecewise,
-    ball_matrix,
-    floats,
-    inner,
-    linear_inverse,
-    magnitudes,
-    matrices,
-    residual_of_inverse,
-)
+from pipeline.inclusion.krawczyk import Piecewise, linear_inverse, residual_of_inverse
+from pipeline.inclusion.matrices import ball_matrix, floats, inner, magnitudes, matrices
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,8 @@ from flint import arb, arb_mat
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.inclusion.closure import Geometry
 from pipeline.inclusion.condition import below, norm
-from pipeline.inclusion.krawczyk import Piecewise, ball_matrix
+from pipeline.inclusion.krawczyk import Piecewise
+from pipeline.inclusion.matrices import ball_matrix
 
 _LINKS = 6
 _PARALLEL = 1e-12

@@ -14,7 +14,8 @@ from flint import arb, arb_mat, arb_poly, arb_series
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.closure import TERMS, Closure, cross
 from pipeline.inclusion.condition import above, below, frobenius, norm, statics_change
-from pipeline.inclusion.krawczyk import ball_matrix, inner, linear_inverse, magnitudes, matrices, residual_of_inverse
+from pipeline.inclusion.krawczyk import linear_inverse, residual_of_inverse
+from pipeline.inclusion.matrices import ball_matrix, inner, magnitudes, matrices
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.ranges import polynomial_range
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES

@@ -13,6 +13,11 @@ With G_i = sum_l C_il f_l'' over all of X, and D a bound on the change of J by t
 
 bounds how far the Krawczyk image of X reaches from x + C e. If k < r in all six coordinates, X holds exactly one
 solution for each t and each value of the parameters, and the closure Jacobian is regular on all of X.
+With actuators that are off by a, |a_k| <= A_k, there is one more symbol, and one more part of k and Q
+(`pipeline.inclusion.following`):
+
+    X(t, e, a) = x(t) + C(t) e + P(t) a + [-r, r].
+
 Everything that depends on t is a power series whose last term holds for the whole interval.
 """
 
@@ -26,12 +31,13 @@ from pipeline.inclusion.closure import (
     TERMS,
     Closure,
     Geometry,
-    Vector,
     closure,
     pose_series,
     second_derivatives,
     shifted,
 )
+from pipeline.inclusion.following import NO_FOLLOWING, Following, follow_actuators
+from pipeline.inclusion.matrices import added, ball_matrix, floats, inner, magnitudes, matrices, times
 from pipeline.inclusion.pieces import Piece, middle
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty, jacobian_change, residual_change
 
@@ -75,11 +81,13 @@ class Inclusion:
     inverse : (2, 6, 6)
         C0 and C1.
     image : (6,) balls
-        k: a bound of how far the solution is from x + C e.
+        k: a bound of how far the solution is from x + C e + P a.
     residual_change : (6,) balls
         E.
     jacobian_change : 6 x 6 balls
         D, over all of the box.
+    following : Following
+        P and A.
     """
 
     box: Box
@@ -87,6 +95,7 @@ class Inclusion:
     image: list[arb]
     residual_change: list[arb]
     jacobian_change: list[list[arb]]
+    following: Following = NO_FOLLOWING
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,18 +132,19 @@ def include(
     C_abs = magnitudes(C_over)
     miss = residual_of_inverse(C, J, h)
     E = residual_change(machine, series.over, uncertainty)
-    moved = times(C_abs, E)
-    rest = _residual(C, series, h)
-    if uncertainty.any:
-        rest = added(rest, times(miss, moved))
+    following = follow_actuators((series.at, series.over), inverse, J, h, uncertainty.actuator_m)
+    moved = added(times(C_abs, E), following.moved)
+    rest = added(_residual(C, series, h), following.miss)
+    if uncertainty.calibration:
+        rest = added(rest, times(miss, times(C_abs, E)))
     for _ in range(attempts):
         radius = [arb(value) for value in box.radius]
         reach = added(moved, radius)
         hull = _hull(machine, series, reach)
         D = jacobian_change(machine, hull, uncertainty)
-        image = _image(C_over, C_abs, second_derivatives(hull), (miss, rest, E, moved, D), radius, uncertainty.any)
+        image = _image(C_over, hull, (miss, rest, E, moved, D), following, radius)
         if all(k < r * SLACK for k, r in zip(image, radius, strict=True)):
-            return Inclusion(box, inverse, image, E, D)
+            return Inclusion(box, inverse, image, E, D, following)
         if not all(k.is_finite() and k < 1 for k in image):
             return None
         wider = np.maximum(LEAST_RADIUS, [_INFLATION * float(k.upper()) for k in image])
@@ -163,17 +173,18 @@ def _hull(machine: Geometry, series: Piecewise, reach: list[arb]) -> Closure[arb
 
 def _image(
     C: arb_mat,
-    C_abs: list[list[arb]],
-    hessians: list[list[arb]],
+    hull: Closure[arb],
     known: tuple[list[list[arb]], list[arb], list[arb], list[arb], list[list[arb]]],
+    following: Following,
     radius: list[arb],
-    uncertain: bool,
 ) -> list[arb]:
     """Bound k of a box (see the module)."""
     miss, rest, E, moved, D = known
-    G = (C * arb_mat(hessians)).entries()
-    image = []
-    change = [times(D, moved), times(D, radius)] if uncertain else []
+    G = (C * arb_mat(second_derivatives(hull))).entries()
+    image, C_abs = [], magnitudes(C)
+    uncertain = not all(e.is_zero() for e in E)
+    change = added(times(D, moved), times(D, radius))
+    slopes = following.slopes(C, hull)
     for i in range(_SIZE):
         Gi = arb_mat(_SIZE, _SIZE, G[36 * i : 36 * (i + 1)])
         spread = times(magnitudes(Gi), radius)
@@ -182,7 +193,13 @@ def _image(
             GC = Gi * C
             spread = added(spread, times(magnitudes(GC), E))
             k += inner(E, times(magnitudes(C.transpose() * GC), E)) / 2
-            k += inner(C_abs[i], change[0]) + inner(C_abs[i], change[1])
+            k += inner(C_abs[i], change)
+        if following.any:
+            bent = Gi * following.over + slopes[i]
+            spread = added(spread, times(magnitudes(bent), following.errors))
+            k += following.second_order(i, C, Gi, slopes[i])
+            if uncertain:
+                k += inner(E, times(magnitudes(C.transpose() * bent), following.errors))
         image.append(k + inner(spread, radius))
     return image
 
@@ -208,39 +225,3 @@ def residual_of_inverse(C: list[arb_mat], J: list[arb_mat], h: arb) -> list[list
         scale = h**power
         total = [bound + entry.abs_upper() * scale for bound, entry in zip(total, term.entries(), strict=True)]
     return [total[_SIZE * i : _SIZE * (i + 1)] for i in range(_SIZE)]
-
-
-def matrices(at: list[Vector], over: list[Vector], terms: int) -> list[arb_mat]:
-    """Return coefficients of a matrix of series: about the middle, but the last one about the whole interval."""
-    return [arb_mat([[entry[n] for entry in row] for row in (over if n + 1 == terms else at)]) for n in range(terms)]
-
-
-def ball_matrix(matrix: FloatArray) -> arb_mat:
-    """Convert a matrix of floats to exact balls."""
-    return arb_mat([[arb(value) for value in row] for row in matrix.tolist()])
-
-
-def floats(matrix: arb_mat) -> FloatArray:
-    """Return the middles of a matrix of balls."""
-    values = [float(entry.mid()) for entry in matrix.entries()]
-    return np.array(values).reshape(matrix.nrows(), matrix.ncols())
-
-
-def magnitudes(matrix: arb_mat) -> list[list[arb]]:
-    """Bound the absolute values of a matrix of balls."""
-    return [[entry.abs_upper() for entry in row] for row in matrix.table()]
-
-
-def times(matrix: list[list[arb]], vector: list[arb]) -> list[arb]:
-    """Multiply a matrix and a vector."""
-    return [inner(row, vector) for row in matrix]
-
-
-def inner(a: list[arb], b: list[arb]) -> arb:
-    """Compute the scalar product of two vectors of any length."""
-    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
-
-
-def added(a: list[arb], b: list[arb]) -> list[arb]:
-    """Add two vectors."""
-    return [x + y for x, y in zip(a, b, strict=True)]

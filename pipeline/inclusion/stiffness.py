@@ -16,7 +16,7 @@ from flint import arb, arb_mat, arb_series
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.closure import TERMS, Closure, Vector, closure, cross, dot, pose_series, shifted
 from pipeline.inclusion.condition import above, below, frobenius
-from pipeline.inclusion.krawczyk import ball_matrix, floats, inner, magnitudes
+from pipeline.inclusion.matrices import ball_matrix, floats, inner, magnitudes
 from pipeline.inclusion.pieces import middle
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.machine.actuator_space.rates import EXTENSIONS

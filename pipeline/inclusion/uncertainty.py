@@ -1,15 +1,18 @@
-"""Calibration errors of the machine, of link lengths alone or of every coordinate, and their effect on the closures.
+"""Errors of the machine: of link lengths, of every coordinate, of actuators; and what calibration does to the closures.
 
 Constant errors a of a platform point, b of a cart's joint, g of a rail and d of a length change f_l by
 v . w + |w|^2 / 2 - len d - d^2 / 2 with w = R a - b - g. Along the rail g is zero: b covers that error.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
 from flint import arb, arb_series
 
+from pipeline.arrays import FloatArray
 from pipeline.inclusion.closure import Closure, Geometry
+from pipeline.machine.geometry import ACTUATORS
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,8 @@ class Uncertainty:
         Every link's length, telescopes included.
     coordinate_m : float
         Every coordinate of every platform point and cart offset, and y and z of every rail.
+    actuator_m : tuple of 5
+        Every actuator's distance from where it is commanded; it may vary with time.
 
     Raises
     ------
@@ -31,15 +36,23 @@ class Uncertainty:
 
     length_m: float = 0.0
     coordinate_m: float = 0.0
+    actuator_m: tuple[float, ...] = (0.0,) * len(ACTUATORS)
 
     def __post_init__(self) -> None:
-        for eps in (self.length_m, self.coordinate_m):
+        if len(self.actuator_m) != len(ACTUATORS):
+            raise ValueError(f"an uncertainty has the errors of {len(ACTUATORS)} actuators, not {len(self.actuator_m)}")
+        for eps in (self.length_m, self.coordinate_m, *self.actuator_m):
             if not 0.0 <= eps < inf:
                 raise ValueError(f"an uncertainty has to be finite and not negative, not {eps} m")
 
     @property
     def any(self) -> bool:
         """Whether anything is uncertain."""
+        return self.calibration or any(self.actuator_m)
+
+    @property
+    def calibration(self) -> bool:
+        """Whether lengths or coordinates are uncertain."""
         return self.length_m > 0.0 or self.coordinate_m > 0.0
 
 
@@ -57,16 +70,24 @@ def of_everything(eps_m: float) -> Uncertainty:
     return Uncertainty(length_m=eps_m, coordinate_m=eps_m)
 
 
+def of_actuators(weights: FloatArray) -> Callable[[float], Uncertainty]:
+    """Return a function that gives actuators an error of up to eps times their weight, (5,)."""
+    return lambda eps_m: Uncertainty(actuator_m=tuple((eps_m * weights).tolist()))
+
+
 def residual_change(machine: Geometry, over: Closure[arb_series], uncertainty: Uncertainty) -> list[arb]:
-    """Bound E, the change of the closures at the poses x(t). Six bounds in square metres."""
-    if not uncertainty.any:
+    """Bound E, the change of the closures at the poses x(t) by calibration. Six bounds in square metres.
+
+    v and len are those of actuators that are off by up to `actuator_m`.
+    """
+    if not uncertainty.calibration:
         return [arb(0)] * 6
     eps, eta = arb(uncertainty.length_m), arb(uncertainty.coordinate_m)
     columns = [[row[j][0] for row in over.rotation] for j in range(3)]
-    bounds = []
+    bounds, off = [], arb(max(uncertainty.actuator_m))
     for vector, length in zip(over.vectors, over.lengths, strict=True):
-        v = [entry[0] for entry in vector]
-        bound = length[0].abs_upper() * eps + eps * eps / 2
+        v = [vector[0][0] + arb(0, off), vector[1][0], vector[2][0]]
+        bound = (length[0].abs_upper() + off) * eps + eps * eps / 2
         if uncertainty.coordinate_m > 0.0:
             seen = sum(((c[0] * v[0] + c[1] * v[1] + c[2] * v[2]).abs_upper() for c in columns), arb(0))
             x, y, z = (entry.abs_upper() for entry in v)
@@ -83,10 +104,10 @@ def jacobian_change(machine: Geometry, hull: Closure[arb], uncertainty: Uncertai
     eta = arb(uncertainty.coordinate_m)
     if uncertainty.coordinate_m == 0.0:
         return [[arb(0)] * 6] * 6
-    w, turned = _offset(eta), arb(3).sqrt() * eta
+    w, turned, off = _offset(eta), arb(3).sqrt() * eta, arb(max(uncertainty.actuator_m))
     rows = []
     for point, vector in zip(machine.points, hull.vectors, strict=True):
-        by_angle = _norm(point) * w + (_norm(vector) + w) * turned
+        by_angle = _norm(point) * w + (_norm(vector) + off + w) * turned
         rows.append([(turned + 2 * eta)] * 3 + [by_angle] * 3)
     return rows
 

@@ -1,5 +1,6 @@
 """Stage three: a path becomes a trajectory, as fast as the limits of actuators, links and TCP allow."""
 
+from pipeline.retime.proof.motion_proof import MotionProof, law_sha256, prove_motion, require_proven
 from pipeline.retime.quality.drives import MotionDrives, measure_drives
 from pipeline.retime.quality.motion_quality import MotionQuality, measure_quality
 from pipeline.retime.quantities import QUANTITIES, Quantity
@@ -12,6 +13,7 @@ from pipeline.retime.way_back import time_reversed, way_back
 __all__ = [
     "QUANTITIES",
     "MotionDrives",
+    "MotionProof",
     "MotionQuality",
     "Quantity",
     "TimingOptions",
@@ -20,11 +22,14 @@ __all__ = [
     "TrajectoryFigures",
     "TrajectorySamples",
     "Usage",
+    "law_sha256",
     "measure_drives",
     "measure_quality",
     "measure_trajectory",
     "measure_usage",
+    "prove_motion",
     "require_limits",
+    "require_proven",
     "retime_path",
     "sample_at",
     "sample_trajectory",

@@ -15,6 +15,7 @@ from pipeline.retime.jerk.options import DEFAULTS as JERK_DEFAULTS
 from pipeline.retime.jerk.options import JerkOptions
 from pipeline.retime.own_law import time_by_own_law
 from pipeline.retime.path_dynamics import TABLE_POINTS, PathDynamicsTable, dynamics_table, grid
+from pipeline.retime.proof.motion_proof import prove_motion, require_proven
 from pipeline.retime.quantities import JERK, limited
 from pipeline.retime.result import TimingReport, Trajectory, slowed, stretched
 from pipeline.retime.sampling import count_periods, whole_periods
@@ -78,18 +79,27 @@ def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: T
 def fitted(trajectory: Trajectory, period_s: float, table: PathDynamicsTable, backwards: bool = False) -> Trajectory:
     """Stretch time to whole periods, and further where a limit is exceeded at an instant that no program looked at.
 
+    Velocity, acceleration and jerk are proven to be within their limits at every instant, forces and the TCP's motion
+    measured between the points of every program.
+
     Raises
     ------
     UnfitConfigError
         When that makes more rows than a table may have.
     NoSolutionError
-        When a limit is still exceeded; s is that along the way there, for a trajectory driven backwards, too.
+        When a limit is still exceeded, or not proven to be kept; s is that along the way there, for a trajectory driven
+        backwards, too.
     """
     trajectory = whole_periods(trajectory, period_s)
     usage = measure_usage(trajectory, period_s, table)
     if usage.largest > ALLOWED_USAGE:
         trajectory = whole_periods(_within_limits(trajectory, usage), period_s)
         require_limits(trajectory, period_s, table, backwards)
+    # Between samples a limit may be exceeded by the thousandth part that samples are granted.
+    if (stretch := prove_motion(trajectory).stretch) > 1.0:
+        longer = stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * stretch)
+        trajectory = whole_periods(longer, period_s)
+    require_proven(trajectory, backwards)
     return trajectory
 
 

@@ -75,7 +75,7 @@ def refine_part(config: Config) -> Part:
 
 def certify_part(config: Config) -> Part:
     """Give the keys that the certificate depends on."""
-    not_read = () if config.certify.what == Proof.TOLERANCES else _TOLERANCES_ONLY
+    not_read = () if config.certify.what in (Proof.TOLERANCES, Proof.FOLLOWING) else _TOLERANCES_ONLY
     return {**refine_part(config), "certify": _without(whole_config(config)["certify"], *not_read)}
 
 

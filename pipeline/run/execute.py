@@ -75,7 +75,7 @@ def run_pipeline(
     patterns = [pattern for spec in specs for pattern in spec.patterns]
     with open_run_folder(out, patterns) as folder, SecondProcess(out) as beside:
         recompute = Stage.REGIONS in options.forced
-        results = Results(config, machine, out, specs, recompute, options.tolerances, beside, given or {})
+        results = Results(config, machine, out, specs, recompute, options.proof, beside, given or {})
         run = _Run(folder, results, options, reporter or Quiet())
         if options.first is not None:
             run.require_earlier(options.first)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from pipeline.config.choices import Proof
 from pipeline.stage import STAGES, Stage
 
 
@@ -23,8 +24,8 @@ class RunOptions:
         If no route exists, find out what prevents it; it is added to the error.
     unproven : bool
         The run goes on with a route that is not proven optimal, instead of stopping there.
-    tolerances : bool
-        The proof also searches calibration tolerances, whatever `certify.what` says.
+    proof : Proof or None
+        What is proven, whatever `certify.what` says; None: what it says.
     """
 
     first: Stage | None = None
@@ -33,7 +34,7 @@ class RunOptions:
     verbose: bool = False
     why_not: bool = True
     unproven: bool = False
-    tolerances: bool = False
+    proof: Proof | None = None
 
     @property
     def forced(self) -> tuple[Stage, ...]:

@@ -40,8 +40,8 @@ class Results:
         The stages.
     recompute : bool
         Nothing that other runs computed is used.
-    tolerances : bool
-        The proof also searches calibration tolerances, whatever the configuration says.
+    proof : Proof or None
+        What is proven, whatever the configuration says; None: what it says.
     beside : SecondProcess or None
         Makes a part of the figures and the report, once it is begun.
     given : mapping
@@ -53,7 +53,7 @@ class Results:
     folder: Path
     specs: Specs = SPECS
     recompute: bool = False
-    tolerances: bool = False
+    proof: Proof | None = None
     beside: "SecondProcess | None" = None
     given: Mapping[Stage, Callable[[], Any]] = field(default_factory=dict)
     _known: dict[Stage, Any] = field(default_factory=dict, init=False, repr=False)
@@ -80,7 +80,7 @@ class Results:
     @property
     def config_to_prove(self) -> Config:
         """The configuration, with the proof that is wanted."""
-        return with_proof(self.config, Proof.TOLERANCES) if self.tolerances else self.config
+        return self.config if self.proof is None else with_proof(self.config, self.proof)
 
     @property
     def regions(self) -> "RegionTable":

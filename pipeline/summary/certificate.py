@@ -27,6 +27,28 @@ def certificate_section(certificate: "Certificate") -> Section:
         "tolerance_fails_m": None if lengths is None else lengths.fails_m,
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
+        **_following_part(certificate),
+    }
+
+
+def _following_part(certificate: "Certificate") -> Section:
+    """Give how far the actuators may be from where they are commanded; null if that was not searched.
+
+    `following_m` if all are off alike, `following_alone_m` if one is, `following_by_velocity_m` in the ratio of their
+    velocity limits: out of step by `following_out_of_step_s`.
+    """
+    found = certificate.following
+    keys = ("following_m", "following_fails_m", "following_by_velocity_m", "following_out_of_step_s")
+    if not found:
+        return dict.fromkeys((*keys, "following_alone_m"))
+    common, by_velocity = found["common"], found.get("by_velocity")
+    errors = None if by_velocity is None or by_velocity.chain is None else by_velocity.chain.uncertainty.actuator_m
+    return {
+        "following_m": common.eps_m,
+        "following_fails_m": common.fails_m,
+        "following_by_velocity_m": errors,
+        "following_out_of_step_s": certificate.out_of_step_s,
+        "following_alone_m": [one.eps_m for name, one in found.items() if name not in ("common", "by_velocity")],
     }
 
 
@@ -62,6 +84,8 @@ def certificate_words(section: Section) -> str:
             f"{1e3 * section['coordinates_tolerance_m']:.3f} mm"
         )
     )
+    if (following := section.get("following_m")) is not None:
+        found += f"; drives may be off by {1e3 * following:.2f} mm at a time"
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
         f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"

@@ -5,7 +5,10 @@ from typing import TYPE_CHECKING
 from pipeline.summary.section import QUALITY, SKIPPED, Section, failed_part
 
 if TYPE_CHECKING:
-    from pipeline.retime import MotionQuality, TimingReport, TrajectoryFigures, Usage
+    from pipeline.retime import MotionProof, MotionQuality, TimingReport, TrajectoryFigures, Usage
+
+PROVEN = "proven"
+"""The key under which a motion says what is proven of it."""
 
 
 def trajectory_section(figures: "TrajectoryFigures") -> Section:
@@ -62,6 +65,19 @@ def _against_bound(timing: "TimingReport") -> Section:
     }
 
 
+def proven_part(proof: "MotionProof") -> Section:
+    """Give what is proven of the motion for every instant, and what it is proven of."""
+    jumps = dict(zip(("position_m", "velocity_mps", "acceleration_mps2"), proof.jumps.largest.tolist(), strict=True))
+    return {
+        PROVEN: {
+            **proof.fractions,
+            "intervals": proof.use.intervals,
+            "jumps": jumps if proof.jerk_limited else {key: jumps[key] for key in list(jumps)[:2]},
+            "law_sha256": proof.law_sha256,
+        }
+    }
+
+
 def back_section(figures: "TrajectoryFigures") -> Section:
     """Give the duration of the way back, and the largest fraction of each limit."""
     return {
@@ -77,6 +93,9 @@ def trajectory_words(section: Section) -> str:
     used = {name: max(values) for name, values in section["usage"].items() if not isinstance(values, str)}
     parts = ", ".join(f"{share:.0%} of {name.replace('_', ' ').replace('tcp', 'TCP')}" for name, share in used.items())
     words = f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; up to {parts}"
+    if PROVEN in section:
+        names = [name for name in ("velocity", "acceleration", "jerk") if name in section[PROVEN]]
+        words += f"; {', '.join(names)} proven at every instant"
     if "gap" in section:
         words += f"; {section['jerk_cost']:+.1%} for jerk, {section['gap']:.2%} above the bound without"
     if failed_part(section):

@@ -62,6 +62,7 @@ def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict
         "tolerances": {
             "link_length": _tolerance_dict(link_length),
             "coordinates": _tolerance_dict(coordinates),
+            **_following_dict(certificate.following),
         },
         "precision_bits": certificate.precision_bits,
         **facts,
@@ -71,7 +72,7 @@ def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict
 
 def chains(certificate: Certificate) -> list[ProvenChain]:
     """List the chains of a certificate: of the machine as configured, and of the uncertain machines."""
-    tolerances = (certificate.link_length, certificate.coordinates)
+    tolerances = (certificate.link_length, certificate.coordinates, *certificate.following.values())
     uncertain = [tolerance.chain for tolerance in tolerances if tolerance is not None]
     return [certificate.chain, *(chain for chain in uncertain if chain is not None)]
 
@@ -108,6 +109,7 @@ def read_certificate(file: pathlib.Path) -> Statement:
         link_length=_stated(shape.tolerances.link_length),
         coordinates=_stated(shape.tolerances.coordinates),
         chains=tuple(_chain(chain) for chain in shape.chains),
+        following={name: StatedTolerance(one.proven_m, one.boxes) for name, one in shape.tolerances.following.items()},
     )
 
 
@@ -126,7 +128,9 @@ def _chain(shape: ChainShape) -> ProvenChain:
     columns = zip(shape.s[:-1], shape.s[1:], shape.pose, shape.radius, strict=True)
     points = zip(shape.s, shape.joint_pose, shape.joint_radius, strict=True)
     return ProvenChain(
-        uncertainty=Uncertainty(shape.uncertainty.length_m, shape.uncertainty.coordinate_m),
+        uncertainty=Uncertainty(
+            shape.uncertainty.length_m, shape.uncertainty.coordinate_m, tuple(shape.uncertainty.actuator_m)
+        ),
         boxes=tuple(Box(first, last, np.array(x), np.array(r)) for first, last, x, r in columns),
         joints=tuple(point_box(s, np.array(x), np.array(r)) for s, x, r in points),
     )
@@ -143,9 +147,20 @@ def _tolerance_dict(tolerance: Tolerance | None) -> dict[str, Any] | None:
     }
 
 
+def _following_dict(following: Mapping[str, Tolerance]) -> dict[str, Any]:
+    """Arrange the tolerances of following errors; certificates without them have no key for them."""
+    return {"following": {name: _tolerance_dict(one) for name, one in following.items()}} if following else {}
+
+
+def _uncertainty_dict(uncertainty: Uncertainty) -> dict[str, Any]:
+    """Arrange an uncertainty; errors of the actuators only where there are any."""
+    errors = asdict(uncertainty)
+    return errors if any(uncertainty.actuator_m) else {key: errors[key] for key in ("length_m", "coordinate_m")}
+
+
 def _chain_dict(chain: ProvenChain) -> dict[str, Any]:
     return {
-        "uncertainty": asdict(chain.uncertainty),
+        "uncertainty": _uncertainty_dict(chain.uncertainty),
         "s": [box.first for box in chain.boxes] + [box.last for box in chain.boxes[-1:]],
         "pose": [box.pose.tolist() for box in chain.boxes],
         "radius": [box.radius.tolist() for box in chain.boxes],

@@ -12,7 +12,7 @@ from pipeline.limits import CertificateKey, Side
 
 FORMAT = 3
 """Version of the file format, increased when its meaning changes."""
-_MOST_CHAINS = 8
+_MOST_CHAINS = 12
 """More than a certificate has: each takes a while to be refused."""
 
 
@@ -44,6 +44,7 @@ class UncertaintyShape(_Part):
 
     length_m: _Number
     coordinate_m: _Number
+    actuator_m: Annotated[list[_Number], Field(min_length=5, max_length=5)] = [0.0] * 5
 
 
 class ChainShape(_Part):
@@ -78,7 +79,7 @@ class BoundsShape(_Part):
 
 
 class ToleranceShape(_Part):
-    """A calibration tolerance and how it was found."""
+    """A tolerance and how it was found."""
 
     proven_m: _Number
     not_proven_m: _Number | None
@@ -87,10 +88,11 @@ class ToleranceShape(_Part):
 
 
 class TolerancesShape(_Part):
-    """Both calibration tolerances."""
+    """Both calibration tolerances, and those of following errors."""
 
     link_length: ToleranceShape | None
     coordinates: ToleranceShape | None
+    following: dict[str, ToleranceShape] = {}
 
 
 class CertificateShape(_Part):

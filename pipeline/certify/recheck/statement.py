@@ -1,6 +1,7 @@
 """Everything in a certificate that can be verified, as it was read; nothing of it is trusted."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.result import ProvenChain
@@ -8,7 +9,7 @@ from pipeline.certify.result import ProvenChain
 
 @dataclass(frozen=True)
 class StatedTolerance:
-    """A calibration tolerance, and the number of boxes of its proof: none if eps is zero."""
+    """A tolerance, and the number of boxes of its proof: none if eps is zero."""
 
     eps_m: float
     boxes: int
@@ -28,6 +29,8 @@ class Statement:
         What they prove.
     link_length, coordinates : StatedTolerance or None
         Calibration tolerances; None if not stated.
+    following : mapping
+        Tolerances of following errors by their names; none if not stated.
     chains : tuple of ProvenChain
         The proofs, that of the machine as configured first.
     """
@@ -39,3 +42,4 @@ class Statement:
     link_length: StatedTolerance | None
     coordinates: StatedTolerance | None
     chains: tuple[ProvenChain, ...]
+    following: Mapping[str, StatedTolerance] = field(default_factory=dict)

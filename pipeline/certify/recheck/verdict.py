@@ -16,7 +16,7 @@ from pipeline.certify.recheck.statement import Statement
 from pipeline.certify.result import ProvenChain, path_sha256
 from pipeline.config import Config
 from pipeline.inclusion.uncertainty import Uncertainty
-from pipeline.machine.geometry import Machine
+from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.result import Path
 from pipeline.route.regions.endpoints import Endpoint
 
@@ -46,7 +46,7 @@ def verify(
         Claim(PATH, stated.path_sha256 == path_hash, path_hash[:12]),
         Claim(PREMISES, stated.premises_sha256 == premises_hash, premises_hash[:12]),
         splines,
-        *inventory.inventory_claims(stated),
+        *inventory.inventory_claims(machine, stated),
     ]
 
     def bounds_of(found: list[FloatArray]) -> list[Claim]:
@@ -112,4 +112,7 @@ def _name(uncertainty: Uncertainty) -> str:
     if not uncertainty.any:
         return _CONFIGURED
     lengths, coordinates = 1e3 * uncertainty.length_m, 1e3 * uncertainty.coordinate_m
-    return f"lengths ± {lengths:.4g}, coordinates ± {coordinates:.4g} mm"
+    parts = [f"lengths ± {lengths:.4g}, coordinates ± {coordinates:.4g}"] if uncertainty.calibration else []
+    if any(errors := uncertainty.actuator_m):
+        parts.append(f"{', '.join(ACTUATORS)} ± {', '.join(f'{1e3 * error:.4g}' for error in errors)}")
+    return f"{'; '.join(parts)} mm"

@@ -16,6 +16,7 @@ from pipeline.regular_file import open_regular_file
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
+    from pipeline.certify.recheck import Claim
     from pipeline.run.results import Results
 
 
@@ -32,6 +33,10 @@ def certify(
         bool,
         typer.Option("--tolerance", help="Also search the calibration errors the path is proven to bear."),
     ] = False,
+    following: Annotated[
+        bool,
+        typer.Option("--following", help="Also search by how much drives may be off the path, and these tolerances."),
+    ] = False,
     check: Annotated[
         Path | None,
         typer.Option("--check", metavar="FILE", help="Verify a certificate, or that of a run, again; prove nothing."),
@@ -43,18 +48,20 @@ def certify(
     date. With --check, a certificate is verified again by other code in other
     arithmetic; the run's config.yaml and path.npz must be beside it.
     Tolerances once found are kept as long as the path is; with
-    certify.what: tolerances in CONFIG every run searches them.
+    certify.what: tolerances (or following) in CONFIG every run searches them.
     """
     if check is not None:
-        if config is not None or out is not None or force or tolerance or unproven:
+        if config is not None or out is not None or force or tolerance or following or unproven:
             raise UsageError("--check FILE excludes other options: the configuration is the one beside the certificate")
         verify_file(check)
         return
     if config is None:
         raise UsageError("certify needs a CONFIG, or --check FILE")
+    from pipeline.config.choices import Proof
     from pipeline.run import RunOptions
 
-    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, unproven=unproven, tolerances=tolerance)
+    proof = Proof.FOLLOWING if following else Proof.TOLERANCES if tolerance else None
+    options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, unproven=unproven, proof=proof)
     run_stages(config, load_task(config), out, options, specs_of(context))
 
 
@@ -85,6 +92,7 @@ def verify_file(file: Path) -> None:
     stated = read_certificate(file)
     began = time.perf_counter()
     claims = verify(config, machine, path, task_endpoints(config, machine), stated)
+    claims += _motion_claims(results)
     seconds = time.perf_counter() - began
     rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in claims]
     header = ("claim", "verified", "found")
@@ -93,8 +101,25 @@ def verify_file(file: Path) -> None:
         raise NoSolutionError(
             Stage.CERTIFY,
             f"{file} does not hold: {wrong[0]}",
-            "certify the path again: gantry-tau certify CONFIG --force",
+            "make it again: gantry-tau run CONFIG --from certify --force",
         )
+
+
+def _motion_claims(results: "Results") -> "list[Claim]":
+    """Verify what the run states of its motion and of the way back, as far as it has any."""
+    from dataclasses import replace
+
+    from pipeline.artifacts.results.proven_motion import stated_motions
+    from pipeline.certify.recheck.time_law import verify_time_law
+    from pipeline.retime import law_sha256, way_back
+
+    claims = []
+    for name, stated in stated_motions(results.folder).items():
+        there = results.trajectory
+        motion = there if name == "trajectory" else way_back(results.config, there)
+        found = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated)
+        claims += [replace(claim, what=f"{name}: {claim.what}") for claim in found]
+    return claims
 
 
 def _run_beside(file: Path) -> "Results":
@@ -112,6 +137,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau certify configs/agder.yaml",
             "gantry-tau certify configs/agder.yaml --tolerance    (a minute more)",
+            "gantry-tau certify configs/agder.yaml --following    (two minutes more)",
             "gantry-tau certify --check results/agder/certificate.json",
         ),
     ),

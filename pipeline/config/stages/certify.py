@@ -10,7 +10,9 @@ class CertifyConfig(Section):
     """The proof that a path is free of singularities: boxes along s in ball arithmetic."""
 
     what: Proof = Field(
-        Proof.PATH, description="path; tolerances: how wrong the machine may be, too (a minute); nothing"
+        Proof.PATH,
+        description="path; tolerances: how wrong the machine may be, too (a minute); following: and how far drives may "
+        "lag (another minute); nothing",
     )
     precision_bits: int = Field(64, ge=53, le=4_096, description="precision of the ball arithmetic")
     kappa_excess: float = Field(
@@ -23,7 +25,7 @@ class CertifyConfig(Section):
         1e-7, gt=1e-12, le=0.1, description="intervals of s narrower than this are not halved: the path is refused"
     )
     tolerance_resolution: float = Field(
-        0.02, gt=1e-4, le=1.0, description="how finely calibration tolerances are bisected, relatively"
+        0.02, gt=1e-4, le=1.0, description="how finely tolerances are bisected, relatively"
     )
     monte_carlo_samples: int = Field(
         100,

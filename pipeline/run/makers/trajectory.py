@@ -11,6 +11,7 @@ from pipeline.retime import (
     measure_drives,
     measure_quality,
     measure_trajectory,
+    prove_motion,
     retime_path,
     sample_trajectory,
     way_back,
@@ -21,7 +22,7 @@ from pipeline.run.product import Product
 from pipeline.stage import Stage
 from pipeline.summary.drives import drives_part
 from pipeline.summary.section import failure_section, without_part
-from pipeline.summary.trajectory import back_section, quality_part, trajectory_section
+from pipeline.summary.trajectory import back_section, proven_part, quality_part, trajectory_section
 
 if TYPE_CHECKING:
     from pipeline.run.results import Results
@@ -52,9 +53,10 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
     section = trajectory_section(figures) | quality_part(measure_quality(trajectory, config.retime.speed))
     section |= drives_part(measure_drives(whole_periods(trajectory, config.retime.period_s)), ACTUATORS)
+    section |= proven_part(prove_motion(trajectory))
     if isinstance(back, NoSolutionError):
         return Product(files, {**section, **without_part("back", failure_section(back.reason, back.advice))})
     samples = sample_trajectory(back, config.retime.period_s)
     figures = measure_trajectory(back, samples)
     files |= back_files(machine, samples, sidecar(config, machine, samples, figures.usage))
-    return Product(files, {**section, "back": back_section(figures)})
+    return Product(files, {**section, "back": back_section(figures) | proven_part(prove_motion(back))})

@@ -6,6 +6,12 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, times, total, within
+from pipeline.certify.recheck.arithmetic.following import (
+    Following,
+    follow_actuators,
+    following_change,
+    following_terms,
+)
 from pipeline.certify.recheck.arithmetic.jets import TERMS, expand
 from pipeline.certify.recheck.arithmetic.motion import Motion, follow, second_derivatives
 from pipeline.certify.recheck.arithmetic.norms import arm_lengths, norm
@@ -50,13 +56,17 @@ class Boxes:
 
 @dataclass(frozen=True, eq=False)
 class Inclusions:
-    """Results: whether each box is proven (n,), its inverse (2, 6, 6, n), and k, E, D as in the statement."""
+    """Results: whether each box is proven (n,), its inverse (2, 6, 6, n), and k, E, D as in the statement.
+
+    `following` has P and A where actuators are off.
+    """
 
     proven: BoolArray
     inverse: FloatArray
     image: FloatArray
     residual_change: FloatArray
     jacobian_change: FloatArray
+    following: Following | None = None
 
 
 def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
@@ -84,7 +94,11 @@ def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusi
     C_abs = C_over.magnitude
     miss = residual_of_inverse(C, J, h)
     E = _residual_change(boxes.over, uncertainty)
-    moved_by = bound("ijn,jn->in", C_abs, E, terms=6)
+    calibrated = bound("ijn,jn->in", C_abs, E, terms=6)
+    following = None
+    if any(uncertainty.actuator_m):
+        following = follow_actuators((boxes.at, boxes.over), inverse, J, h, np.array(uncertainty.actuator_m))
+    moved_by = calibrated if following is None else total(calibrated, following.moved)
     hull = _hull(machine, boxes, total(moved_by, r))
     D = _jacobian_change(machine, hull, uncertainty)
     G = contract("iln,lkjn->ikjn", C_over, second_derivatives(hull), 6)
@@ -94,14 +108,18 @@ def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusi
     )
     bent = contract("kan,ikmn->iamn", C_over, GC, 6).magnitude
     change = bound("lkn,kn->ln", D, total(moved_by, r), terms=6)
-    image = total(
+    parts = [
         _residual(C, boxes),
-        bound("ijn,jn->in", miss, moved_by, terms=6),
+        bound("ijn,jn->in", miss, calibrated, terms=6),
         0.5 * bound("ian,an->in", bound("iabn,bn->ian", bent, E, terms=6), E, terms=6),
         bound("iln,ln->in", C_abs, change, terms=6),
-        bound("ikn,kn->in", spread, r, terms=6),
-    )
-    return Inclusions(np.all(image < r, axis=0) & boxes.on_one_piece, inverse, image, E, D)
+    ]
+    if following is not None:
+        terms = following_terms(following, hull, C_over, G)
+        spread = total(spread, terms.spread)
+        parts += [terms.image, bound("iln,ln->in", terms.mixed, E, terms=6)]
+    image = total(*parts, bound("ikn,kn->in", spread, r, terms=6))
+    return Inclusions(np.all(image < r, axis=0) & boxes.on_one_piece, inverse, image, E, D, following)
 
 
 def linear_inverse(J: list[Enclosure]) -> FloatArray:
@@ -143,12 +161,15 @@ def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_en
     apart = (x - exactly(joints.pose[0][:, of])).magnitude
     C = exactly(found.inverse[0]) + exactly(found.inverse[1]) * s
     turned = (C - exactly(met.inverse[0][..., of])).magnitude
-    reach = total(
+    parts = [
         apart,
         met.image[:, of],
         bound("ijn,jn->in", turned, met.residual_change[:, of], terms=6),
         bound("iln,ln->in", C.magnitude, bound("lkn,kn->ln", found.jacobian_change, apart, terms=6), terms=6),
-    )
+    ]
+    if found.following is not None and met.following is not None:
+        parts.append(following_change(found.following, s, met.following.matrix[0][..., of], met.following.errors))
+    reach = total(*parts)
     return np.asarray(np.all(reach < boxes.radius, axis=0), dtype=bool)
 
 
@@ -176,10 +197,13 @@ def _hull(machine: Machine, boxes: Boxes, reach: FloatArray) -> Motion:
 def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
     """Bound E, shape (6, n)."""
     eps, eta = np.array(uncertainty.length_m), np.array(uncertainty.coordinate_m)
-    lengths = over.lengths[0].magnitude
-    if not uncertainty.any:
+    lengths, off = over.lengths[0].magnitude, np.array(max(uncertainty.actuator_m))
+    if not uncertainty.calibration:
         return np.zeros_like(lengths)
+    lengths = total(lengths, np.full_like(lengths, off))
     v = over.vectors[0]
+    v = Enclosure(v.mid, v.rad.copy())
+    v.rad[:, 0] = total(v.rad[:, 0], np.full_like(v.rad[:, 0], off))
     local = contract("ijn,lin->ljn", over.rotation[0], v, 3).magnitude
     sizes = v.magnitude
     seen = total(local[:, 0], local[:, 1], local[:, 2], sizes[:, 0], 2.0 * sizes[:, 1], 2.0 * sizes[:, 2])
@@ -194,6 +218,7 @@ def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty) -
     eta = np.array(uncertainty.coordinate_m)
     if eta > 0.0:
         size, arm = norm(np.moveaxis(v, 1, 0)), arm_lengths(machine)[:, None]
+        size = total(size, np.full_like(size, max(uncertainty.actuator_m)))
         w = _offset(eta)
         D[:, :3] = times(np.array(3.8), eta)
         D[:, 3:] = total(times(arm, w), times(np.array(1.8), eta, total(size, np.full_like(size, w))))[:, None]

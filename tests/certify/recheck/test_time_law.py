@@ -1,0 +1,85 @@
+"""The check of a time law by other code: what was proven is verified, and nothing else is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import PPoly
+
+from pipeline.certify.recheck.time_law import LAW, StatedMotion, verify_time_law, within_limits
+from pipeline.machine import Machine
+from pipeline.refine import Path
+from pipeline.retime import Trajectory, law_sha256, prove_motion, time_reversed
+from tests.retime.proof.conftest import at_rest_at_both_ends, limited_to, with_bump
+
+
+@pytest.fixture(scope="module")
+def motion(line: Path) -> Trajectory:
+    """Drive the short regular path within limits that it uses up to a thousandth."""
+    wide = at_rest_at_both_ends(limited_to(line, 1.0, 1.0, 1.0))
+    limits = 1.0005 * prove_motion(wide).use.attained.max(axis=1)
+    return at_rest_at_both_ends(limited_to(line, *limits))
+
+
+@pytest.fixture(scope="module")
+def stated(motion: Trajectory) -> StatedMotion:
+    """State what is proven of it."""
+    proof = prove_motion(motion)
+    return StatedMotion(proof.law_sha256, proof.fractions)
+
+
+def _refused(motion: Trajectory, stated: StatedMotion) -> set[str]:
+    claims = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated)
+    return {claim.what for claim in claims if not claim.verified}
+
+
+def test_what_was_proven_is_verified_there_and_back(motion: Trajectory, stated: StatedMotion) -> None:
+    """Close to its limits: by a twentieth of a percent."""
+    assert max(part.max() for part in stated.fractions.values()) > 0.999
+    assert _refused(motion, stated) == set()
+    back = time_reversed(motion)
+    proof = prove_motion(back)
+    assert _refused(back, StatedMotion(proof.law_sha256, proof.fractions)) == set()
+
+
+@pytest.mark.parametrize("name", ["velocity", "acceleration", "jerk"])
+def test_less_than_the_truth_is_refused(motion: Trajectory, stated: StatedMotion, name: str) -> None:
+    """A twentieth of a percent, of one actuator."""
+    less = stated.fractions[name] * np.where(np.arange(5) == int(np.argmax(stated.fractions[name])), 0.9994, 1.0)
+    assert _refused(motion, replace(stated, fractions={**stated.fractions, name: less})) == {within_limits(name)}
+
+
+def test_what_is_not_stated_is_not_verified(motion: Trajectory, stated: StatedMotion) -> None:
+    """Nor is more than the whole limit, true as it may be."""
+    without = {name: part for name, part in stated.fractions.items() if name != "jerk"}
+    assert _refused(motion, replace(stated, fractions=without)) == {within_limits("jerk")}
+    more = {**stated.fractions, "velocity": np.full(5, 1.1)}
+    assert _refused(motion, replace(stated, fractions=more)) == {within_limits("velocity")}
+
+
+def test_another_law_is_refused(motion: Trajectory, stated: StatedMotion) -> None:
+    """By its hash, whatever it does; a spike of a tenth of a millisecond also by what it does."""
+    law = motion.time_law
+    other = replace(motion, time_law=PPoly(np.nextafter(law.c, 9.0), law.x))
+    assert _refused(other, stated) == {LAW}
+    spiked = with_bump(motion, 1.2345, 1e-4, 3e-14)
+    assert within_limits("jerk") in _refused(spiked, replace(stated, law_sha256=law_sha256(spiked)))
+
+
+def test_jumps_are_refused(motion: Trajectory, stated: StatedMotion) -> None:
+    """Of the position within the motion, and of the velocity from rest."""
+    split = with_bump(motion, 1.5, 1.0, 0.0)
+    c = split.time_law.c.copy()
+    c[-1, 1:] += 1e-6
+    jumping = replace(motion, time_law=PPoly(c, split.time_law.x))
+    (wrong,) = _refused(jumping, replace(stated, law_sha256=law_sha256(jumping)))
+    assert "jumps" in wrong
+
+
+def test_limits_are_those_of_the_machine(machine: Machine, motion: Trajectory, stated: StatedMotion) -> None:
+    """A machine with less of everything refuses all three."""
+    slower = replace(motion, path=replace(motion.path, machine=machine))
+    limits = machine.velocity_mps.max(), machine.acceleration_mps2.max(), machine.jerk_mps3.max()
+    assert all(limit > 0.0 for limit in limits)
+    weak = replace(slower, path=limited_to(motion.path, *(0.01 * np.ones(3))))
+    assert _refused(weak, stated) == {within_limits(name) for name in stated.fractions}
