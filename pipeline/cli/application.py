@@ -12,6 +12,7 @@ from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
 from pipeline.cli.commands import (
+    bound,
     certify,
     check,
     compare,
@@ -183,6 +184,20 @@ def _root(
     pass
 
 
-for _group in (init, run, certify, check, compare, report, export, workspace, tradeoff, measured, simulate, tune):
+for _group in (
+    init,
+    run,
+    certify,
+    check,
+    compare,
+    report,
+    export,
+    workspace,
+    tradeoff,
+    bound,
+    measured,
+    simulate,
+    tune,
+):
     for _command, _examples in _group.COMMANDS:
         app.command(cls=_Command, epilog=_epilog(_examples))(_command)
