@@ -97,6 +97,8 @@ def bound_paths(
     proven: tuple[float, Flood] | None = None
     K = at_ends * _STEP if kappa is None else kappa
     left = most_boxes
+    if kappa is not None and kappa < at_ends:
+        return Bound(theorem, at_ends, kappa, (), None)
     while K < LARGEST and left > 0 and not (theorem.no_path and kappa is None):
         evaluator = build_evaluator(config, machine, ends, K)
         points = [chart_point(evaluator.chart, end) for end in ends]

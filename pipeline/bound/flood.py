@@ -48,12 +48,15 @@ class Flood:
         Leaves that can be reached from the start.
     rounds : int
         How often boxes on the cheapest ways were halved.
+    start : (6,)
+        The start.
     """
 
     verdict: Verdict
     boxes: Boxes
     component: IntArray
     rounds: int
+    start: FloatArray
 
 
 def flood(
@@ -73,12 +76,12 @@ def flood(
         total = np.where(component & (back < FAR), there + back - ~passable, FAR)
         best = int(total.min(initial=FAR))
         if best in (0, FAR):
-            return Flood(Verdict.OPEN if best == 0 else Verdict.NONE, boxes, active[component], rounds)
+            return Flood(Verdict.OPEN if best == 0 else Verdict.NONE, boxes, active[component], rounds, start)
         chosen = ~passable & (total <= _allowed(total[~passable], best))
         nodes = active[chosen]
         monitor.progress(f"{boxes.count:,} boxes, {best} between start and goal, {len(nodes):,} to halve")
         if boxes.count + 2 * len(nodes) > most_boxes:
-            return Flood(Verdict.LATE, boxes, active[component], rounds)
+            return Flood(Verdict.LATE, boxes, active[component], rounds, start)
         before = boxes.count
         boxes.halve(nodes, _axes(boxes, nodes))
         halves = np.arange(before, boxes.count)

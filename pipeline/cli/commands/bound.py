@@ -1,13 +1,15 @@
 """The command that proves what no continuous path can do."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.options import ConfigArgument, load_task
-from pipeline.cli.output import text_table
+from pipeline.cli.output import check_output, text_table
+from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
     from pipeline.bound.bound import Bound
@@ -25,6 +27,12 @@ def bound(
     boxes: Annotated[
         int, typer.Option("--boxes", min=1000, max=100_000_000, help="Boxes in all: about 20,000 take a second.")
     ] = 300_000,
+    output: Annotated[
+        Path | None, typer.Option("--output", metavar="FILE", help="Write the proof of the largest K, a tree of boxes.")
+    ] = None,
+    check: Annotated[
+        Path | None, typer.Option("--check", metavar="FILE", help="Verify such a proof again; prove nothing.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded.")] = False,
 ) -> None:
     """Prove what no continuous path can do, with no grid.
@@ -34,18 +42,26 @@ def bound(
     up to K within the limits (travel, strokes, tilts, distances of links)
     may separate start and goal: then every path has a larger kappa. That
     they do not proves nothing. Exits with 1 if K is given and not proven.
+    With --check, a proof is verified by other code: all it believes of FILE
+    is K and how boxes were halved.
     """
     from pipeline.artifacts import json_bytes
 
     loaded = load_task(config)
+    if check is not None:
+        if kappa is not None or output is not None or as_json:
+            raise UsageError("--check FILE excludes other options: K is that of the proof")
+        _verify(loaded, check)
+        return
+    check_output(output)
     found = _bound(loaded, kappa, boxes)
+    if output is not None:
+        _write(loaded, found, output)
     if as_json:
         typer.echo(json_bytes(_data(loaded, found)), nl=False)
     else:
         _show(loaded, found)
     if kappa is not None and found.kappa is None and not found.theorem.no_path:
-        from pipeline.errors import NoSolutionError
-
         raise NoSolutionError(
             "bound",
             f"kappa {kappa:g} is not proven with {found.attempts[-1].boxes:,} boxes; this does not show a path",
@@ -66,6 +82,57 @@ def _bound(config: "Config", kappa: float | None, boxes: int) -> "Bound":
             status.update(message)
 
         return bound_paths(config, machine, task_endpoints(config, machine), kappa, boxes, Monitor(progress))
+
+
+def _write(config: "Config", found: "Bound", output: Path) -> None:
+    """Write the proof of the largest K.
+
+    Raises
+    ------
+    NoSolutionError
+        If no flood proved anything.
+    """
+    from pipeline.artifacts.output import write_output
+    from pipeline.artifacts.results.bound import bound_bytes
+    from pipeline.bound.tree import proof_codes
+
+    if found.flood is None or found.kappa is None:
+        raise NoSolutionError(
+            "bound", f"{output} is not written: no flood of boxes proved anything", "give a --kappa, or more --boxes"
+        )
+    codes = proof_codes(found.flood)
+    write_output(output, bound_bytes(config, found.kappa, codes))
+    messages_console().print(f"{output}: the proof, a tree of {len(codes):,} boxes", soft_wrap=True)
+
+
+def _verify(config: "Config", file: Path) -> None:
+    """Verify a proof again.
+
+    Raises
+    ------
+    NoSolutionError
+        If it does not hold.
+    UsageError
+        If the file cannot be used.
+    """
+    from pipeline.artifacts.results.bound import read_bound
+    from pipeline.bound.recheck.verify import verify_bound
+    from pipeline.machine.geometry import build_machine
+    from pipeline.route.regions.endpoints import task_endpoints
+
+    machine = build_machine(config.machine)
+    kappa, codes = read_bound(file, config)
+    try:
+        found = verify_bound(config, machine, task_endpoints(config, machine), kappa, codes)
+    except ValueError as error:
+        raise UsageError(f"{file} cannot be read: {error}") from None
+    if not found.holds:
+        why = f"{found.refuted:,} of {found.wall:,} boxes may hold a path" if found.separated else "start and goal meet"
+        raise NoSolutionError("bound", f"{file} does not hold: {why}", "prove the bound again")
+    results_console().print(
+        f"{file}: verified. Every path within the limits has kappa > {kappa:.6g} somewhere ({found.wall:,} boxes).",
+        soft_wrap=True,
+    )
 
 
 def _data(config: "Config", found: "Bound") -> dict[str, object]:
@@ -108,7 +175,8 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         bound,
         (
             "gantry-tau bound configs/agder.yaml    (with task.locked_axes: [rx, rz] a theorem, within a second)",
-            "gantry-tau bound configs/agder.yaml --kappa 23.5 --boxes 2000000",
+            "gantry-tau bound configs/agder.yaml --kappa 23.5 --boxes 2000000 --output bound.npz",
+            "gantry-tau bound configs/agder.yaml --check bound.npz",
         ),
     ),
 )
