@@ -23,7 +23,7 @@ from pipeline.cli.commands import (
     simulate,
     tune,
 )
-from pipeline.cli.commands.analyses import atlas, compare, study, tradeoff, workspace
+from pipeline.cli.commands.analyses import atlas, bound, compare, study, tradeoff, workspace
 from pipeline.cli.console import discard_output, print_error, print_message
 from pipeline.cli.interrupts import ignore_interrupts
 from pipeline.errors import PipelineError, UsageError
@@ -209,6 +209,7 @@ _GROUPS = (
     workspace,
     tradeoff,
     atlas,
+    bound,
     study,
     measured,
     simulate,

@@ -64,10 +64,12 @@ def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
     assert str(tmp_path / "out" / "failed" / "route.json") in kept
     told = json.loads((tmp_path / "out" / "failed" / "route.json").read_text())["why_not"]
     assert json.loads((tmp_path / "out" / "failed" / "route.json").read_text())["advice"] == caught.value.advice
-    assert set(told) == {"reach", "remarks", "not_tried", "findings", "seconds"}
+    assert set(told) == {"reach", "continuum", "remarks", "not_tried", "findings", "seconds"}
     (opening,) = (finding for finding in told["findings"] if finding["verdict"] == "a route exists")
     assert (opening["key"], opening["configured"], opening["value"], opening["refused"]) == (KEY, 5, 8, 7)
     assert opening["sentence"] in note
+    assert f"Without the grid: {told['continuum']}" in note
+    assert "proven for this grid" in told["continuum"]
     listed = json.loads((tmp_path / "out" / "summary.json").read_text())["route"]["why_not"]
     assert f"- {opening['sentence']}" in listed
     page = (tmp_path / "out" / "failed" / "route.html").read_text()
@@ -148,3 +150,11 @@ def test_progress_says_what_is_looked_at(tmp_path: Path, narrow: Config, machine
     assert all(message.startswith("why not: ") for message in said)
     for key in ("task.tilt_max_deg", "route.kappa_max", "machine.clearance.link_link_m", KEY):
         assert any(key in message for message in said)
+
+
+def test_no_path_at_all_is_said(tmp_path: Path, change) -> None:
+    """Without tilt "no route" is not a matter of the grid: the theorem is part of why not."""
+    config = change(load_config(CONFIGS / "tiny.yaml"), task__tilt_max_deg=0)
+    with pytest.raises(NoSolutionError) as caught:
+        run_pipeline(config, tmp_path / "out", RunOptions(last=Stage.ROUTE))
+    assert "Without the grid: no path exists" in caught.value.__notes__[0]
