@@ -17,7 +17,7 @@ READY = b"ready\n"
 """What the process says when it can take requests: only then does the time of a run begin."""
 _PR_SET_PDEATHSIG = 1
 _MOST_MEMORY_GB = 1.5
-"""Memory above which the process ends after a case: what libraries keep for good does not add up."""
+"""Memory above which the worker ends the process after a case: what libraries keep for good does not add up."""
 
 
 def die_with(parent: int) -> None:
@@ -57,10 +57,9 @@ def main() -> None:
         output.flush()
         while True:
             row = run_case(json.loads(requests.get()))
-            output.write(json.dumps(row.data()).encode() + b"\n")
+            answer = {"row": row.data(), "spent": memory_gb() > _MOST_MEMORY_GB}
+            output.write(json.dumps(answer).encode() + b"\n")
             output.flush()
-            if memory_gb() > _MOST_MEMORY_GB:
-                os._exit(0)
 
 
 if __name__ == "__main__":

@@ -67,7 +67,10 @@ class Process:
         with contextlib.suppress(OSError):
             self._process.stdin.write(dumps(request).encode() + b"\n")
             self._process.stdin.flush()
-        return dict(loads(self._line(request["time_limit_s"])))
+        answer = loads(self._line(request["time_limit_s"]))
+        if answer["spent"]:
+            self.end()
+        return dict(answer["row"])
 
     def _line(self, seconds: float) -> bytes:
         """Wait for a line of the process."""
