@@ -22,8 +22,6 @@ _FIRST_WIDTH = 1.2
 _SMALL = 0.06
 """Boxes of this width with kappa <= K in their middle are taken for passable by the search, not by proofs."""
 _ASPECT = 4.0
-_FEWEST, _SLACK = 200, 2
-"""Boxes to halve in a round, if there are so many on ways that cost not much more than the cheapest."""
 
 
 class Verdict(StrEnum):
@@ -77,7 +75,7 @@ def flood(
         best = int(total.min(initial=FAR))
         if best in (0, FAR):
             return Flood(Verdict.OPEN if best == 0 else Verdict.NONE, boxes, active[component], rounds, start)
-        chosen = ~passable & (total <= _allowed(total[~passable], best))
+        chosen = ~passable & (total == best)
         nodes = active[chosen]
         monitor.progress(f"{boxes.count:,} boxes, {best} between start and goal, {len(nodes):,} to halve")
         if boxes.count + 2 * len(nodes) > most_boxes:
@@ -87,13 +85,6 @@ def flood(
         halves = np.arange(before, boxes.count)
         active = np.concatenate([active[component & ~chosen], halves[~boxes.excluded[halves]]])
         rounds += 1
-
-
-def _allowed(total: IntArray, best: int) -> int:
-    """Choose up to what cost of their cheapest way boxes are halved: at least some, so that rounds are few."""
-    if len(total) <= _FEWEST:
-        return FAR - 1
-    return min(max(best, int(np.partition(total, _FEWEST)[_FEWEST])), best + _SLACK)
 
 
 def _refine(boxes: Boxes, width: float) -> None:

@@ -1,4 +1,4 @@
-"""Whether all poses of boxes have kappa > K or not the start's sign of det H; `bound.kappa` has the statement."""
+"""Whether all poses of boxes have kappa > K or not the start's sign of det H, as stated in `pipeline.bound.kappa`."""
 
 from dataclasses import dataclass
 

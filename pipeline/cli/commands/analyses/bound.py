@@ -33,6 +33,12 @@ def bound(
     check: Annotated[
         Path | None, typer.Option("--check", metavar="FILE", help="Verify such a proof again; prove nothing.")
     ] = None,
+    run: Annotated[
+        Path | None,
+        typer.Option(
+            "--run", metavar="DIR", help="A run of CONFIG: its path's proven kappa is shown beside the bound."
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, unrounded.")] = False,
 ) -> None:
     """Prove what no continuous path can do, with no grid.
@@ -49,18 +55,26 @@ def bound(
 
     loaded = load_task(config)
     if check is not None:
-        if kappa is not None or output is not None or as_json:
+        if kappa is not None or output is not None or run is not None or as_json:
             raise UsageError("--check FILE excludes other options: K is that of the proof")
         _verify(loaded, check)
         return
     check_output(output)
+    path_kappa = None if run is None else _kappa_of(loaded, run)
     found = _bound(loaded, kappa, boxes)
     if output is not None:
         _write(loaded, found, output)
     if as_json:
-        typer.echo(json_bytes(_data(loaded, found)), nl=False)
+        typer.echo(json_bytes({**_data(loaded, found), "path_kappa_bound": path_kappa}), nl=False)
     else:
         _show(loaded, found)
+        if path_kappa is not None:
+            least = max(found.kappa or 0.0, found.ends_kappa)
+            results_console().print(
+                f"{run}: the certified path has kappa up to {path_kappa:.4g}, {path_kappa / least - 1.0:.0%} above "
+                "what is proven of all paths.",
+                soft_wrap=True,
+            )
     if kappa is not None and found.kappa is None and not found.theorem.no_path:
         raise NoSolutionError(
             "bound",
@@ -82,6 +96,23 @@ def _bound(config: "Config", kappa: float | None, boxes: int) -> "Bound":
             status.update(message)
 
         return bound_paths(config, machine, task_endpoints(config, machine), kappa, boxes, Monitor(progress))
+
+
+def _kappa_of(config: "Config", run: Path) -> float:
+    """Read the proven largest kappa of a run's path.
+
+    Raises
+    ------
+    UsageError
+        If the run has no certificate, or is one of another machine or task.
+    """
+    from pipeline.run.reading import open_results
+    from pipeline.stage import Stage
+
+    results = open_results(run, Stage.CERTIFY)
+    if results.config.machine != config.machine or results.config.task != config.task:
+        raise UsageError(f"{run} is a run of another machine or task.\n  What to change: give a run of this CONFIG.")
+    return results.certificate.bounds.kappa
 
 
 def _write(config: "Config", found: "Bound", output: Path) -> None:

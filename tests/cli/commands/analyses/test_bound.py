@@ -55,3 +55,10 @@ def test_damaged_proofs_are_refused(stiff: Path, tmp_path: Path):
     result = invoke("bound", stiff, "--check", proof)
     assert result.exit_code == 2
     assert "cannot be read" in result.output
+
+
+def test_a_run_is_needed_for_the_gap(stiff: Path, tmp_path: Path):
+    """A folder that no run has written is refused before anything is proven."""
+    result = invoke("bound", stiff, "--run", tmp_path)
+    assert result.exit_code == 2
+    assert str(tmp_path) in result.output.replace("\n", "")
