@@ -25,7 +25,7 @@ def bound(
         ),
     ] = None,
     boxes: Annotated[
-        int, typer.Option("--boxes", min=1000, max=100_000_000, help="Boxes in all: about 20,000 take a second.")
+        int, typer.Option("--boxes", min=1000, max=100_000_000, help="Boxes in all: about 10,000 take a second.")
     ] = 300_000,
     output: Annotated[
         Path | None, typer.Option("--output", metavar="FILE", help="Write the proof of the largest K, a tree of boxes.")
