@@ -231,8 +231,10 @@ CHECKED_OTHERWISE = {
     "load_config parse_config dump_config build_machine step_sizes": "configurations are checked when they are read",
     "build_drives build_plant": "configurations, and deviations that are checked when made",
     "build_regions plan_route refine_path certify_path retime_path way_back": "configurations and results of stages",
-    "run_pipeline open_results load_path save_path": "files and folders, with errors of their own",
-    "kappa_profile measure_trajectory measure_motion compare_paths usable_workspace": "results, checked when made",
+    "make_atlas": "configurations",
+    "run_pipeline open_results load_path save_path read_atlas": "files and folders, with errors of their own",
+    "kappa_profile measure_trajectory measure_motion compare_paths": "results, checked when made",
+    "usable_workspace measure_space": "settings and results, checked when made",
     "export_files format_samples parse_measurement read_measurement": "tests/export and tests/measured",
     "markdown_table runs_markdown error_rows workspace_rows": "results",
 }

@@ -5,6 +5,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from pipeline.errors import PipelineError
+
 _PATH = re.compile(r"\w+(\[\d+\])*(\.\w+(\[\d+\])*)*")
 _PART = re.compile(r"\w+")
 _SUGGESTED = 3
@@ -12,7 +14,7 @@ _SUGGESTED = 3
 Parts = tuple[str | int, ...]
 
 
-class UnknownKeyError(LookupError):
+class UnknownKeyError(PipelineError):
     """A path leads nowhere; its text says which are near."""
 
 

@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -134,7 +135,9 @@ def _require_scheduler(address: str) -> None:
         When it does not answer in time, or something else does.
     """
     try:
-        kind = asyncio.run(asyncio.wait_for(_kind_of(address), CONNECT_S))
+        # In a thread of its own: notebooks have an event loop in this one.
+        with ThreadPoolExecutor(1) as thread:
+            kind = thread.submit(lambda: asyncio.run(asyncio.wait_for(_kind_of(address), CONNECT_S))).result()
     except (OSError, ValueError, TypeError, MemoryError, TimeoutError) as error:
         # What does not speak Dask's language may be read as a message of any size.
         raise _silent(address, str(error) or type(error).__name__) from None

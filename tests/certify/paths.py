@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from pipeline.artifacts.results.certificate import chains
+from pipeline.artifacts.results.certificate.stored import chains
 from pipeline.certify import Bounds, Certificate, Ranges
 from pipeline.certify.chain import close_chain
 from pipeline.certify.problem import build_problem

@@ -11,7 +11,7 @@ from typer.testing import CliRunner, Result
 from pipeline.artifacts import State, open_run_folder
 from pipeline.artifacts.layout import CERTIFICATE_JSON, PATH_NPZ
 from pipeline.artifacts.npz import npz_bytes
-from pipeline.artifacts.results.certificate import certificate_bytes
+from pipeline.artifacts.results.certificate.stored import certificate_bytes
 from pipeline.artifacts.results.path import pack_refinement
 from pipeline.certify import Certificate, Tolerance
 from pipeline.certify.chain import close_chain

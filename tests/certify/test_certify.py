@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.artifacts.results.certificate import certificate_bytes, read_certificate
+from pipeline.artifacts.results.certificate.stored import certificate_bytes, read_certificate
 from pipeline.certify import Certificate, certify_path
 from pipeline.certify.recheck import verify
 from pipeline.config import Config

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from pipeline.artifacts.layout import CERTIFICATE_JSON, PATH_NPZ
 from pipeline.artifacts.npz import npz_bytes, read_npz
-from pipeline.artifacts.results.certificate import read_certificate
+from pipeline.artifacts.results.certificate.stored import read_certificate
 from pipeline.artifacts.results.path import unpack_path
 from pipeline.certify.recheck import Statement, verify
 from pipeline.certify.result import path_sha256

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.artifacts.results.certificate_bounds import read_bounds, state_bounds
+from pipeline.artifacts.results.certificate.bounds import read_bounds, state_bounds
 from pipeline.certify import Bounds, Certificate, Ranges
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
 from pipeline.certify.recheck.claims.evidence import Evidence

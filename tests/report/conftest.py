@@ -107,9 +107,9 @@ def file(page: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Any]:
-    """Start the browser."""
+    """Start the browser, for as long as tests of this folder follow each other: no two may run in one process."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
@@ -118,7 +118,7 @@ def browser() -> Iterator[Any]:
         started.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def desk(browser: Any, file: Path) -> Iterator[Opened]:
     """Open the page of the whole run on a desktop."""
     opened = Opened(browser, file, DESKTOP)

@@ -73,7 +73,7 @@ def test_failed_run_says_why(tmp_path: Path, narrow: Config) -> None:
     listed = json.loads((tmp_path / "out" / "summary.json").read_text())["route"]["why_not"]
     assert f"- {opening['sentence']}" in listed
     page = (tmp_path / "out" / "failed" / "route.html").read_text()
-    assert f"<li>{escape(listed[-1])}</li>" in page
+    assert f"<li>{escape(listed[-1].removeprefix('- '))}</li>" in page
     assert (tmp_path / "out" / "failed" / "route.png").read_bytes().startswith(b"\x89PNG")
     assert not (tmp_path / "out" / "superseded").exists()
 

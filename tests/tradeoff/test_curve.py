@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from pipeline.config import Config
@@ -60,6 +61,7 @@ def test_less_weight_is_faster_and_everything_is_certified(quick_config: Config)
     found = trade_off(config, build_machine(config.machine), (3.0, 0.3))
     assert found.missing == ()
     durations = [point.duration_s for point in found.points]
-    assert durations == sorted(durations, reverse=True)
+    assert durations[-1] < durations[0]
+    np.testing.assert_allclose(durations, sorted(durations, reverse=True), rtol=1e-6)  # solvers end within a tolerance
     assert all(point.kappa_max <= point.kappa_bound <= 40.0 for point in found.points)
     assert all(point.duration_s >= point.quality.least_time_s for point in found.points)

@@ -77,7 +77,7 @@ def verify_file(file: Path) -> None:
     """
     from pipeline.artifacts.files import MOST_BYTES
     from pipeline.artifacts.layout import CERTIFICATE_JSON
-    from pipeline.artifacts.results.certificate import read_certificate
+    from pipeline.artifacts.results.certificate.stored import read_certificate
     from pipeline.certify.recheck import verify
     from pipeline.route.regions.endpoints import task_endpoints
 

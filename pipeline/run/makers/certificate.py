@@ -3,7 +3,7 @@
 import time
 from typing import TYPE_CHECKING
 
-from pipeline.artifacts.results.certificate import certificate_files
+from pipeline.artifacts.results.certificate.stored import certificate_files
 from pipeline.certify import Certificate, certify_path
 from pipeline.config import Config
 from pipeline.config.choices import Proof

@@ -10,6 +10,7 @@ import time
 from json import dumps, loads
 from typing import Any
 
+from pipeline.errors import PipelineError
 from pipeline.parallel import THREADS, module_command, module_environment
 from pipeline.study.program import program_version
 from pipeline.study.rows import Ending
@@ -22,7 +23,7 @@ _local = threading.local()
 """The process of every thread of this worker."""
 
 
-class ProcessEndedError(Exception):
+class ProcessEndedError(PipelineError):
     """The process that ran a case ended: killed for lack of memory, or by a fault of a library."""
 
 

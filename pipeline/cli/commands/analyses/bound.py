@@ -28,7 +28,10 @@ def bound(
         int, typer.Option("--boxes", min=1000, max=100_000_000, help="Boxes in all: about 10,000 take a second.")
     ] = 300_000,
     output: Annotated[
-        Path | None, typer.Option("--output", metavar="FILE", help="Write the proof of the largest K, a tree of boxes.")
+        Path | None,
+        typer.Option(
+            "--output", metavar="FILE", readable=False, help="Write the proof of the largest K, a tree of boxes."
+        ),
     ] = None,
     check: Annotated[
         Path | None, typer.Option("--check", metavar="FILE", help="Verify such a proof again; prove nothing.")

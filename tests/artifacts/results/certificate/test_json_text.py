@@ -5,7 +5,7 @@ import pathlib
 
 import pytest
 
-from pipeline.artifacts.results.certificate_json import MOST_BOXES, read_certificate_json
+from pipeline.artifacts.results.certificate.json_text import MOST_BOXES, read_certificate_json
 from pipeline.errors import UsageError
 
 LARGE = {

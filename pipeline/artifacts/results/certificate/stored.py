@@ -11,9 +11,9 @@ from pydantic import ValidationError
 
 from pipeline.artifacts.files import jsonable
 from pipeline.artifacts.layout import CERTIFICATE_JSON
-from pipeline.artifacts.results.certificate_bounds import read_bounds, state_bounds
-from pipeline.artifacts.results.certificate_json import ADVICE, MOST_BOXES, read_certificate_json
-from pipeline.artifacts.results.certificate_shape import FORMAT, ChainShape, ToleranceShape, certificate_shape, explain
+from pipeline.artifacts.results.certificate.bounds import read_bounds, state_bounds
+from pipeline.artifacts.results.certificate.json_text import ADVICE, MOST_BOXES, read_certificate_json
+from pipeline.artifacts.results.certificate.shape import FORMAT, ChainShape, ToleranceShape, certificate_shape, explain
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.certify.guess import point_box
 from pipeline.certify.recheck import StatedTolerance, Statement

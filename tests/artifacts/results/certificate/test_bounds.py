@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from pipeline.artifacts.results.certificate_bounds import read_bounds, state_bounds
-from pipeline.artifacts.results.certificate_shape import certificate_shape, explain
+from pipeline.artifacts.results.certificate.bounds import read_bounds, state_bounds
+from pipeline.artifacts.results.certificate.shape import certificate_shape, explain
 from pipeline.certify.bounds import Bounds, Ranges
 from pipeline.limits import CertificateKey, Side, certificate_keys
 from tests.certify.paths import bounds_of
