@@ -54,7 +54,7 @@ reference-study: $(DEV)
 	cp results/four_dof/study.csv $(FOUR_DOF)/
 	$(BIN)/python -m tests.benchmarks.four_dof $(FOUR_DOF)/study.csv $(FOUR_DOF)/four_dof.png
 
-# The study of the machine's dimensions that is kept in git: ten minutes.
+# The study of the machine's dimensions that is kept in git: some minutes.
 DESIGN := results/reference/design
 .PHONY: reference-design
 reference-design: $(DEV)

@@ -14,7 +14,7 @@ _FIGURES = {
     RATIO: ("workspace per installation space", "{:.3f}"),
     "workspace.area_ratio": ("area per frame", "{:.3f}"),
     "workspace.volume_m3": ("workspace m³", "{:.2f}"),
-    KAPPA: ("largest kappa", "{:.1f}"),
+    KAPPA: ("largest kappa", "{:.2f}"),
 }
 
 
