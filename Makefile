@@ -55,6 +55,15 @@ reference-study: $(DEV)
 	cp results/four_dof/study.csv $(FOUR_DOF)/
 	$(BIN)/python -m tests.benchmarks.four_dof $(FOUR_DOF)/study.csv $(FOUR_DOF)/four_dof.png
 
+# The study of the machine's dimensions that is kept in git: some minutes.
+DESIGN := results/reference/design
+.PHONY: reference-design
+reference-design: $(DEV)
+	$(BIN)/gantry-tau study configs/studies/design.yaml --out results/design
+	mkdir -p $(DESIGN)
+	cp results/design/study.csv $(DESIGN)/
+	$(BIN)/python -m tests.benchmarks.design $(DESIGN)/study.csv $(DESIGN)/design.png
+
 # The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.
 .PHONY: notebooks
 notebooks: $(DEV)

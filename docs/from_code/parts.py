@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from from_code.command_line import command_reference
 from from_code.configuration import configuration_reference, configuration_yaml, study_reference
+from from_code.design import design_table
 from from_code.files import benchmark_pages, figure_list, trajectory_columns
 from from_code.four_dof import four_dof_table
 from from_code.notebooks import notebook_page
@@ -16,6 +17,7 @@ PARTS: dict[str, Callable[..., str]] = {
     "commands": command_reference,
     "configuration keys": configuration_reference,
     "configuration yaml": configuration_yaml,
+    "design": design_table,
     "figures": figure_list,
     "four dof": four_dof_table,
     "notebook": notebook_page,

@@ -39,6 +39,14 @@ class Kind(StrEnum):
     LIST = "list"
     RANDOM = "random"
     SOBOL = "sobol"
+    OPTIMISE = "optimise"
+
+
+class Sampler(StrEnum):
+    """What chooses the points of an optimisation."""
+
+    TPE = "tpe"
+    NSGA2 = "nsga2"
 
 
 class Keep(StrEnum):
@@ -49,8 +57,10 @@ class Keep(StrEnum):
     NONE = "none"
 
 
-SAMPLED = (Kind.RANDOM, Kind.SOBOL)
+SAMPLED = (Kind.RANDOM, Kind.SOBOL, Kind.OPTIMISE)
 """Designs that draw points, and need to know how many."""
+_MOST_TRIALS = 10_000
+"""Runs of the largest optimisation: a sampler takes the longer for a point the more it knows."""
 
 
 class ParameterConfig(BaseModel):
@@ -101,10 +111,53 @@ class DesignConfig(Section):
     kind: Kind = Field(
         Kind.GRID,
         description="grid: every combination, the last parameter varies fastest; zipped: the first values together, "
-        "then the second, ...; list: the points given; random, sobol: points drawn from ranges and values",
+        "then the second, ...; list: the points given; random, sobol: points drawn from ranges and values; "
+        "optimise: points chosen by the results so far, for the figures of pareto",
     )
-    samples: int | None = Field(None, ge=1, le=MOST_RUNS, description="points drawn: for random and sobol")
+    samples: int | None = Field(None, ge=1, le=MOST_RUNS, description="points drawn: for random, sobol and optimise")
     seed: int = Field(0, ge=0, le=2**32 - 1, description="of the points drawn")
+    sampler: Sampler = Field(
+        Sampler.TPE,
+        description="of optimise: tpe models which values are good, and is best for up to some hundred points; nsga2 "
+        "breeds generations",
+    )
+    initial: int = Field(
+        16, ge=2, le=_MOST_TRIALS, description="of optimise: points drawn at random first; with nsga2 a generation"
+    )
+    parallel: int = Field(
+        4,
+        ge=1,
+        le=_MOST_TRIALS,
+        description="of optimise: runs at a time; each point is chosen by the results of all runs but the last so many "
+        "before it, however many workers there are",
+    )
+
+    @model_validator(mode="after")
+    def _of_optimise(self) -> Self:
+        if self.kind is Kind.OPTIMISE:
+            if (self.samples or 0) > _MOST_TRIALS:
+                raise _rule(f"has samples {self.samples:,}; kind optimise allows {_MOST_TRIALS:,}")
+        elif given := self.model_fields_set & {"sampler", "initial", "parallel"}:
+            raise _rule(f"has {min(given)}, which only kind optimise uses")
+        return self
+
+
+class ConstraintConfig(BaseModel):
+    """A figure that has to keep within bounds for a run to count."""
+
+    model_config = Section.model_config
+
+    figure: str = Field(min_length=1, max_length=200, description="a figure of summary.json, by path")
+    min: float | None = Field(None, description="least value")
+    max: float | None = Field(None, description="largest value")
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        if self.min is None and self.max is None:
+            raise _rule("needs min, max or both")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise _rule(f"has min {self.min:g}, which is above max ({self.max:g})")
+        return self
 
 
 class PerturbConfig(Section):
@@ -153,7 +206,16 @@ class StudyConfig(Section):
     pareto: tuple[str, ...] = Field(
         (), max_length=4, description="figures of which less is better, for the Pareto front; -name: more is better"
     )
+    constraints: tuple[ConstraintConfig, ...] = Field(
+        (), max_length=20, description="bounds of figures; a run beyond them is not on the Pareto front"
+    )
     run: RunConfig = Field(default_factory=lambda: RunConfig())
+
+    @property
+    def kept_figures(self) -> tuple[str, ...]:
+        """The figures of the table: those asked for, and those that are weighed; none: all that are numbers."""
+        weighed = (*(name.removeprefix("-") for name in self.pareto), *(one.figure for one in self.constraints))
+        return tuple(dict.fromkeys((*self.figures, *weighed))) if self.figures else ()
 
     @model_validator(mode="after")
     def _design_fits(self) -> Self:
@@ -163,7 +225,9 @@ class StudyConfig(Section):
         if kind is not Kind.LIST and (self.points or not self.parameters):
             raise _rule(f"has design.kind {kind}, which needs parameters, and no points: it is empty otherwise")
         if (kind in SAMPLED) != (self.design.samples is not None):
-            raise _rule("needs design.samples for design.kind random and sobol, and for no other")
+            raise _rule("needs design.samples for design.kind random, sobol and optimise, and for no other")
+        if kind is Kind.OPTIMISE and not self.pareto:
+            raise _rule("has design.kind optimise, which needs in pareto the figures that are optimised")
         for index, one in enumerate(self.parameters):
             if one.values == () and (kind in SAMPLED) == (one.count is not None):
                 raise _rule(f"needs parameters[{index}].count with a range of a grid or zipped design, and only there")
@@ -222,6 +286,7 @@ def _explain(error: ErrorDetails) -> ConfigIssue:
 _SECTIONS: dict[str, type[BaseModel]] = {
     "design": DesignConfig,
     "parameters": ParameterConfig,
+    "constraints": ConstraintConfig,
     "perturb": PerturbConfig,
     "twin": TwinConfig,
     "run": RunConfig,

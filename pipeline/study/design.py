@@ -38,15 +38,23 @@ def count_points(study: StudyConfig) -> int:
 
 
 def points(study: StudyConfig) -> Iterator[Point]:
-    """Give the points in their order; those drawn are the same for the same seed."""
+    """Give the points in their order; those drawn are the same for the same seed.
+
+    Raises
+    ------
+    ValueError
+        For an optimisation: its points follow from its results.
+    """
     kind = study.design.kind
+    if kind is Kind.OPTIMISE:
+        raise ValueError("the points of an optimisation follow from its results")
     if kind is Kind.LIST:
         yield from (dict(point) for point in study.points)
         return
     if study.design.samples is not None:
         yield from _drawn(study.design, study.design.samples, study.parameters)
         return
-    axes = [_listed(one) for one in study.parameters]
+    axes = [listed(one) for one in study.parameters]
     for chosen in zip(*axes, strict=True) if kind is Kind.ZIPPED else itertools.product(*axes):
         yield {key: value for point in chosen for key, value in point.items()}
 
@@ -55,7 +63,7 @@ def _count(parameter: ParameterConfig) -> int:
     return len(parameter.values) or parameter.count or 0
 
 
-def _listed(parameter: ParameterConfig) -> list[Point]:
+def listed(parameter: ParameterConfig) -> list[Point]:
     """List the values of a parameter, each as a point of its own."""
     if parameter.keys:
         return [dict(zip(parameter.keys, value, strict=True)) for value in parameter.values]
@@ -92,5 +100,5 @@ def _drawn(design: DesignConfig, samples: int, parameters: Sequence[ParameterCon
 def _looked_up(parameter: ParameterConfig, parts: FloatArray) -> list[Point]:
     if not parameter.values:
         return [{parameter.paths[0]: value} for value in _in_range(parameter)(parts).tolist()]
-    listed = _listed(parameter)
-    return [listed[min(int(part * len(listed)), len(listed) - 1)] for part in parts]
+    points = listed(parameter)
+    return [points[min(int(part * len(points)), len(points) - 1)] for part in parts]

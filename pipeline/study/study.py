@@ -15,9 +15,10 @@ from pipeline.errors import UsageError
 from pipeline.progress import QUIET, Monitor
 from pipeline.stage import STAGES
 from pipeline.study.cases import SECTIONS, Cases, build_cases
-from pipeline.study.config import StudyConfig, load_study
-from pipeline.study.engine import Engine, Fixed, Setting
+from pipeline.study.config import Kind, StudyConfig, load_study
+from pipeline.study.engine import Engine, Setting
 from pipeline.study.extra import library
+from pipeline.study.optimise.trials import ended_cases, source_of
 from pipeline.study.pool import Pool, local_pool, remote_pool
 from pipeline.study.program import program_version
 from pipeline.study.report import REPORT, render_study
@@ -80,10 +81,10 @@ def run_study(file: Path, folder: Path, workers: Workers, retry: bool = False, m
     PipelineError
         When the scheduler is lost.
     """
-    for name in ("distributed", "pyarrow.parquet"):
+    study = load_study(file)
+    for name in ("distributed", "pyarrow.parquet", *(("optuna",) if study.design.kind is Kind.OPTIMISE else ())):
         library(name)
     program = program_version()
-    study = load_study(file)
     cases = build_cases(study, file, program)
     _require_study_folder(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -94,7 +95,7 @@ def run_study(file: Path, folder: Path, workers: Workers, retry: bool = False, m
         try:
             with contextlib.ExitStack() as stack:
                 engine = Engine(setting, _opened(stack, workers, cases), store, len(cases), monitor)
-                engine.lead(Fixed(iter(cases)))
+                engine.lead(source_of(cases))
         finally:
             outcome = _write(folder, cases, store)
     return outcome
@@ -114,7 +115,7 @@ def report_study(folder: Path) -> Outcome:
         study = load_study(folder / STUDY)
         program = store.program() or program_version()
         cases = build_cases(study, folder / STUDY, program)
-        if next(store.rows(), None) is not None and not any(store.row(case.key) for case in cases):
+        if next(store.rows(), None) is not None and next(ended_cases(cases, store), None) is None:
             raise UsageError(
                 f"{folder} has results of {program} alone, and this program has other keys: nothing was changed.\n"
                 f"  What to change: read its table as it is, or run it again, with gantry-tau study {folder / STUDY} "

@@ -13,8 +13,10 @@ from pipeline.artifacts import write_whole
 from pipeline.study.cases import Case, Cases
 from pipeline.study.engine import RUNS
 from pipeline.study.extra import library
+from pipeline.study.optimise.trials import ended_cases
 from pipeline.study.rows import Row
 from pipeline.study.store import Store
+from pipeline.study.verdict import shortfall
 
 PARQUET, CSV = "study.parquet", "study.csv"
 
@@ -46,21 +48,21 @@ class Table:
 
 def build_table(cases: Cases, store: Store) -> Table:
     """Collect the rows of all runs of a design that have ended."""
-    return table_of(cases, ((case, row) for case in cases if (row := store.row(case.key)) is not None))
+    return table_of(cases, ended_cases(cases, store))
 
 
 def table_of(cases: Cases, rows: Iterable[tuple[Case, Row]]) -> Table:
     """Put cases and their rows into columns."""
     # Of a million cases not all configurations, nor all figures, are held at a time.
-    wanted = cases.study.figures
+    wanted = cases.study.kept_figures
     ended = [(_slim_case(case), _slim_row(row, wanted) if wanted else row) for case, row in rows]
     parameters = tuple(dict.fromkeys(path for case, _ in ended for path in case.point))
-    figures = cases.study.figures or _numbers(row for _, row in ended)
+    figures = wanted or _numbers(row for _, row in ended)
     columns = {
         "number": [case.number for case, _ in ended],
         **{path: _tidy([case.point.get(path) for case, _ in ended]) for path in parameters},
         "status": [row.ending for _, row in ended],
-        "reason": [row.reason or None for _, row in ended],
+        "reason": [shortfall(cases.study, row) or None for _, row in ended],
         **{path: _tidy([row.figures.get(path) for _, row in ended]) for path in figures},
         "message": [row.message or None for _, row in ended],
         "seconds": [row.seconds for _, row in ended],

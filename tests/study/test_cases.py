@@ -7,9 +7,11 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.errors import ConfigError
-from pipeline.study.cases import parse_case
+from pipeline.study.cases import build_cases, parse_case
+from pipeline.study.config import load_study
 from tests.study.fakes import cases_of
 
+STUDIES = Path(__file__).parents[2] / "configs" / "studies"
 SEEDS = {"key": "perturb.seed", "values": [1, 2]}
 
 
@@ -87,3 +89,11 @@ def test_a_list_is_checked_too(tmp_path: Path, quick_config: Config) -> None:
             design={"kind": "list"},
             points=[{"task.tilt_max_deg": 5}, {"task.tilt_max_deg": 99}],
         )
+
+
+@pytest.mark.parametrize("file", sorted(STUDIES.glob("*.yaml")), ids=lambda file: file.stem)
+def test_studies_that_come_with_the_program_are_valid(file: Path) -> None:
+    """Their keys exist, their values are allowed, and they are named as their files."""
+    cases = build_cases(load_study(file), file, "1")
+    assert cases.study.name == file.stem
+    assert len(cases) > 0

@@ -26,6 +26,14 @@ TILTS = {"key": "task.tilt_max_deg", "values": [5, 10]}
         ({"parameters": [TILTS, TILTS]}, "varies task.tilt_max_deg twice"),
         ({"design": {"kind": "sobol"}}, "needs design.samples"),
         ({"design": {"kind": "list"}}, "needs points, and no parameters"),
+        ({"design": {"initial": 3}}, "design: has initial, which only kind optimise uses"),
+        ({"design": {"kind": "optimise", "samples": 9}}, "needs in pareto the figures that are optimised"),
+        ({"design": {"kind": "optimise", "samples": 10_001}}, "has samples 10,001; kind optimise allows 10,000"),
+        ({"design": {"kind": "optimise"}, "pareto": ["a"]}, "needs design.samples for .* optimise"),
+        ({"design": {"kind": "optimise", "samples": 9, "sampler": "cma"}}, r"design.sampler: .*'tpe' or 'nsga2'"),
+        ({"constraints": [{"figure": "a"}]}, r"constraints\[0\]: needs min, max or both"),
+        ({"constraints": [{"figure": "a", "min": 2, "max": 1}]}, "has min 2, which is above max"),
+        ({"constraints": [{"figur": "a"}]}, r"constraints\[0\].figur: is not a known key .did you mean figure"),
         ({"run": {"time_limit_s": 0}}, "run.time_limit_s: .*greater than 0"),
         ({"base": 3}, "base: .*string"),
     ],
@@ -43,6 +51,14 @@ def test_what_is_left_out_has_a_default() -> None:
     )
     assert (study.name, study.design.kind, study.to) == ("mine", Kind.GRID, "retime")
     assert study.parameters[0].values == (True, False)
+
+
+def test_the_table_has_what_is_weighed() -> None:
+    """Beside the figures that are asked for; where none are, it has all."""
+    keys = {"pareto": ["a", "-b"], "constraints": [{"figure": "c", "max": 1}]}
+    weighed = {"base": "a.yaml", "parameters": [TILTS], **keys}
+    assert parse_study({**weighed, "figures": ["d", "a"]}).kept_figures == ("d", "a", "b", "c")
+    assert parse_study(weighed).kept_figures == ()
 
 
 def test_what_is_not_a_section_is_refused() -> None:

@@ -56,6 +56,16 @@ def test_drawn_points_follow_from_the_seed(kind: str) -> None:
     assert all(1.0 <= float(str(point["r"])) <= 100.0 and point["b"] in ("x", "y") for point in first)
 
 
+def test_an_optimisation_has_no_points_in_advance() -> None:
+    """How many there are is known."""
+    given = parse_study(
+        {"base": "-", "design": {"kind": "optimise", "samples": 7}, "parameters": [RANGE], "pareto": ["f"]}
+    )
+    assert count_points(given) == 7
+    with pytest.raises(ValueError, match="follow from its results"):
+        next(points(given))
+
+
 def test_sobol_points_fill_a_range_evenly() -> None:
     """Of 2^k points every one of 2^k equal intervals has one."""
     found = [point["r"] for point in points(study("sobol", RANGE, B, samples=16))]

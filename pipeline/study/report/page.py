@@ -13,7 +13,8 @@ from markupsafe import Markup
 from pipeline.artifacts import jsonable
 from pipeline.report.embedding import compressed, drawing_library, security_policy
 from pipeline.report.page import asset, theme
-from pipeline.study.config import StudyConfig
+from pipeline.study.config import Kind, StudyConfig
+from pipeline.study.report.history import history
 from pipeline.study.report.pareto import front, objectives
 from pipeline.study.report.plots import by_parameter, failures, parallel, pareto, shown_figures, varied
 from pipeline.study.rows import Ending
@@ -55,6 +56,7 @@ def render_study(study: StudyConfig, table: Table, total: int | None, link: Call
     plots = [
         parallel(table, figures),
         pareto(table, named),
+        history(table, named) if study.design.kind is Kind.OPTIMISE else None,
         *(by_parameter(table, name, figures) for name in varied(table)),
         failures(table),
     ]

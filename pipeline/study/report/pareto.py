@@ -14,7 +14,7 @@ _USUAL = ("path.kappa_integral", "trajectory.duration_s")
 def objectives(wanted: Sequence[str], table: Table) -> tuple[str, ...]:
     """Name the objectives: those a study says, or the usual ones that it has; of `-name` more is better."""
     if wanted:
-        return tuple(name for name in wanted if name.lstrip("-") in table.columns)
+        return tuple(name for name in wanted if name.removeprefix("-") in table.columns)
     return tuple(name for name in _USUAL if name in table.figures) or numeric(table, table.figures)[:2]
 
 
@@ -24,13 +24,13 @@ def numeric(table: Table, names: Sequence[str]) -> tuple[str, ...]:
 
 
 def front(table: Table, names: Sequence[str]) -> list[int]:
-    """List the rows that are done and that no other row beats in one objective without losing in another."""
+    """List the rows that count and that no other row beats in one objective without losing in another."""
     signs = np.array([-1.0 if name.startswith("-") else 1.0 for name in names])
-    columns = [table.columns[name.lstrip("-")] for name in names]
+    columns = [table.columns[name.removeprefix("-")] for name in names]
     done = [
         index
-        for index, status in enumerate(table.columns["status"])
-        if status == "done" and all(_is_number(column[index]) for column in columns)
+        for index, reason in enumerate(table.columns["reason"])
+        if reason is None and all(_is_number(column[index]) for column in columns)
     ]
     if not done or not names:
         return []

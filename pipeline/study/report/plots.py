@@ -80,16 +80,16 @@ def by_parameter(table: Table, name: str, figures: Sequence[str]) -> Plot:
     traces = _endings(table, values, ordered) if grouped else []
     panels = ([""] if grouped else []) + list(figures)
     for figure in figures:
-        axis = _suffix(panels.index(figure))
+        axis = suffix(panels.index(figure))
         traces.append(_points(table, values, figure, axis, [_text(one) for one in ordered] if grouped else None))
-    return Plot(f"Over {name}", "", {"data": traces, "layout": _stacked(panels, name, grouped)})
+    return Plot(f"Over {name}", "", {"data": traces, "layout": stacked(panels, name, grouped)})
 
 
 def pareto(table: Table, names: Sequence[str]) -> Plot | None:
     """Draw two objectives against each other, with the runs that no other beats; None without two."""
     if len(names) < 2:
         return None
-    x, y = (name.lstrip("-") for name in names[:2])
+    x, y = (name.removeprefix("-") for name in names[:2])
     best = set(front(table, names))
     done = [k for k, status in enumerate(table.columns["status"]) if status == Ending.DONE]
     others = _thinned([k for k in done if k not in best])
@@ -104,7 +104,7 @@ def pareto(table: Table, names: Sequence[str]) -> Plot | None:
 
 
 def failures(table: Table) -> Plot | None:
-    """Draw how many runs ended without a result, by reason; None if there are none."""
+    """Draw how many runs ended without a result, or beyond a constraint, by reason; None if there are none."""
     counts = Counter(reason for reason in table.columns["reason"] if reason)
     if not counts:
         return None
@@ -112,7 +112,7 @@ def failures(table: Table) -> Plot | None:
     counted = [counts[one] for one in reasons]
     trace = {"type": "bar", "orientation": "h", "y": reasons, "x": counted, "marker": {"color": style.VERMILLION}}
     layout = {"height": 120 + 34 * len(reasons), "margin": {"l": 220}, "xaxis": {"title": {"text": "runs"}}}
-    return Plot("Runs without a result, by reason", "", {"data": [trace], "layout": layout})
+    return Plot("Runs that do not count, by reason", "", {"data": [trace], "layout": layout})
 
 
 def varied(table: Table) -> tuple[str, ...]:
@@ -122,7 +122,7 @@ def varied(table: Table) -> tuple[str, ...]:
 
 def shown_figures(table: Table, names: Sequence[str], objectives: Sequence[str]) -> tuple[str, ...]:
     """Choose the figures that pictures show: objectives, then those asked for, as far as they are numbers."""
-    wanted = dict.fromkeys([*(name.lstrip("-") for name in objectives), *names])
+    wanted = dict.fromkeys([*(name.removeprefix("-") for name in objectives), *names])
     return numeric(table, tuple(wanted))[:4]
 
 
@@ -160,19 +160,20 @@ def _points(table: Table, values: list[Any], figure: str, axis: str, labels: lis
     }
 
 
-def _stacked(panels: list[str], name: str, grouped: bool) -> dict[str, Any]:
+def stacked(panels: list[str], name: str, grouped: bool) -> dict[str, Any]:
     """Lay panels out one above the other, over one x axis."""
     count = max(len(panels), 1)
-    x = {"title": {"text": name}, "anchor": f"y{_suffix(count - 1)}"} | ({"type": "category"} if grouped else {})
+    x = {"title": {"text": name}, "anchor": f"y{suffix(count - 1)}"} | ({"type": "category"} if grouped else {})
     layout: dict[str, Any] = {"height": 130 + _PANEL_PX * count, "xaxis": x, "barmode": "stack"}
     for index, panel in enumerate(panels):
         top = 1.0 - index / count
         title = {"text": panel or "runs", "font": {"size": 12}}
-        layout[f"yaxis{_suffix(index)}"] = {"domain": [top - 0.86 / count, top], "title": title}
+        layout[f"yaxis{suffix(index)}"] = {"domain": [top - 0.86 / count, top], "title": title}
     return layout
 
 
-def _suffix(index: int) -> str:
+def suffix(index: int) -> str:
+    """Give the number that plotly has in the name of an axis: the first has none."""
     return "" if index == 0 else str(index + 1)
 
 

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from pipeline.config import Config
+from pipeline.study.cases import Case, Cases
 from pipeline.study.report import render_study
-from pipeline.study.report.pareto import undominated
+from pipeline.study.report.history import history
+from pipeline.study.report.pareto import front, undominated
 from pipeline.study.rows import Ending, Row
 from pipeline.study.table import table_of
 from tests.study.fakes import cases_of, done_row
@@ -46,9 +48,39 @@ def test_it_shows_every_run_and_links_to_it(tmp_path: Path, quick_config: Config
         "Parallel coordinates",
         "Pareto front",
         "Over task.tilt_max_deg",
-        "Runs without a result, by reason",
+        "Runs that do not count, by reason",
         "Runs",
     ]
+
+
+def test_an_optimisation_shows_the_best_values_run_by_run(tmp_path: Path, quick_config: Config) -> None:
+    """Of each objective, over the runs that count: less is better, or more."""
+    cases = cases_of(
+        tmp_path,
+        quick_config,
+        design={"kind": "optimise", "samples": 9},
+        parameters=[{"key": "task.tilt_max_deg", "min": 5, "max": 30}],
+        pareto=["path.kappa_integral", "-trajectory.duration_s"],
+        constraints=[{"figure": "path.kappa_integral", "max": 90}],
+    )
+    made = [tilted(cases, number, tilt) for number, tilt in enumerate((20, 10, 25, 15), 1)]
+    ended = [(case, done_row(case)) for case in made]
+    table = table_of(cases, ended)
+    plot = history(table, cases.study.pareto)
+    assert plot is not None
+    assert plot.figure["data"][1]["x"] == [1, 3, 4]
+    assert plot.figure["data"][1]["y"] == [50.0, 40.0, 40.0]
+    assert plot.figure["data"][3]["y"] == [20.0, 25.0, 25.0]
+    assert front(table, cases.study.pareto) == [2]
+    text = render_study(cases.study, table, 9, lambda run: run).decode()
+    assert "Best values, run by run" in text
+    assert "path.kappa_integral above 90" in text
+    assert history(table_of(cases, []), cases.study.pareto) is None
+
+
+def tilted(cases: Cases, number: int, tilt_deg: float) -> Case:
+    """Make the case of a tilt limit."""
+    return cases.case(number, {"task.tilt_max_deg": tilt_deg})
 
 
 def test_text_is_escaped_and_nothing_is_fetched(tmp_path: Path, quick_config: Config) -> None:
