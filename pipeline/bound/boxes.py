@@ -12,8 +12,8 @@ from pipeline.bound.evaluate import Evaluator
 CELLS = 2**24
 """Cells of the lattice along each coordinate that is not fixed."""
 _BATCH = 1024
-_NEAR = 1e-9
-"""Radians and metres: more than start and goal are off by rounding."""
+_NEAR = 1e-7
+"""Radians and metres: more than start and goal are off by rounding, also beside a fold, where it has a root's size."""
 
 
 class Boxes:

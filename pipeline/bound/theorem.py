@@ -149,11 +149,10 @@ def _mismatch(config: MachineConfig, g: Sequence[arb], ry: arb) -> arb:
     first, third = config.links.l3a, config.links.l3c
     w = _difference(third.platform_point_m, first.platform_point_m)
     d = _difference(third.cart_offset_m, first.cart_offset_m)
-    constant = Fraction(0)
+    excess = Fraction(0)
     if third.length_m is not None:
-        squares = decimal(third.length_m) ** 2 - decimal(first.length_m) ** 2
-        constant = (squares - sum(x * x for x in w) - sum(x * x for x in d)) / 2
-    result = -_ball(constant)
+        excess = decimal(third.length_m) ** 2 - decimal(first.length_m) ** 2 - sum(x * x for x in w)
+    result = -_ball((excess - sum(x * x for x in d)) / 2)
     for v, x, t in zip(g, d, _turned(w, ry), strict=True):
         result += (v - _ball(x)) * t - v * _ball(x)
     return result

@@ -13,7 +13,7 @@ from pipeline.machine.clearance import link_pairs
 from pipeline.machine.geometry import TELESCOPES, Machine
 
 _BATCH = 512
-_DEEPEST = 7
+_DEEPEST = 14
 """How often a box that is not verified as a whole is halved."""
 _MOST_PARTS = 3
 """Parts for each box at which verification is given up: a true proof needs fewer."""
