@@ -15,6 +15,8 @@ from pipeline.machine.geometry import TELESCOPES, Machine
 _BATCH = 512
 _DEEPEST = 14
 """How often a box that is not verified as a whole is halved."""
+_SHRINKING = 6
+"""Halvings after which what is left has to become less by each: else it is false."""
 _MOST_PARTS = 3
 """Parts for each box at which verification is given up: a true proof needs fewer."""
 
@@ -32,14 +34,17 @@ def verified(claim: Claim, low: FloatArray, high: FloatArray) -> BoolArray:
     """Verify boxes (6, n), halved where needed. Shape (n,)."""
     result = np.ones(low.shape[1], dtype=bool)
     owner = np.arange(low.shape[1])
+    left = len(owner)
     for depth in range(_DEEPEST + 1):
         good = np.concatenate(
             [np.zeros(0, dtype=bool)]
             + [_verified(claim, low[:, k : k + _BATCH], high[:, k : k + _BATCH]) for k in range(0, len(owner), _BATCH)]
         )
         low, high, owner = low[:, ~good], high[:, ~good], owner[~good]
-        if not owner.size or depth == _DEEPEST or len(owner) > _MOST_PARTS * len(result) + _BATCH:
+        hopeless = len(owner) > _MOST_PARTS * len(result) + _BATCH or (depth > _SHRINKING and len(owner) >= left)
+        if not owner.size or depth == _DEEPEST or hopeless:
             break
+        left = len(owner)
         axis, rows = (high - low).argmax(axis=0), np.arange(len(owner))
         middle = 0.5 * (low[axis, rows] + high[axis, rows])
         lower, upper = high.copy(), low.copy()
