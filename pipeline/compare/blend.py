@@ -105,6 +105,7 @@ def _positions(
 
 
 def _posed(coarse: Path, spline: BSpline, node_s: FloatArray) -> Path:
-    """Find the poses of the new path near those of the old one."""
-    poses = forward_kinematics(coarse.machine, spline(node_s), coarse.node_pose)
+    """Find the poses of the new path near those of the old one, whose nodes may stand still."""
+    node_s, kept = np.unique(node_s, return_index=True)
+    poses = forward_kinematics(coarse.machine, spline(node_s), coarse.node_pose[kept])
     return replace(coarse, spline=spline, node_s=node_s, node_pose=poses)

@@ -1,5 +1,7 @@
 """The coarse path with rounded corners."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -28,6 +30,24 @@ def zigzag(machine: Machine, sway_m: float = 0.04) -> Path:
     node_s = np.interp(np.arange(4 * PER_MOVE + 1) / PER_MOVE, np.arange(5), corners)
     poses, _ = follow(machine, spline(node_s)[None], solution.pose[:1])
     return Path(machine, spline, node_s, poses[0])
+
+
+def test_steps_that_stand_still_change_nothing(machine: Machine) -> None:
+    """A route may wait at a step, at its end, too: its nodes stand still there, and are the same place."""
+    plain = zigzag(machine)
+    waiting = replace(
+        plain,
+        node_s=np.concatenate([plain.node_s[:9], np.repeat(plain.node_s[8], 4), plain.node_s[9:], [1.0] * 5]),
+        node_pose=np.vstack(
+            [
+                plain.node_pose[:9],
+                np.repeat(plain.node_pose[8:9], 4, axis=0),
+                plain.node_pose[9:],
+                np.repeat(plain.node_pose[-1:], 5, axis=0),
+            ]
+        ),
+    )
+    np.testing.assert_array_equal(blended(waiting).pose(S[::50]), blended(plain).pose(S[::50]))
 
 
 def distances_to(path: Path, points: np.ndarray) -> np.ndarray:
