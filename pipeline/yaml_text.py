@@ -122,7 +122,8 @@ def _wrong_key(key: yaml.Node) -> str:
     if key.tag in _KEYS:
         return ""
     read_as = _READ_AS.get(key.tag, key.tag)
-    return f"YAML reads the key {_shown(key)} as {read_as}; if it is meant as a word, put it in quotes"
+    comma = "; a decimal comma? write 1.15" if key.value.isdecimal() else ""
+    return f"YAML reads the key {_shown(key)} as {read_as}; if it is meant as a word, put it in quotes{comma}"
 
 
 def _shown(node: yaml.Node) -> str:

@@ -47,9 +47,9 @@ Exit codes: 0 done; 1 no solution, with the reason and what to change;
 
 _BEGIN = (
     "gantry-tau init my-cell    (a configuration with every key explained, to change)",
-    "gantry-tau check configs/agder.yaml    (the machine, and whether it can be at start and goal)",
-    "gantry-tau run configs/agder.yaml    (everything, into results/agder)",
-    "gantry-tau compare results/agder    (the smooth path against the route it came from)",
+    "gantry-tau check my-cell/my-cell.yaml    (the machine, and whether it can be at start and goal)",
+    "gantry-tau run my-cell/my-cell.yaml    (everything, into results/my-cell)",
+    "gantry-tau compare results/my-cell    (the smooth path against the route it came from)",
 )
 
 

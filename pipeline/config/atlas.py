@@ -27,7 +27,8 @@ class AtlasConfig(Section):
     stations: tuple[StationConfig, ...] = Field(
         (),
         max_length=_MOST_STATIONS,
-        description="poses with a name, at least two; none: start, goal and the poses to visit",
+        description="named poses, at least two: {name: feeder, pose: {x_m: 1.02, y_m: 0.3, z_m: 0.9, mode: LLL}}; "
+        "none: start, goal and the poses to visit",
     )
 
     @model_validator(mode="after")

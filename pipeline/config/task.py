@@ -90,10 +90,13 @@ class TaskConfig(Section):
     visit: tuple[VisitConfig, ...] = Field(
         (),
         max_length=100,
-        description="what to visit on the way, in this order, each by a step of its own between start and goal",
+        description="what to visit on the way, in this order, each by a step of its own after the start, such as "
+        "{pose: {x_m: 1.02, y_m: 0.3, z_m: 0.9, mode: LRL}} or {box: {y_m: [0.3, 0.5], z_m: [0.6, 0.8]}}",
     )
     avoid: tuple[BoxConfig, ...] = Field(
-        (), max_length=200, description="boxes the TCP must not enter (with tilts: that tilted)"
+        (),
+        max_length=200,
+        description="boxes the TCP must not enter (with tilts: so tilted), such as {y_m: [0.4, 0.5], z_m: [0.5, 0.7]}",
     )
     budget: BudgetConfig = Field(default_factory=lambda: BudgetConfig())
     tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")

@@ -188,7 +188,7 @@ def _tolerances(section: Mapping[str, Any]) -> Verdict:
         return Verdict(
             "Calibration",
             "Not searched",
-            "certify --tolerance finds the geometric errors that the proof tolerates.",
+            "gantry-tau certify CONFIG --tolerance finds the geometric errors that the proof tolerates.",
             "open",
         )
     detail = f"Also proven if link lengths are off by this much, or every coordinate by ±{1e3 * coordinates:.3f} mm."

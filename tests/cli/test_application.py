@@ -34,7 +34,7 @@ class TestHelp:
     def test_root(self, call: Call) -> None:
         """The root help shows how to begin, and what exit codes mean."""
         result = call("--help")
-        assert "gantry-tau check configs/agder.yaml" in result.stdout
+        assert "gantry-tau check my-cell/my-cell.yaml" in result.stdout
         assert "Exit codes" in result.stdout
         assert "<bool>" not in result.stdout
 

@@ -9,6 +9,7 @@ import typer
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.options import ConfigArgument, VerboseOption, specs_of
 from pipeline.cli.output import check_picture, save_picture, text_table
+from pipeline.cli.reporter import make_reporter
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
 
@@ -75,12 +76,8 @@ def _made(config: "Config", folder: Path, options: "AtlasOptions", verbose: bool
     from pipeline.progress import Monitor
     from pipeline.run.atlas import make_atlas
 
-    with messages_console().status("atlas") as status:
-
-        def progress(message: str, fraction: float | None = None) -> None:
-            status.update(message)
-
-        return make_atlas(config, folder, options, Monitor(progress, verbose))
+    with make_reporter(messages_console(), verbose) as reporter:
+        return make_atlas(config, folder, options, Monitor(reporter.begin("atlas"), verbose))
 
 
 def _left_open(record: "AtlasRecord", found: "list[PairRecord]") -> NoSolutionError:

@@ -9,6 +9,7 @@ import typer
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.options import ConfigArgument, load_task
 from pipeline.cli.output import check_output, text_table
+from pipeline.cli.reporter import make_reporter
 from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
@@ -93,12 +94,9 @@ def _bound(config: "Config", kappa: float | None, boxes: int) -> "Bound":
     from pipeline.route.regions.endpoints import task_endpoints
 
     machine = build_machine(config.machine)
-    with messages_console().status("bounding kappa") as status:
-
-        def progress(message: str, fraction: float | None = None) -> None:
-            status.update(message)
-
-        return bound_paths(config, machine, task_endpoints(config, machine), kappa, boxes, Monitor(progress))
+    with make_reporter(messages_console(), verbose=False) as reporter:
+        monitor = Monitor(reporter.begin("bound"))
+        return bound_paths(config, machine, task_endpoints(config, machine), kappa, boxes, monitor)
 
 
 def _kappa_of(config: "Config", run: Path) -> float:

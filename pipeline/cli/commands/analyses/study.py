@@ -106,6 +106,12 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau study configs/studies/four_dof.yaml --workers 2 --out /tmp/four_dof",
             "gantry-tau study configs/studies/four_dof.yaml --scheduler tcp://10.0.0.1:8786",
             "gantry-tau study report results/four_dof",
+            "and a study of your own, beside my-cell.yaml, of four runs:",
+            "base: my-cell.yaml",
+            "to: retime",
+            "parameters:",
+            "  - {key: task.tilt_max_deg, values: [15, 20, 25, 30]}",
+            "figures: [path.kappa_max, trajectory.duration_s]",
         ),
     ),
 )
