@@ -9,7 +9,7 @@ from pipeline.errors import ConfigError, UsageError
 from pipeline.machine.geometry import Machine
 from pipeline.route.checked_task import require_sound_task
 
-_PAGE = "the page"
+_PAGE = "this change"
 
 
 def with_end(config: Config, end: str, pose: PoseConfig) -> Config:

@@ -35,7 +35,7 @@ def save_config(config: Config, path: Path, replace: bool = False) -> Config:
     try:
         write_new(path, content)
     except FileExistsError:
-        raise UsageError(f"{path} is there already: give another name, or ask for it to be replaced") from None
+        raise UsageError(f"{path} is there already: give another name, or tick 'replace the file'") from None
     return named
 
 

@@ -97,7 +97,7 @@ def modes_html(modes: Mapping[str, tuple[float, float]], mode: str) -> str:
         return _line("No working mode reaches this pose.")
     parts = [f"{name} ({kappa:.0f}, {'+' if sign > 0.0 else '−'})" for name, (kappa, sign) in modes.items()]
     parts = [f"<b>{part}</b>" if part.startswith(mode) else part for part in parts]
-    return _line(f"In reach (kappa, sign of det H): {', '.join(parts)}")
+    return _line(f"Within reach of the arms, limits aside (kappa, sign of det H): {', '.join(parts)}")
 
 
 def task_html(config: Config, refusals: Iterable[str]) -> str:

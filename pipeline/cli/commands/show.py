@@ -41,7 +41,7 @@ def show(
     present pose, saved as YAML, and planned from there. Ctrl-C ends it.
 
     The page is served on this machine only (127.0.0.1), and only to pages
-    that come from there. It needs viser: pip install 'gantry-tau[show]'.
+    that come from there. It needs viser, which comes with the extra `show`.
     """
     session, run = _open(source)
     if simulated is not None and run is None:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from pipeline.config import PoseConfig
 from pipeline.machine.geometry import MODES
 from pipeline.machine.pose import TILT_AXES
@@ -10,8 +12,8 @@ from pipeline.show.orientation import tilt_quaternion, tilts_of
 from pipeline.show.page.app import App, rounded_pose
 from pipeline.show.words import note_html
 
-_BEYOND_M, _BEYOND_DEG, _MOST_DEG = 0.2, 10.0, 85.0
-"""How far sliders go beyond what the machine and the task allow, so that one sees why it ends there."""
+_BEYOND_DEG, _MOST_DEG = 10.0, 85.0
+"""How far sliders go beyond the tilts that the task allows, so that one sees why it ends there."""
 _KEYS = ("x_m", "y_m", "z_m", "rx_deg", "rz_deg")
 _LEGEND = (
     "The coloured arrows and arcs at the tool drag and tilt it. On the map of kappa dark is near a singularity, yellow "
@@ -77,8 +79,10 @@ def _ranges(app: App) -> dict[str, tuple[float, float]]:
     config, travel = app.session.config, app.session.machine.travel_m
     window = map_window(config, app.session.machine)
     tilts = [0.0 if axis in config.task.locked_axes else config.task.tilt_max_deg for axis in TILT_AXES]
+    # The TCP may be beyond the ends of the rails by as much as arms reach ahead of their carts.
+    ahead_m = float(np.nanmax(app.session.machine.lengths_m))
     ends = [
-        (travel[:, 0].min() - _BEYOND_M, travel[:, 1].max() + _BEYOND_M),
+        (travel[:, 0].min() - ahead_m, travel[:, 1].max() + ahead_m),
         (window.y_least, window.y_largest),
         (window.z_least, window.z_largest),
         *((-min(tilt + _BEYOND_DEG, _MOST_DEG), min(tilt + _BEYOND_DEG, _MOST_DEG)) for tilt in tilts),

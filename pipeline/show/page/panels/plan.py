@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.config.file import results_folder
+from pipeline.route.checked_task import require_sound_task
 from pipeline.show.page.app import App
 from pipeline.show.page.panels.play import PlayPanel
 from pipeline.show.planning.process import Planning
@@ -53,6 +54,7 @@ class PlanPanel:
         async def stop(_: Any) -> None:
             app.jobs.post_every(self._ask_to_stop)
 
+        app.after_edit.append(self._forget)
         self._save.on_click(save)
         self._begin.on_click(begin)
         self._stop.on_click(stop)
@@ -61,6 +63,11 @@ class PlanPanel:
         """End the process, if there is one."""
         if self._process is not None:
             self._process.close()
+
+    def _forget(self) -> None:
+        """Take back what was said of a task that has changed since."""
+        if self._process is None:
+            self._said.content = ""
 
     def _save_file(self) -> None:
         session = self._app.session
@@ -73,6 +80,8 @@ class PlanPanel:
         if self._process is not None:
             self._app.tell("a plan is being made already: stop it first")
             return
+        # Before anything is written: a file that cannot be planned would stand in the way of the next one.
+        require_sound_task(session.config, session.machine)
         session.require_file(Path(self._name.value).expanduser(), self._replace.value)
         self._folder = self._folder_of()
         self._lines = [f"{session.file} into {self._folder}"]
