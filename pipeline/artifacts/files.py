@@ -51,12 +51,16 @@ def write_new(path: Path, content: bytes) -> None:
         When it cannot be written; names it.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.open("xb").close()
+    if os.path.lexists(path):
+        raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+    temporary = _temporary(path)
     try:
-        write_whole(path, content)
-    except BaseException:
-        path.unlink()
-        raise
+        with naming(path):
+            temporary.touch(exist_ok=False)
+            temporary.write_bytes(content)
+            _place_new(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
@@ -81,7 +85,7 @@ def staged(folder: Path, files: Mapping[str, bytes]) -> Iterator[Callable[[], No
         for name, content in files.items():
             final = folder / name
             final.parent.mkdir(parents=True, exist_ok=True)
-            temporary = final.with_name(f".{final.name[:_MOST_CHARACTERS]}.{secrets.token_hex(6)}.part")
+            temporary = _temporary(final)
             with naming(final):
                 old = _regular_status(final)
                 pending[temporary] = final
@@ -123,6 +127,27 @@ def sha256(path: Path, most_bytes: int = MOST_BYTES) -> str | None:
         raise
     except OSError:
         return None
+
+
+def _temporary(final: Path) -> Path:
+    """Name the file that a final one is written to first, beside it."""
+    return final.with_name(f".{final.name[:_MOST_CHARACTERS]}.{secrets.token_hex(6)}.part")
+
+
+def _place_new(temporary: Path, final: Path) -> None:
+    """Give a file its final name, which nothing may have."""
+    try:
+        final.hardlink_to(temporary)
+    except FileExistsError:
+        raise
+    except OSError:
+        # Some file systems have no links.
+        final.open("xb").close()
+        try:
+            temporary.replace(final)
+        except BaseException:
+            final.unlink()
+            raise
 
 
 def _regular_status(path: Path) -> os.stat_result | None:

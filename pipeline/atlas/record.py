@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pipeline.config.choices import RouteObjective
 from pipeline.config.task import PoseConfig
 from pipeline.errors import UsageError
+from pipeline.stage import Stage
 from pipeline.status import Status
 
 _PROVEN = (Status.OPTIMAL, Status.INFEASIBLE, "impossible")
@@ -39,6 +40,8 @@ class MotionRecord(_Record):
         With what is waited before and after.
     reason, advice : str
         Why a stage failed, and what to change.
+    fingerprint : str
+        Hash of everything the motion depends on.
     """
 
     status: str
@@ -53,6 +56,7 @@ class MotionRecord(_Record):
     duration_s: float | None = None
     reason: str = ""
     advice: str = ""
+    fingerprint: str = ""
 
 
 class PairRecord(_Record):
@@ -120,9 +124,9 @@ class PairRecord(_Record):
         return self.status in _PROVEN
 
     @property
-    def is_open(self) -> bool:
-        """Whether something that was asked for is missing without a proof that it has to."""
-        return not self.is_proven or (self.motion is not None and self.motion.status != "done")
+    def is_motion_open(self) -> bool:
+        """Whether a motion was tried and is not there."""
+        return self.motion is not None and self.motion.status != "done"
 
 
 class StationRecord(_Record):
@@ -141,6 +145,8 @@ class AtlasRecord(_Record):
         The name of the configuration.
     config_sha256 : str
         Hash of the configuration, the stations left out.
+    to : str
+        The last stage that was asked for last: "route", or a later one where motions were.
     versions : dict
         Of what computed it.
     objective_kind : RouteObjective
@@ -154,6 +160,7 @@ class AtlasRecord(_Record):
 
     name: str
     config_sha256: str
+    to: str = Stage.ROUTE
     versions: dict[str, str]
     objective_kind: RouteObjective
     reversible: bool
@@ -161,8 +168,9 @@ class AtlasRecord(_Record):
     pairs: tuple[PairRecord, ...] = ()
 
     def problems(self) -> list[PairRecord]:
-        """List the pairs of which something is open."""
-        return [record for record in self.pairs if record.is_open]
+        """List the pairs of which something that was asked for last is missing without a proof that it has to."""
+        motions = self.to != Stage.ROUTE
+        return [record for record in self.pairs if not record.is_proven or (motions and record.is_motion_open)]
 
     @property
     def names(self) -> list[str]:

@@ -1,5 +1,6 @@
 """Files appear completely or not at all, and values become what JSON can hold."""
 
+import errno
 import json
 import math
 import os
@@ -47,6 +48,34 @@ class TestWriting:
             assert str(caught.value.filename) == str(path)
         assert (tmp_path / "b" / "a.txt").read_bytes() == b"new"
         assert not (tmp_path / "nowhere").exists()
+
+    def test_new_files_appear_whole(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A new file has its name only when it is complete: a kill while it is written leaves nothing of that name."""
+        write = Path.write_bytes
+
+        def watch(self: Path, content: bytes) -> int:
+            assert not (tmp_path / "a.yaml").exists()
+            return write(self, content)
+
+        monkeypatch.setattr(Path, "write_bytes", watch)
+        write_new(tmp_path / "a.yaml", b"new")
+        assert (tmp_path / "a.yaml").read_bytes() == b"new"
+        assert [entry.name for entry in tmp_path.iterdir()] == ["a.yaml"]
+
+    def test_new_files_where_there_are_no_links(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A file that appears meanwhile is not replaced, with links or without."""
+
+        def refuse(self: Path, target: Path) -> None:
+            raise PermissionError(errno.EPERM, "Operation not permitted")
+
+        monkeypatch.setattr(os.path, "lexists", lambda path: False)
+        for name in ("linked", "not linked"):
+            write_new(tmp_path / name, b"new")
+            with pytest.raises(FileExistsError, match=name):
+                write_new(tmp_path / name, b"newer")
+            assert (tmp_path / name).read_bytes() == b"new"
+            monkeypatch.setattr(Path, "hardlink_to", refuse)
+        assert sorted(entry.name for entry in tmp_path.iterdir()) == ["linked", "not linked"]
 
     @pytest.mark.parametrize("moment", ["write_bytes", "replace"])
     def test_crash_leaves_old_file(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str) -> None:

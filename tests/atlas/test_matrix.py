@@ -65,21 +65,22 @@ def test_motions_add_matrices() -> None:
 
 
 @pytest.mark.parametrize(
-    ("status", "motion", "is_open"),
+    ("status", "motion", "to", "is_open"),
     [
-        ("optimal", None, False),
-        ("infeasible", None, False),
-        ("impossible", None, False),
-        ("time limit", None, True),
-        ("failed", None, True),
-        ("not proven optimal", None, True),
-        ("optimal", MotionRecord(status="done", run="r"), False),
-        ("optimal", MotionRecord(status="failed", run="r"), True),
+        ("optimal", None, "retime", False),
+        ("infeasible", None, "retime", False),
+        ("impossible", None, "route", False),
+        ("time limit", None, "route", True),
+        ("failed", None, "route", True),
+        ("not proven optimal", None, "route", True),
+        ("optimal", MotionRecord(status="done", run="r"), "retime", False),
+        ("optimal", MotionRecord(status="failed", run="r"), "retime", True),
+        ("optimal", MotionRecord(status="failed", run="r"), "route", False),
     ],
 )
-def test_what_is_open(status: str, motion: MotionRecord | None, is_open: bool) -> None:
+def test_what_is_open(status: str, motion: MotionRecord | None, to: str, is_open: bool) -> None:
     """A pair is open while something that was asked for is missing without a proof."""
-    record = atlas(pair("a", "b", status, motion=motion))
+    record = atlas(pair("a", "b", status, motion=motion)).model_copy(update={"to": to})
     assert bool(record.problems()) == is_open
 
 

@@ -22,7 +22,7 @@ from pipeline.route import grid_regions
 from pipeline.route.planner import with_guide
 from pipeline.route.regions.size import require_grid_fits
 from pipeline.route.result import Route
-from pipeline.run.atlas.motions import MotionMaker
+from pipeline.run.atlas.motions import MotionMaker, motion_fingerprint
 from pipeline.run.config_parts import route_part
 from pipeline.run.makers.grid_cache import cached_grid
 from pipeline.run.results import Results
@@ -84,11 +84,12 @@ def make_atlas(
             AtlasRecord(
                 name=config.name,
                 config_sha256=config_sha256(config),
+                to=options.last,
                 versions=versions(),
                 objective_kind=config.route.objective,
                 reversible=is_reversible(config, machine),
                 stations=tuple(StationRecord(name=station.name, pose=station.pose) for station in stations),
-                pairs=tuple(kept.values()),
+                pairs=tuple(build.with_motion(pair, record) for pair, record in kept.items()),
             )
         )
         build.find_routes(kept)
@@ -157,6 +158,15 @@ class _Build:
         part = route_part(self._pair_config(pair))
         options = {key: value for key, value in part["route"].items() if key not in _LIMITS}
         return config_sha256({**part, "route": options, "version": package_version(), "code": self._code})
+
+    def with_motion(self, pair: Pair, record: PairRecord) -> PairRecord:
+        """Keep the motion of a pair only if it is up to date."""
+        motion = record.motion
+        if motion is None:
+            return record
+        config = self._pair_config(pair[::-1] if motion.backwards else pair)
+        holds = motion.fingerprint == motion_fingerprint(self._options.specs, config, motion.to)
+        return record if holds else record.model_copy(update={"motion": None})
 
     def find_routes(self, kept: dict[Pair, PairRecord]) -> None:
         """Find the routes that are missing."""

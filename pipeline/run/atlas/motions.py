@@ -8,12 +8,14 @@ from typing import Any
 from pipeline.artifacts.layout import ATLAS_RUNS
 from pipeline.atlas.record import MotionRecord
 from pipeline.config import Config
+from pipeline.config.file import config_sha256
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.progress import Monitor, Progress
 from pipeline.run.execute import run_pipeline
 from pipeline.run.options import RunOptions
 from pipeline.run.stage_specs import Specs
-from pipeline.stage import Stage
+from pipeline.run.up_to_date.fingerprint import fingerprint
+from pipeline.stage import STAGES, Stage
 from pipeline.summary.section import failed_part
 
 
@@ -50,8 +52,12 @@ class MotionMaker:
     def motions(self, name: str, config: Config, given: Mapping[Stage, Callable[[], Any]]) -> Motions:
         """Make the motion of a pair, or look up what was made of it; `given` has its regions and its route."""
         if name not in self._made:
-            self._made[name] = self._make(name, config, given)
+            made = self._make(name, config, given)
+            self._made[name] = Motions(self._sealed(made.there, config), self._sealed(made.backwards, config))
         return self._made[name]
+
+    def _sealed(self, motion: MotionRecord, config: Config) -> MotionRecord:
+        return motion.model_copy(update={"fingerprint": motion_fingerprint(self._specs, config, motion.to)})
 
     def _make(self, name: str, config: Config, given: Mapping[Stage, Callable[[], Any]]) -> Motions:
         run = f"{ATLAS_RUNS}/{name}"
@@ -64,6 +70,18 @@ class MotionMaker:
             return Motions(failed, failed.model_copy(update={"backwards": True}))
         made = _record(run, self._options.last, report.summary)
         return Motions(made, _backwards(made, report.summary))
+
+
+def motion_fingerprint(specs: Specs, config: Config, last: str) -> str:
+    """Hash what a motion depends on: configuration and code of the stages up to the last one, of all if it is unknown.
+
+    Parameters
+    ----------
+    config : Config
+        That of the pair, in the direction in which its run goes.
+    """
+    stages = STAGES if last not in STAGES else (*Stage(last).earlier, Stage(last))
+    return config_sha256({stage: fingerprint(specs, stage, config, {}) for stage in stages})
 
 
 class _Reporter:

@@ -50,6 +50,9 @@ class Planning:
         except subprocess.TimeoutExpired:
             self._process.kill()
         self._thread.join()
+        for output in (self._process.stdout, self._process.stderr):
+            if output is not None:
+                output.close()
 
     def _hear(self, listen: Listen) -> None:
         assert self._process.stdout is not None
@@ -61,8 +64,10 @@ class Planning:
         ended = False
         for line in self._process.stdout:
             event = json.loads(line)
-            ended = ended or "failure" in event
-            listen(event)
+            # Asked to stop while it ends, it may end twice.
+            if not ended:
+                ended = "failure" in event
+                listen(event)
         reader.join()
         code = self._process.wait()
         if not ended:

@@ -66,7 +66,7 @@ def test_the_folder_has_every_pair(whole, cell: Config) -> None:
     assert all((folder / pair.route).is_file() for pair in record.pairs)
     assert record.reversible
     assert sum(pair.from_reverse for pair in record.pairs) == 3
-    assert [pair.is_open for pair in record.pairs] == [False] * 6
+    assert record.problems() == []
 
 
 def test_every_pair_has_the_figures_of_its_run(whole, cell: Config, tmp_path: Path) -> None:
@@ -136,7 +136,8 @@ def test_open_pairs_are_searched_again_with_more_time(whole, cell: Config, vary,
     short = vary(cell, {"route.time_limit_s": 1e-9})
     record = make_atlas(short, tmp_path / "a")
     assert {pair.status for pair in record.pairs} == {"time limit"}
-    assert all(pair.is_open and "no route was found within" in pair.reason for pair in record.pairs)
+    assert record.problems() == list(record.pairs)
+    assert all("no route was found within" in pair.reason for pair in record.pairs)
     listener = Listener()
     assert figures(make_atlas(short, tmp_path / "a", monitor=Monitor(listener))) == figures(record)
     assert listener.messages == []
@@ -193,6 +194,23 @@ def test_a_motion_that_fails_says_why(cell: Config, stages: FakeStages, tmp_path
     assert (motion.status, motion.to, motion.reason) == ("failed", "refine", "not converged")
     assert len(record.problems()) == 6
     assert all(pair.status == "optimal" for pair in record.pairs)
+    routes = make_atlas(cell, tmp_path / "a", AtlasOptions(specs=stages.specs))
+    assert [pair.motion for pair in routes.pairs] == [pair.motion for pair in record.pairs]
+    assert routes.problems() == []
+
+
+def test_motions_of_another_configuration_go(cell: Config, stages: FakeStages, vary, tmp_path: Path) -> None:
+    """A motion stays, there and backwards, while nothing of its own stages changes; the routes stay where they are."""
+    two = vary(cell, {"atlas.stations": [LEFT, LOW]})
+    record = make_atlas(two, tmp_path / "a", AtlasOptions(Stage.CERTIFY, specs=stages.specs))
+    assert [pair.motion.backwards for pair in record.pairs] == [False, True]
+    routes = AtlasOptions(specs=stages.specs)
+    slower = vary(two, {"retime.speed": 0.5})
+    assert make_atlas(slower, tmp_path / "a", routes).pairs == record.pairs
+    sharper = vary(slower, {"certify.kappa_excess": 0.001})
+    without = tuple(pair.model_copy(update={"motion": None}) for pair in record.pairs)
+    assert make_atlas(sharper, tmp_path / "a", routes).pairs == without
+    assert not (tmp_path / "a" / "superseded").exists()
 
 
 def test_a_station_out_of_reach_is_refused(cell: Config, vary, tmp_path: Path) -> None:

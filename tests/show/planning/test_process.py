@@ -38,6 +38,22 @@ def test_it_tells_and_stops(agder_config: Config, tmp_path: Path) -> None:
         process.close()
 
 
+def test_it_stops_at_once_and_leaves_nothing_open(quick_config: Config, tmp_path: Path) -> None:
+    """Stopped before it has begun, it says the same; once closed, no file of this process is left of it."""
+    file = tmp_path / "quick.yaml"
+    file.write_text(dump_config(quick_config))
+    before = set(Path("/proc/self/fd").iterdir())
+    heard: SimpleQueue[dict[str, Any]] = SimpleQueue()
+    process = Planning(file, tmp_path / "run", Stage.ROUTE, heard.put)
+    process.stop()
+    while "failure" not in (event := heard.get(timeout=PATIENCE_S)):
+        assert event["stage"] == Stage.REGIONS
+    assert event == {"failure": STOPPED}
+    process.close()
+    assert set(Path("/proc/self/fd").iterdir()) <= before
+    assert heard.empty()
+
+
 def test_a_process_that_breaks_is_reported(quick_config: Config, tmp_path: Path) -> None:
     """An end without a last word is a failure, with what the process wrote."""
     file = tmp_path / "quick.yaml"

@@ -20,6 +20,10 @@ _UP_TO = {
     "trajectory (CSV)": Stage.RETIME,
     "figures and report": Stage.FIGURES,
 }
+_OTHER_MACHINE = (
+    "The machine was changed while this was planned, so the motion is not played here. To see it, type "
+    "gantry-tau show {}; to plan for the machine as it is now, press Plan again."
+)
 _STEPS = 8
 """Last messages that are shown."""
 
@@ -31,6 +35,7 @@ class PlanPanel:
         self._app = app
         self._play = play
         self._folder = folder
+        self._command = ""
         self._process: Planning | None = None
         self._lines: list[str] = []
         gui = app.server.gui
@@ -49,7 +54,7 @@ class PlanPanel:
             app.jobs.post_every(self._save_file)
 
         async def begin(_: Any) -> None:
-            app.jobs.post_every(self._plan)
+            app.jobs.post_every(self.plan)
 
         async def stop(_: Any) -> None:
             app.jobs.post_every(self._ask_to_stop)
@@ -75,7 +80,8 @@ class PlanPanel:
         file = shlex.quote(str(session.file))
         self._said.content = message_html(f"saved: {session.file}\nNext: plan it here, or type gantry-tau run {file}")
 
-    def _plan(self) -> None:
+    def plan(self) -> None:
+        """Save the configuration, and begin to plan it in a process."""
         session = self._app.session
         if self._process is not None:
             self._app.tell("a plan is being made already: stop it first")
@@ -84,6 +90,7 @@ class PlanPanel:
         require_sound_task(session.config, session.machine)
         session.require_file(Path(self._name.value).expanduser(), self._replace.value)
         self._folder = self._folder_of()
+        self._command = self._command_of()
         self._lines = [f"{session.file} into {self._folder}"]
         self._begin.disabled, self._stop.disabled, self._bar.visible = True, False, True
         self._process = Planning(session.file, self._folder, _UP_TO[self._last.value], self._listen)
@@ -127,10 +134,13 @@ class PlanPanel:
             self._said.content = steps + message_html(failure, wrong=True)
             return
         run = load_run(self._folder)
+        if run.results.config.machine != self._app.session.config.machine:
+            self._said.content = steps + message_html(_OTHER_MACHINE.format(shlex.quote(str(self._folder))), wrong=True)
+            return
         self._play.load(run)
-        self._said.content = steps + next_html(self._command(), self._folder, Stage.RETIME in run.done)
+        self._said.content = steps + next_html(self._command, self._folder, Stage.RETIME in run.done)
 
-    def _command(self) -> str:
+    def _command_of(self) -> str:
         """Give the command that plans the whole of this."""
         session = self._app.session
         out = "" if self._folder == results_folder(session.config.name) else f" --out {shlex.quote(str(self._folder))}"

@@ -17,11 +17,18 @@ _NO_RUN = "There is no motion yet: plan one, or open the folder of a run with ga
 
 
 class PlayPanel:
-    """Controls of a motion that is played."""
+    """Controls of a motion that is played.
+
+    Attributes
+    ----------
+    tracks : tuple of Track
+        The motions there are, all of one machine.
+    """
 
     def __init__(self, app: App) -> None:
         self._app = app
-        self._tracks: tuple[Track, ...] = ()
+        self.tracks: tuple[Track, ...] = ()
+        self._config = app.session.config.machine
         self._player = Player(0.0)
         self._then = 0.0
         gui = app.server.gui
@@ -59,15 +66,17 @@ class PlayPanel:
 
     def load(self, run: LoadedRun) -> None:
         """Take over the motions of a run, the last one chosen."""
-        self.show(run.tracks, run.failure)
+        self._config = run.results.config.machine
+        self._show(run.tracks, run.failure)
 
     def add(self, track: Track) -> None:
-        """Add a motion, and choose it."""
-        self.show((*(other for other in self._tracks if other.name != track.name), track), "")
+        """Add a motion of the machine as it is, and choose it."""
+        self._config = self._app.session.config.machine
+        self._show((*(other for other in self.tracks if other.name != track.name), track), "")
 
-    def show(self, tracks: tuple[Track, ...], failure: str) -> None:
+    def _show(self, tracks: tuple[Track, ...], failure: str) -> None:
         """Offer motions, and say what failed."""
-        self._tracks = tracks
+        self.tracks = tracks
         self._app.view.draw_tracks(tracks)
         names = tuple(track.name for track in tracks) or (_NOTHING,)
         self._which.options, self._which.value = names, names[-1]
@@ -77,7 +86,7 @@ class PlayPanel:
 
     @property
     def _track(self) -> Track | None:
-        return next((track for track in self._tracks if track.name == self._which.value), None)
+        return next((track for track in self.tracks if track.name == self._which.value), None)
 
     def _choose(self) -> None:
         track = self._track
@@ -128,15 +137,15 @@ class PlayPanel:
             return
         index = track.nearest(self._player.t_s)
         samples, mode = track.at(index), track.modes[index]
-        readings = readings_at(app.session.config, app.session.machine, samples)
+        readings = readings_at(app.session.config, samples.machine, samples)
         sides = tuple(-1.0 if letter == "L" else 1.0 for letter in mode)
         title = f"{track.name}, {track.t_s[index]:.2f} s, {mode}, kappa {samples.kappa[0]:.3f}."
         with app.server.atomic():
-            app.view.move_machine(app.session.machine, samples, sides, any(one.room < 0.0 for one in readings))
+            app.view.move_machine(samples.machine, samples, sides, any(one.room < 0.0 for one in readings))
             app.view.tool.visible = False
             app.status.content = moving_html(title, readings) + readings_html(readings)
         app.ask_map(samples, MODES.index(mode))
 
     def _forget_other_machine(self) -> None:
-        if self._tracks and self._tracks[0].samples.machine is not self._app.session.machine:
-            self.show((), "")
+        if self.tracks and self._config != self._app.session.config.machine:
+            self._show((), "")
