@@ -159,7 +159,7 @@ def _write(folder: Path, cases: Cases, store: Store) -> Outcome:
     table = build_table(cases, store)
     write_table(folder, table)
     write_whole(folder / REPORT, render_study(cases.study, table, len(cases), lambda run: _page_of(folder, run)))
-    return Outcome(folder, table, len(cases), tuple(unknown_figures(table, store)))
+    return Outcome(folder, table, len(cases), tuple(unknown_figures(cases.study, table, store)))
 
 
 def _page_of(folder: Path, run: str) -> str:
