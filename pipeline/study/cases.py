@@ -1,6 +1,7 @@
 """From points to cases: the configuration of every run, its folder, and the key by which its result is known."""
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,17 @@ from pydantic import ValidationError
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, load_config, parse_config
+from pipeline.config.stages.route import RouteConfig
 from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.machine.geometry import LINKS, build_machine
 from pipeline.study.config import Last, PerturbConfig, StudyConfig, TwinConfig
-from pipeline.study.design import Point, count_points, points
-from pipeline.study.keys import UnknownKeyError, replaced, value_at
+from pipeline.study.design import Point, count_points, points, varied_paths
+from pipeline.study.keys import UnknownKeyError, nested_paths, parts_of, replaced, value_at
 
 _NOT_OF_THE_FOLDER = ("name", "twin")
 _FOLDER_DIGITS = 16
+_MEMORY_GB = RouteConfig.model_fields["memory_gb"].default
+"""Of runs whose whole section `route` varies, and does not say."""
 SECTIONS = ("perturb", "twin")
 """Sections of a study whose keys vary, too, beside those of the configuration."""
 
@@ -50,7 +54,7 @@ class Case:
     @property
     def memory_gb(self) -> float:
         """Memory that the run may take up."""
-        return float(self.data["route"]["memory_gb"]) + 0.2
+        return float(self.data["route"].get("memory_gb", _MEMORY_GB)) + 0.2
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,7 @@ class Cases:
 
     def case(self, number: int, point: Point) -> Case:
         """Make the case of a point whose keys exist."""
-        whole = {path: _like(value_at(self.base, path), value) for path, value in point.items()}
+        whole = _written(self.base, self.study, point)
         data = replaced(self.base, whole)
         folder = config_sha256({key: value for key, value in data.items() if key not in _NOT_OF_THE_FOLDER})
         name = f"{self.study.name[:40]}-{folder[:8]}"
@@ -105,7 +109,9 @@ def build_cases(study: StudyConfig, file: Path, program: str) -> Cases:
     base |= {name: getattr(study, name).model_dump(mode="json") for name in SECTIONS}
     if count_points(study) == 0:
         raise ConfigError([ConfigIssue("parameters", "make no run: the design is empty")], str(file))
-    issues = [issue for place, point in _tried(study) if (issue := _issue(base, place, point))]
+    issues = [issue for place, point in _tried(study) if (issue := _issue(base, study, place, point))]
+    if not issues and not study.points and (said := _overlap(varied_paths(study))):
+        issues = [ConfigIssue("parameters", said)]
     if issues:
         raise ConfigError(issues, str(file))
     return Cases(study, base, program)
@@ -139,14 +145,16 @@ def _tried(study: StudyConfig) -> Iterator[tuple[str, Point]]:
             yield f"{place}.max", {one.paths[0]: one.max}
 
 
-def _issue(base: Mapping[str, Any], place: str, point: Point) -> ConfigIssue | None:
+def _issue(base: Mapping[str, Any], study: StudyConfig, place: str, point: Point) -> ConfigIssue | None:
     """Say what is wrong with a point, if anything is: with its paths, or its values."""
     try:
-        whole = {path: _like(value_at(base, path), value) for path, value in point.items()}
+        if unfit := next((path for path in point if parts_of(path)[0] == "name"), None):
+            return ConfigIssue(place, f"{unfit} cannot vary: runs are named by the study")
+        whole = _written(base, study, point)
+        if said := _overlap(point):
+            return ConfigIssue(place, said)
     except UnknownKeyError as error:
         return ConfigIssue(place, str(error))
-    if unfit := next((path for path in whole if path.split(".")[0] == "name"), None):
-        return ConfigIssue(place, f"{unfit} cannot vary: runs are named by the study")
     try:
         parse_case(replaced(base, whole))
     except ConfigError as error:
@@ -156,6 +164,12 @@ def _issue(base: Mapping[str, Any], place: str, point: Point) -> ConfigIssue | N
     return None
 
 
+def _overlap(paths: Iterable[str]) -> str:
+    """Say which of the paths contains another, or leads to the same value; empty if none does."""
+    found = nested_paths(paths)
+    return "" if found is None else f"varies both {found[0]} and {found[1]}: give one of them, with all that varies"
+
+
 def _together(error: ConfigError, point: Point) -> bool:
     """Check whether a refusal is about other keys than those that vary: others that vary may make up for it."""
     return not any(
@@ -163,13 +177,27 @@ def _together(error: ConfigError, point: Point) -> bool:
     )
 
 
-def _like(known: object, value: object) -> object:
-    """Write a value as the configuration writes it: 5 for a length is 5.0, and 5.0 for a count is 5."""
+def _written(base: Mapping[str, Any], study: StudyConfig, point: Point) -> Point:
+    """Write the values of a point as the configuration writes them.
+
+    Raises
+    ------
+    UnknownKeyError
+        When a path leads nowhere.
+    """
+    ranges = {path for one in study.parameters if not one.values for path in one.paths}
+    return {path: _like(value_at(base, path), value, path in ranges) for path, value in point.items()}
+
+
+def _like(known: object, value: object, of_range: bool) -> object:
+    """Write a value as one is written: 5 for a length is 5.0, 5.0 for a count is 5, and so is 5.3 of a range."""
     if isinstance(known, bool) or isinstance(value, bool) or not isinstance(value, int | float):
         return value
     if isinstance(known, float):
         return float(value)
-    return round(value) if isinstance(known, int) else value
+    if isinstance(known, int) and math.isfinite(value) and (of_range or value == round(value)):
+        return round(value)
+    return value
 
 
 def _perturbed(config: Mapping[str, Any], exact: Config, perturb: PerturbConfig) -> dict[str, Any]:

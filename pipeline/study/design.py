@@ -37,6 +37,12 @@ def count_points(study: StudyConfig) -> int:
     return count
 
 
+def varied_paths(study: StudyConfig) -> tuple[str, ...]:
+    """Name the keys that vary, in the order of the study's file."""
+    given = study.points or [one.paths for one in study.parameters]
+    return tuple(dict.fromkeys(path for paths in given for path in paths))
+
+
 def points(study: StudyConfig) -> Iterator[Point]:
     """Give the points in their order; those drawn are the same for the same seed.
 

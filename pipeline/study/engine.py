@@ -1,9 +1,10 @@
 """Leading a study: cases go to workers as these get free, rows come back and are kept."""
 
+import contextlib
 import functools
 import queue
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,12 +13,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 from pipeline.errors import PipelineError, UsageError
 from pipeline.progress import Monitor
 from pipeline.study.cases import Case
-from pipeline.study.config import RunConfig
+from pipeline.study.config import Keep, RunConfig
 from pipeline.study.pool import MEMORY, Pool, other_program
 from pipeline.study.rows import Ending, Row
 from pipeline.study.store import Store
+from pipeline.study.worker.clear import clear_run
 from pipeline.study.worker.process import run_request
-from pipeline.study.worker.task import failed_row, known_row
+from pipeline.study.worker.task import failed_row, keep_row, known_row
 
 if TYPE_CHECKING:
     from distributed import Future
@@ -26,8 +28,6 @@ MOST_DEATHS = 3
 """How often a run may end its process before it is left."""
 RUNS = "runs"
 _POLL_S = 0.5
-_SLOTS_S = 2.0
-"""How often the workers are counted."""
 _AHEAD = 1.1
 """Runs that wait at workers beside those that run: nobody waits for the client."""
 
@@ -88,7 +88,6 @@ class Setting:
             "time_limit_s": self.run.time_limit_s,
             "threads": self.run.threads,
             "why_not": self.run.why_not,
-            "keep": self.run.keep.value,
             "program": self.program,
             "again": again,
         }
@@ -124,7 +123,7 @@ class Engine:
     _tries: dict[str, int] = field(default_factory=dict, init=False)
     _counts: dict[str, int] = field(default_factory=lambda: {"known": 0, "made": 0, "failed": 0}, init=False)
     _began: float = field(default_factory=time.monotonic, init=False)
-    _slots: tuple[float, int] = field(default=(-1e9, 0), init=False)
+    _open: Counter[str] = field(default_factory=Counter, init=False)
 
     @functools.cached_property
     def pool(self) -> Pool:
@@ -159,14 +158,14 @@ class Engine:
         while (case := source.ask()) is not None:
             row = self.store.row(case.key) or self._left(case)
             if row is None or self._is_open(row):
+                self._open[case.folder] += 1
                 if case.folder not in self._parked:
                     return case
                 # The motion is being planned for another twin: it is there when that has ended.
                 self._parked[case.folder].append(case)
                 continue
             self._counts["known"] += 1
-            self._count(row)
-            source.tell(case, row)
+            self._settle(source, case, row)
         return None
 
     def _left(self, case: Case) -> Row | None:
@@ -181,12 +180,9 @@ class Engine:
 
     def _room(self, case: Case) -> int:
         """Count the runs that may be with workers, a few more than can run."""
-        counted, slots = self._slots
-        if time.monotonic() - counted > _SLOTS_S:
-            slots = self.pool.slots(case.memory_gb)
-            self._slots = time.monotonic(), slots
-            if slots == 0 and not self._running:
-                self._require_memory(case)
+        slots = self.pool.slots(case.memory_gb)
+        if slots == 0:
+            self._require_memory(case)
         return int(_AHEAD * slots + 0.9)
 
     def _require_memory(self, case: Case) -> None:
@@ -194,7 +190,7 @@ class Engine:
         if 0.0 < most < case.memory_gb:
             raise UsageError(
                 f"a run needs {case.memory_gb:.1f} GB, and the largest worker has {most:.1f} GB.\n"
-                "  What to change: lower route.memory_gb to what a run takes up, or start workers with more memory."
+                "  What to change: lower route.memory_gb to what a run takes up, or start fewer, larger workers."
             )
         self.monitor.progress(f"no worker at {self.pool.address} yet: waiting")
 
@@ -233,9 +229,9 @@ class Engine:
         self._tries.pop(case.key, None)
         self._again += self._parked.pop(case.folder, [])
         self.store.add(row)
+        self._open -= Counter((case.folder,))
         self._counts["made"] += 1
-        self._count(row)
-        source.tell(case, row)
+        self._settle(source, case, row)
         self._report()
 
     def _row(self, case: Case, future: "Future") -> Row | None:
@@ -243,7 +239,10 @@ class Engine:
         if future.status in ("cancelled", "lost") or not self.pool.lives:
             raise self._lost()
         if future.status == "error":
-            return self._killed(case, future.exception())
+            error = future.exception()
+            if type(error).__name__ == "KilledWorker":
+                return self._given_up(case, Ending.KILLED, "the workers that ran it ended")
+            return self._given_up(case, Ending.ERROR, f"{type(error).__name__}: {error}")
         answer = future.result()
         if "other" in answer:
             raise other_program("that has joined", answer["other"], self.setting.program)
@@ -252,13 +251,15 @@ class Engine:
         if self.store.add_death(case.key, answer["ended"]) < MOST_DEATHS:
             return None
         message = f"{MOST_DEATHS} times; at last {answer['ended']}"
-        return failed_row(self.setting.request(case, again=False), Ending.KILLED, message, 0.0)
+        return self._given_up(case, Ending.KILLED, message)
 
-    def _killed(self, case: Case, error: BaseException | None) -> Row:
-        """Make the row of a run without an answer: its workers ended, or could not do what they were asked."""
-        ending = Ending.KILLED if type(error).__name__ == "KilledWorker" else Ending.ERROR
-        message = "the workers that ran it ended" if ending is Ending.KILLED else f"{type(error).__name__}: {error}"
-        return failed_row(self.setting.request(case, again=False), ending, message, 0.0)
+    def _given_up(self, case: Case, ending: Ending, message: str) -> Row:
+        """Make the row of a run without an answer, and leave it in the run folder, as workers do with theirs."""
+        request = self.setting.request(case, again=False)
+        row = failed_row(request, ending, message, 0.0)
+        with contextlib.suppress(OSError):
+            keep_row(request, row)
+        return row
 
     def _lost(self) -> PipelineError:
         done = self._counts["known"] + self._counts["made"]
@@ -267,8 +268,13 @@ class Engine:
             "  What to change: start it again, with its workers, and give the same command."
         )
 
-    def _count(self, row: Row) -> None:
+    def _settle(self, source: Source, case: Case, row: Row) -> None:
+        """Pass on a row that is kept; the run folder goes, if it need not be kept and no run at hand has it."""
         self._counts["failed"] += row.ending != Ending.DONE
+        keep = self.setting.run.keep
+        if keep is not Keep.ALL and not self._open[case.folder]:
+            clear_run(self.setting.folder / RUNS / case.folder, keep)
+        source.tell(case, row)
 
     def _report(self) -> None:
         """Tell how far the study is, and how long the rest takes if it goes on like this."""

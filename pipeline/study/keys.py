@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pipeline.errors import PipelineError
@@ -45,13 +45,32 @@ def value_at(data: Mapping[str, Any], path: str) -> Any:
     value: Any = data
     for part in parts_of(path):
         try:
-            value = value[part]
+            # Letters of a word are not keys.
+            whole = None if isinstance(value, str) else value
+            value = whole[part]  # type: ignore[index]  # None has no parts
         except (KeyError, IndexError, TypeError):
             known = [name for name, _ in flat(data)]
             near = difflib.get_close_matches(path, known, n=_SUGGESTED, cutoff=0.5)
             hint = f"; near it are {', '.join(near)}" if near else ""
             raise UnknownKeyError(f"{path} is not a key of the configuration{hint}") from None
     return value
+
+
+def nested_paths(paths: Iterable[str]) -> tuple[str, str] | None:
+    """Find two paths of which one begins the other, or leads to the same value; None if there are none.
+
+    Raises
+    ------
+    UnknownKeyError
+        When one is not written as a path is.
+    """
+    found: dict[Parts, str] = {}
+    for path in sorted(paths, key=lambda one: len(parts_of(one))):
+        parts = parts_of(path)
+        if outer := next((found[parts[:n]] for n in range(1, len(parts) + 1) if parts[:n] in found), None):
+            return outer, path
+        found[parts] = path
+    return None
 
 
 def replaced(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

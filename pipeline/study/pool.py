@@ -3,9 +3,10 @@
 import asyncio
 import contextlib
 import logging
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from pipeline.errors import UsageError
@@ -19,6 +20,8 @@ MEMORY = "memory_gb"
 """The resource of Dask's that every run takes a part of."""
 CONNECT_S = 3.0
 """Time in which a scheduler has to be reached, and again, in which it has to answer."""
+_COUNT_S = 2.0
+"""How often the workers are counted."""
 _MOST_DEATHS = 2
 _LEAN: dict[str, Any] = {
     # Histories that people look at in a dashboard, which there is none of: they are the scheduler's growth.
@@ -33,7 +36,7 @@ _LEAN: dict[str, Any] = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass
 class Pool:
     """Workers, and the client through which they are reached.
 
@@ -47,16 +50,29 @@ class Pool:
 
     client: "Client"
     address: str
+    _workers: list[tuple[int, float]] = field(default_factory=list, init=False)
+    _slots: dict[float, int] = field(default_factory=dict, init=False)
+    _counted: float = field(default=-1e9, init=False)
 
     def slots(self, memory_gb: float) -> int:
         """Count the runs of a size that all workers together can take at a time; 0 if none can take one."""
-        workers = self.client.scheduler_info(n_workers=-1)["workers"].values()
-        return sum(min(one["nthreads"], int(one["resources"].get(MEMORY, 0.0) / memory_gb)) for one in workers)
+        self._count()
+        if memory_gb not in self._slots:
+            self._slots[memory_gb] = sum(min(threads, int(has_gb / memory_gb)) for threads, has_gb in self._workers)
+        return self._slots[memory_gb]
 
     def most_memory_gb(self) -> float:
         """Give the memory of the largest worker; 0 if there is none."""
-        workers = self.client.scheduler_info(n_workers=-1)["workers"].values()
-        return max((float(one["resources"].get(MEMORY, 0.0)) for one in workers), default=0.0)
+        self._count()
+        return max((has_gb for _, has_gb in self._workers), default=0.0)
+
+    def _count(self) -> None:
+        """Ask for threads and memory of the workers, unless that is known."""
+        if time.monotonic() - self._counted > _COUNT_S:
+            workers = self.client.scheduler_info(n_workers=-1)["workers"].values()
+            self._workers = [(one["nthreads"], float(one["resources"].get(MEMORY, 0.0))) for one in workers]
+            self._slots.clear()
+            self._counted = time.monotonic()
 
     @property
     def lives(self) -> bool:
@@ -82,26 +98,32 @@ def local_pool(workers: int | None, threads: int, memory_gb: float) -> Iterator[
             f"  What to change: lower route.memory_gb to what a run takes up, or give at most --workers {fitting}."
         )
     count = workers or max(1, min(processors() // threads, fitting))
-    with dask.config.set(_LEAN):
-        cluster = distributed.LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address="127.0.0.1:0",
-            host="127.0.0.1",
-            memory_limit=0,
-            resources={MEMORY: free_gb / count},
-            silence_logs=50,
-            preload=["pipeline.study.worker.preload"],
-        )
-        client = distributed.Client(cluster, set_as_default=False)
-    try:
+    with contextlib.ExitStack() as stack:
+        with dask.config.set(_LEAN):
+            # Workers are started once the cluster is one that can be closed, whatever ends this.
+            cluster = distributed.LocalCluster(
+                n_workers=0,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address="127.0.0.1:0",
+                host="127.0.0.1",
+                memory_limit=0,
+                resources={MEMORY: free_gb / count},
+                silence_logs=50,
+                preload=["pipeline.study.worker.preload"],
+            )
+            stack.callback(_close, cluster, 5.0)
+            cluster.scale(count)
+            cluster.sync(cluster.__aenter__)
+            client = distributed.Client(cluster, set_as_default=False)
+            stack.callback(_close, client, 2.0)
         yield Pool(client, cluster.scheduler_address)
-    finally:
-        with contextlib.suppress(Exception):
-            client.close(timeout=2)
-        with contextlib.suppress(Exception):
-            cluster.close(timeout=5)
+
+
+def _close(opened: Any, timeout_s: float) -> None:
+    """Close a cluster or a client, in whatever state it is."""
+    with contextlib.suppress(Exception):
+        opened.close(timeout=timeout_s)
 
 
 @contextlib.contextmanager
@@ -122,8 +144,7 @@ def remote_pool(address: str, program: str) -> Iterator[Pool]:
         client.register_plugin(_resources(distributed))
         yield Pool(client, address)
     finally:
-        with contextlib.suppress(Exception):
-            client.close(timeout=2)
+        _close(client, 2.0)
 
 
 def _require_scheduler(address: str) -> None:

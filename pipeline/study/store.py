@@ -94,5 +94,5 @@ class Store:
     def _unusable(self, why: str) -> UsageError:
         return UsageError(
             f"{self._file} cannot be used: {why}.\n"
-            "  What to change: move it away; runs that are done are found again by their folders."
+            "  What to change: move it away, and give the same command; runs that are done are found by their folders."
         )

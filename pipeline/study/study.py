@@ -8,8 +8,8 @@ from pathlib import Path
 import yaml
 
 from pipeline.artifacts import write_whole
+from pipeline.artifacts.layout import LOCK, SUMMARY, failure_report
 from pipeline.artifacts.layout import REPORT as RUN_REPORT
-from pipeline.artifacts.layout import SUMMARY, failure_report
 from pipeline.artifacts.lock import locked_study
 from pipeline.errors import UsageError
 from pipeline.progress import QUIET, Monitor
@@ -139,9 +139,13 @@ def _opened(stack: contextlib.ExitStack, workers: Workers, cases: Cases) -> Call
 def _require_study_folder(folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"{folder} is not a folder: give another one with --out")
-    if folder.is_dir() and not (folder / STORE).exists() and any(folder.iterdir()):
+    if not folder.is_dir() or (folder / STORE).exists() or all((folder / name).exists() for name in (STUDY, BASE)):
+        return
+    # A client that is killed as it begins leaves its lock alone.
+    if any(entry.name != LOCK for entry in folder.iterdir()):
         raise UsageError(
-            f"{folder} is not empty, and not the folder of a study (it has no {STORE}): nothing was changed.\n"
+            f"{folder} is not empty, and not the folder of a study (it has neither {STORE} nor {STUDY} and {BASE}): "
+            "nothing was changed.\n"
             "  What to change: give another folder with --out, or move away what is there."
         )
 
@@ -159,7 +163,7 @@ def _write(folder: Path, cases: Cases, store: Store) -> Outcome:
     table = build_table(cases, store)
     write_table(folder, table)
     write_whole(folder / REPORT, render_study(cases.study, table, len(cases), lambda run: _page_of(folder, run)))
-    return Outcome(folder, table, len(cases), tuple(unknown_figures(table, store)))
+    return Outcome(folder, table, len(cases), tuple(unknown_figures(cases.study, table, store)))
 
 
 def _page_of(folder: Path, run: str) -> str:

@@ -4,13 +4,15 @@ import csv
 import difflib
 import io
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from pipeline.artifacts import write_whole
 from pipeline.study.cases import Case, Cases
+from pipeline.study.config import StudyConfig
+from pipeline.study.design import varied_paths
 from pipeline.study.engine import RUNS
 from pipeline.study.extra import library
 from pipeline.study.optimise.trials import ended_cases
@@ -19,6 +21,8 @@ from pipeline.study.store import Store
 from pipeline.study.verdict import shortfall
 
 PARQUET, CSV = "study.parquet", "study.csv"
+_RESULT = "result."
+_OF_THE_RUN = ("number", "status", "reason", "message", "seconds", "seed", "version", "run")
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,11 @@ class Table:
             yield dict(zip(self.columns, values, strict=True))
 
 
+def figure_column(figure: str, parameters: Collection[str]) -> str:
+    """Name the column of a figure: its path, after `result.` where a parameter or another column has that name."""
+    return f"{_RESULT}{figure}" if figure in parameters or figure in _OF_THE_RUN else figure
+
+
 def build_table(cases: Cases, store: Store) -> Table:
     """Collect the rows of all runs of a design that have ended."""
     return table_of(cases, ended_cases(cases, store))
@@ -56,14 +65,14 @@ def table_of(cases: Cases, rows: Iterable[tuple[Case, Row]]) -> Table:
     # Of a million cases not all configurations, nor all figures, are held at a time.
     wanted = cases.study.kept_figures
     ended = [(_slim_case(case), _slim_row(row, wanted) if wanted else row) for case, row in rows]
-    parameters = tuple(dict.fromkeys(path for case, _ in ended for path in case.point))
-    figures = wanted or _numbers(row for _, row in ended)
+    parameters = varied_paths(cases.study)
+    figures = {figure_column(path, parameters): path for path in wanted or _numbers(row for _, row in ended)}
     columns = {
         "number": [case.number for case, _ in ended],
         **{path: _tidy([case.point.get(path) for case, _ in ended]) for path in parameters},
         "status": [row.ending for _, row in ended],
         "reason": [shortfall(cases.study, row) or None for _, row in ended],
-        **{path: _tidy([row.figures.get(path) for _, row in ended]) for path in figures},
+        **{name: _tidy([row.figures.get(path) for _, row in ended]) for name, path in figures.items()},
         "message": [row.message or None for _, row in ended],
         "seconds": [row.seconds for _, row in ended],
         "seed": [cases.study.design.seed for _ in ended],
@@ -81,9 +90,13 @@ def _slim_row(row: Row, wanted: Sequence[str]) -> Row:
     return replace(row, figures={name: row.figures.get(name) for name in wanted})
 
 
-def unknown_figures(table: Table, store: Store) -> list[str]:
+def unknown_figures(study: StudyConfig, table: Table, store: Store) -> list[str]:
     """Say which figures were asked for that no run has, and which it has that are near."""
-    missing = [name for name in table.figures if len(table) and all(value is None for value in table.columns[name])]
+    missing = [
+        name
+        for name in study.kept_figures
+        if len(table) and all(value is None for value in table.columns[figure_column(name, table.parameters)])
+    ]
     known = sorted({name for row in store.rows() for name in row.figures}) if missing else []
     said = []
     for name in missing:

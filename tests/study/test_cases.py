@@ -70,6 +70,11 @@ def test_a_perturbed_geometry_follows_from_its_seed(tmp_path: Path, quick_config
         ({"key": "task.locked_axes", "values": [["ry"]]}, "allowed is rx or rz"),
         ({"key": "twin.seed", "values": [-1]}, "twin.seed: Input should be greater"),
         ({"key": "name", "values": ["a"]}, "name cannot vary"),
+        ({"key": "name[0]", "values": ["a"]}, r"name\[0\] cannot vary"),
+        ({"key": "route.alternative", "values": [float("inf")]}, "allowed is a whole number"),
+        ({"key": "route.alternative", "values": [float("nan")]}, "allowed is a whole number"),
+        ({"key": "route.alternative", "values": [2, 1.4]}, r"values\[1\]: .* is 1.4; allowed is a whole number"),
+        ({"keys": ["machine.rails", "machine.rails[0].y_m"], "values": [[[], 1]]}, "varies both machine.rails and"),
     ],
 )
 def test_what_cannot_vary_so_is_refused(
@@ -89,6 +94,21 @@ def test_a_list_is_checked_too(tmp_path: Path, quick_config: Config) -> None:
             design={"kind": "list"},
             points=[{"task.tilt_max_deg": 5}, {"task.tilt_max_deg": 99}],
         )
+
+
+def test_whole_numbers_of_a_range_are_rounded(tmp_path: Path, quick_config: Config) -> None:
+    """Listed ones are whole already, however they are written."""
+    for given in ({"min": 1, "max": 3.4, "count": 3}, {"values": [1.0, 2, 3.0]}):
+        cases = cases_of(tmp_path, quick_config, parameters=[{"key": "route.alternative", **given}])
+        assert [case.point["route.alternative"] for case in cases] == [1, 2, 3]
+
+
+def test_parameters_do_not_vary_parts_of_each_other(tmp_path: Path, quick_config: Config) -> None:
+    """One would undo the other."""
+    rails = quick_config.model_dump(mode="json")["machine"]["rails"]
+    parameters = [{"key": "machine.rails", "values": [rails]}, {"key": "machine.rails[0].y_m", "values": [0.1]}]
+    with pytest.raises(ConfigError, match=r"parameters: varies both machine.rails and machine.rails\[0\].y_m"):
+        cases_of(tmp_path, quick_config, parameters=parameters)
 
 
 @pytest.mark.parametrize("file", sorted(STUDIES.glob("*.yaml")), ids=lambda file: file.stem)

@@ -9,10 +9,10 @@ from pipeline.config import Config
 from pipeline.errors import PipelineError, UsageError
 from pipeline.progress import Monitor
 from pipeline.study.cases import Cases
-from pipeline.study.engine import MOST_DEATHS, Engine, Fixed, Setting
-from pipeline.study.rows import Ending
+from pipeline.study.engine import MOST_DEATHS, RUNS, Engine, Fixed, Setting
+from pipeline.study.rows import Ending, Row
 from pipeline.study.store import Store
-from pipeline.study.worker.task import failed_row
+from pipeline.study.worker.task import failed_row, keep_row
 from tests.study.fakes import FakeClient, cases_of, done
 
 
@@ -102,6 +102,59 @@ def test_too_little_memory_is_said(tmp_path: Path, quick_config: Config) -> None
     """Nobody waits for a worker that will never be large enough."""
     with pytest.raises(UsageError, match=r"needs 4.2 GB, and the largest worker has 1.0 GB"):
         lead(tmp_path, cases_of(tmp_path, quick_config), FakeClient(done, memory_gb=1.0))
+
+
+def test_a_run_that_is_too_large_is_said_while_others_run(tmp_path: Path, quick_config: Config) -> None:
+    """It is counted for itself: the room for those before it is not the room for it."""
+    sizes = {"parameters": [{"key": "route.memory_gb", "values": [2, 500]}]}
+    with pytest.raises(UsageError, match=r"needs 500.2 GB, and the largest worker has 64.0 GB"):
+        lead(tmp_path, cases_of(tmp_path, quick_config, **sizes), FakeClient(done))
+
+
+def planned(request: dict[str, Any]) -> dict[str, Any]:
+    """Answer as `done`, and leave a run folder as a worker does."""
+    folder, answer = Path(request["folder"]), done(request)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "regions.npz").touch()
+    keep_row(request, Row.read(answer["row"]))
+    return answer
+
+
+def test_a_folder_is_cleared_after_the_last_run_that_has_it(tmp_path: Path, quick_config: Config) -> None:
+    """Twins that wait find the motion, whatever is kept; in the end there are rows alone."""
+    found: list[bool] = []
+
+    def answer(request: dict[str, Any]) -> dict[str, Any]:
+        found.append((Path(request["folder"]) / "regions.npz").exists())
+        return planned(request)
+
+    seeds = {"parameters": [{"key": "twin.seed", "values": [1, 2, 3]}], "to": "simulate", "run": {"keep": "none"}}
+    lead(tmp_path, cases_of(tmp_path, quick_config, **seeds), FakeClient(answer))
+    assert found == [False, True, True]
+    assert [path.name[:4] for path in (tmp_path / RUNS).glob("*/*")] == ["row-"] * 3
+
+
+def test_a_folder_that_was_not_cleared_is_at_the_next_start(tmp_path: Path, quick_config: Config) -> None:
+    """After a kill between the row and the clearing, whether the row has reached the store or not."""
+    lead(tmp_path, cases_of(tmp_path, quick_config), FakeClient(planned))
+    (tmp_path / "study.sqlite").unlink()
+    assert len(list((tmp_path / RUNS).glob("*/regions.npz"))) == 3
+    lead(tmp_path, cases_of(tmp_path, quick_config, run={"keep": "failed"}), idle := FakeClient(done))
+    assert idle.asked == []
+    assert not list((tmp_path / RUNS).glob("*/regions.npz"))
+
+
+def test_a_folder_of_a_run_that_ended_its_process_is_kept_where_failed_ones_are(
+    tmp_path: Path, quick_config: Config
+) -> None:
+    """Its row is there, too."""
+
+    def deadly(request: dict[str, Any]) -> dict[str, Any]:
+        planned(request)
+        return {"ended": "by SIGKILL"}
+
+    lead(tmp_path, cases_of(tmp_path, quick_config, run={"keep": "failed"}), FakeClient(deadly))
+    assert len(list((tmp_path / RUNS).glob("*/regions.npz"))) == 3
 
 
 def test_a_motion_is_planned_once_for_all_twins(tmp_path: Path, quick_config: Config) -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.study.keys import UnknownKeyError, flat, parts_of, replaced, scalars, value_at
+from pipeline.study.keys import UnknownKeyError, flat, nested_paths, parts_of, replaced, scalars, value_at
 
 DATA = {"machine": {"rails": [{"y_m": 1.0}, {"y_m": 2.0}]}, "task": {"tilt_max_deg": 30.0, "locked_axes": []}}
 
@@ -13,12 +13,20 @@ def test_every_path_leads_to_its_value() -> None:
     assert parts_of("machine.rails[1].y_m") == ("machine", "rails", 1, "y_m")
 
 
+def test_a_path_that_begins_another_is_found() -> None:
+    """And so is the same one written otherwise; a key that only begins with the same letters is another."""
+    assert nested_paths(["machine.rails[0].y_m", "task", "machine.rails"]) == ("machine.rails", "machine.rails[0].y_m")
+    assert nested_paths(["machine.rails[0]", "machine.rails[00]"]) == ("machine.rails[0]", "machine.rails[00]")
+    assert nested_paths(["task.tilt", "task.tilt_max_deg", "machine.rails[0]", "machine.rails[1]"]) is None
+
+
 @pytest.mark.parametrize(
     ("path", "near"),
     [
         ("task.tilt_max", "task.tilt_max_deg"),
         ("machine.rails[2].y_m", "machine.rails[0].y_m"),
         ("tilt_max_deg", "task"),
+        ("task.tilt_max_deg[0]", "task.tilt_max_deg"),
     ],
 )
 def test_a_path_that_leads_nowhere(path: str, near: str) -> None:

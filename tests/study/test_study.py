@@ -97,6 +97,18 @@ def test_a_folder_of_something_else_is_refused(tmp_path: Path, quick_config: Con
     assert [path.name for path in folder.iterdir()] == ["mine.txt"]
 
 
+@pytest.mark.parametrize("names", [[".lock"], ["study.yaml", "base.yaml", "runs"]])
+def test_a_folder_of_a_study_without_its_rows_is_taken(tmp_path: Path, quick_config: Config, names: list[str]) -> None:
+    """After a kill at the very start, and where the file of the rows was moved away: it comes to the workers."""
+    folder = tmp_path / "out"
+    folder.mkdir()
+    for name in names:
+        (folder / name).touch()
+    with pytest.raises(UsageError, match="workers need"):
+        run_study(study_file(tmp_path, quick_config), folder, Workers(count=1_000_000))
+    assert (folder / "study.csv").exists()
+
+
 def test_a_scheduler_that_is_none_is_said(tmp_path: Path, quick_config: Config) -> None:
     """In seconds, and without a trace of Dask's."""
     with pytest.raises(UsageError, match=r"no scheduler answers at tcp://127\.0\.0\.1:9"):
@@ -115,4 +127,4 @@ def test_a_run_that_another_worker_has_begun_is_waited_for(tmp_path: Path) -> No
     request["data"] = next(iter(build_cases(study, tmp_path / "s.yaml", "1"))).data
     with locked_study(folder):
         Timer(0.2, keep_row, (request, row)).start()
-        assert run_case({**request, "program": "1", "why_not": False, "keep": "all"}) == row
+        assert run_case({**request, "program": "1", "why_not": False}) == row

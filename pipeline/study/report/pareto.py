@@ -5,17 +5,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.study.table import Table
+from pipeline.study.table import Table, figure_column
 
 _USUAL = ("path.kappa_integral", "trajectory.duration_s")
 """What is weighed where a study does not say: the singularities' distance against time."""
 
 
 def objectives(wanted: Sequence[str], table: Table) -> tuple[str, ...]:
-    """Name the objectives: those a study says, or the usual ones that it has; of `-name` more is better."""
+    """Name the columns of the objectives: those a study says, or the usual ones; of `-name` more is better."""
     if wanted:
-        return tuple(name for name in wanted if name.removeprefix("-") in table.columns)
-    return tuple(name for name in _USUAL if name in table.figures) or numeric(table, table.figures)[:2]
+        signed = [(name[: name.startswith("-")], name.removeprefix("-")) for name in wanted]
+        named = [(sign, figure_column(name, table.parameters), name) for sign, name in signed]
+        # A parameter may be weighed, too.
+        found = [f"{sign}{column if column in table.columns else name}" for sign, column, name in named]
+        return tuple(name for name in found if name.removeprefix("-") in table.columns)
+    usual = [figure_column(name, table.parameters) for name in _USUAL]
+    return tuple(name for name in usual if name in table.figures) or numeric(table, table.figures)[:2]
 
 
 def numeric(table: Table, names: Sequence[str]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 from pipeline.figures import style
 from pipeline.study.report.pareto import front, numeric
 from pipeline.study.rows import Ending
-from pipeline.study.table import Table
+from pipeline.study.table import Table, figure_column
 
 MOST_POINTS = 5_000
 """Runs that pictures show at most, spread evenly over the design."""
@@ -122,7 +122,8 @@ def varied(table: Table) -> tuple[str, ...]:
 
 def shown_figures(table: Table, names: Sequence[str], objectives: Sequence[str]) -> tuple[str, ...]:
     """Choose the figures that pictures show: objectives, then those asked for, as far as they are numbers."""
-    wanted = dict.fromkeys([*(name.removeprefix("-") for name in objectives), *names])
+    asked = (figure_column(name, table.parameters) for name in names)
+    wanted = dict.fromkeys([*(name.removeprefix("-") for name in objectives), *asked])
     return numeric(table, tuple(wanted))[:4]
 
 

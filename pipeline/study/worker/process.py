@@ -17,21 +17,22 @@ from pipeline.study.rows import Ending
 from pipeline.study.worker.task import failed_row, keep_row, known_row
 
 _BLAS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_START_S = 300.0
+START_S = 300.0
 """Time in which the process has to start: libraries may come from a slow disk."""
 _local = threading.local()
 """The process of every thread of this worker."""
 
 
 class ProcessEndedError(PipelineError):
-    """The process that ran a case ended: killed for lack of memory, or by a fault of a library."""
+    """The process of a case ended, for lack of memory or by a fault of a library, or did not start."""
 
 
 class Process:
-    """A process that runs cases, with as many threads as they may use."""
+    """A process that runs cases, with as many threads as they may use, and that has to start in a time."""
 
-    def __init__(self, threads: int) -> None:
+    def __init__(self, threads: int, start_s: float = START_S) -> None:
         self.threads = threads
+        self._start_s = start_s
         self._ready = False
         pinned = dict.fromkeys((*_BLAS, THREADS), str(threads))
         self._process = subprocess.Popen(
@@ -59,10 +60,13 @@ class Process:
         TimeoutError
             When the time of the run is up.
         ProcessEndedError
-            When the process ended before it answered; says how.
+            When the process did not start in time, or ended before it answered; says how.
         """
         if not self._ready:
-            self._line(_START_S)
+            try:
+                self._line(self._start_s)
+            except TimeoutError:
+                raise ProcessEndedError(f"its process did not start in {self._start_s:g} s") from None
             self._ready = True
         assert self._process.stdin is not None
         with contextlib.suppress(OSError):

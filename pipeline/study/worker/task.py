@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import shutil
 import time
 import traceback
 from collections.abc import Mapping
@@ -11,16 +10,19 @@ from typing import Any
 
 from pipeline.artifacts import json_bytes, write_whole
 from pipeline.artifacts.layout import SUMMARY
+from pipeline.artifacts.lock import locked
 from pipeline.config import Config
 from pipeline.errors import LockedError, NoSolutionError, PipelineError
 from pipeline.regular_file import read_regular_file
 from pipeline.run import RunOptions, run_pipeline
 from pipeline.stage import Stage
 from pipeline.study.cases import parse_case
-from pipeline.study.config import Keep, Last, TwinConfig
+from pipeline.study.config import Last, TwinConfig
 from pipeline.study.keys import scalars
 from pipeline.study.rows import Ending, Row, why
 
+ROW = "row-"
+"""What names of rows in a run folder begin with."""
 _KEY_DIGITS = 16
 _MOST_BYTES = 2**24
 _LOCKED_S = 0.5
@@ -28,12 +30,12 @@ _LOCKED_S = 0.5
 _NO_FIGURES = ("name", "config_sha256", "versions.")
 
 Request = dict[str, Any]
-"""What a worker is asked: `key`, `data`, `to`, `folder`, `time_limit_s`, `keep`, `why_not`, `again`, `program`, ...."""
+"""What a worker is asked: `key`, `data`, `to`, `folder`, `time_limit_s`, `why_not`, `again`, `program`, ...."""
 
 
 def row_file(request: Mapping[str, Any]) -> Path:
     """Name the file of the row, in the run folder."""
-    return Path(request["folder"]) / f"row-{request['key'][:_KEY_DIGITS]}.json"
+    return Path(request["folder"]) / f"{ROW}{request['key'][:_KEY_DIGITS]}.json"
 
 
 def known_row(request: Mapping[str, Any]) -> Row | None:
@@ -60,24 +62,10 @@ def run_case(request: Request) -> Row:
             return known
         began = time.perf_counter()
         try:
-            row = keep_row(request, _attempt(request, began))
+            return keep_row(request, _attempt(request, began))
         except LockedError:
             # A worker that was given up may still be at it, or one that plans the same motion for another twin.
             time.sleep(_LOCKED_S)
-            continue
-        _clear(request, row)
-        return row
-
-
-def _clear(request: Mapping[str, Any], row: Row) -> None:
-    """Remove all of a run but its rows, unless it is to be kept: a million run folders fill a disk."""
-    if request["keep"] == Keep.ALL or (request["keep"] == Keep.FAILED and row.ending != Ending.DONE):
-        return
-    for entry in Path(request["folder"]).iterdir():
-        if entry.is_dir():
-            shutil.rmtree(entry, ignore_errors=True)
-        elif not entry.name.startswith("row-"):
-            entry.unlink(missing_ok=True)
 
 
 def failed_row(request: Mapping[str, Any], ending: Ending, message: str, seconds: float) -> Row:
@@ -96,6 +84,7 @@ def failed_row(request: Mapping[str, Any], ending: Ending, message: str, seconds
 def _attempt(request: Request, began: float) -> Row:
     ending, reason, message, figures = Ending.DONE, "", "", dict[str, Any]()
     try:
+        _forget_twin(_twin_file(request))
         config, _, twin = parse_case(request["data"])
         _plan(request, config, twin)
     except LockedError:
@@ -128,6 +117,13 @@ def _plan(request: Request, config: Config, twin: TwinConfig) -> None:
 
 def _twin_file(request: Mapping[str, Any]) -> Path:
     return row_file(request).with_name(row_file(request).name.replace("row", "twin"))
+
+
+def _forget_twin(file: Path) -> None:
+    """Remove what an earlier attempt has left of the twin, unless another worker is at it."""
+    if file.exists():
+        with locked(file.parent, new=False):
+            file.unlink(missing_ok=True)
 
 
 def _figures(*files: Path) -> dict[str, Any]:

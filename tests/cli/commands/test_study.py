@@ -18,6 +18,9 @@ from tests.study.fakes import cases_of, done_row
         (("nowhere.yaml",), "nowhere.yaml cannot be used"),
         (("a.yaml", "b"), "only the word report is followed by a folder"),
         (("a.yaml", "--scheduler", "tcp://x:1", "--workers", "2"), "--workers is for this machine"),
+        (("report", "x", "--workers", "2"), "--workers cannot go with study report"),
+        (("report", "x", "--out", "y", "--retry"), "--out and --retry cannot go with study report"),
+        (("report", "x", "--scheduler", "tcp://x:1"), "--scheduler cannot go with study report"),
         (("report", "nowhere"), "is not the folder of a study"),
     ],
 )

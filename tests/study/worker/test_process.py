@@ -13,7 +13,9 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.config.file import load_config
+from pipeline.study.config import Keep
 from pipeline.study.program import program_version
+from pipeline.study.worker.clear import clear_run
 from pipeline.study.worker.process import Process, ProcessEndedError, run_request
 from pipeline.study.worker.task import known_row
 from tests.study.fakes import cases_of
@@ -40,7 +42,6 @@ def request(folder: Path, config: Config, **keys: Any) -> dict[str, Any]:
     rest = {
         "time_limit_s": 120.0,
         "threads": 1,
-        "keep": "all",
         "why_not": False,
         "again": False,
         "program": program_version(),
@@ -60,13 +61,33 @@ def test_a_run_leaves_its_folder_and_its_row(tmp_path: Path, tiny_config: Config
     assert known_row({**asked, "again": True}) is None
 
 
-@pytest.mark.parametrize("keep", ["none", "failed"])
-def test_a_folder_need_not_be_kept(tmp_path: Path, tiny_config: Config, process: Process, keep: str) -> None:
-    """The row is, and it is known from then on."""
-    asked = request(tmp_path, tiny_config, keep=keep)
+@pytest.mark.parametrize("keep", [Keep.NONE, Keep.FAILED])
+def test_a_folder_need_not_be_kept(tmp_path: Path, tiny_config: Config, process: Process, keep: Keep) -> None:
+    """The row is, and it is known from then on; what is cleared can be run again."""
+    asked = request(tmp_path, tiny_config)
     assert process.ask(asked)["ending"] == "done"
+    clear_run(Path(asked["folder"]), keep)
     assert not (Path(asked["folder"]) / "regions.npz").exists()
     assert known_row(asked) is not None
+    assert process.ask({**asked, "again": True})["ending"] == "done"
+
+
+def test_figures_of_an_earlier_attempt_are_not_taken(tmp_path: Path, tiny_config: Config, process: Process) -> None:
+    """An attempt that does not come to the twin has none of its figures."""
+    asked = request(tmp_path, tiny_config)
+    twin = Path(asked["folder"]) / f"twin-{asked['key'][:16]}.json"
+    twin.parent.mkdir(parents=True)
+    twin.write_text('{"simulate": {"peak_force_n": 1.0}}')
+    assert "simulate.peak_force_n" not in process.ask({**asked, "again": True})["figures"]
+    assert not twin.exists()
+
+
+def test_a_process_that_does_not_start_is_tried_again() -> None:
+    """It is no run that took too long."""
+    process = Process(threads=1, start_s=0.0)
+    with pytest.raises(ProcessEndedError, match="did not start in 0 s"):
+        process.ask({"time_limit_s": 9.0})
+    process.end()
 
 
 def test_a_configuration_that_is_refused_is_a_row(tmp_path: Path, tiny_config: Config, process: Process) -> None:

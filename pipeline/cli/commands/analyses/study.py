@@ -58,6 +58,11 @@ def study(
     of a study that is not finished.
     """
     if str(study) == _REPORT and folder is not None:
+        given = {"--scheduler": scheduler, "--workers": workers, "--out": out, "--retry": retry or None}
+        if unused := [option for option, value in given.items() if value is not None]:
+            raise UsageError(
+                f"{' and '.join(unused)} cannot go with study report, which runs nothing, and writes into {folder}"
+            )
         from pipeline.study.study import report_study
 
         _show(report_study(folder))
