@@ -7,8 +7,8 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.study.table import Table, figure_column
 
-_USUAL = ("path.kappa_integral", "trajectory.duration_s")
-"""What is weighed where a study does not say: the singularities' distance against time."""
+_USUAL = ("path.kappa_integral", "trajectory.duration_s", "route.objective", "route.kappa_max")
+"""What is weighed where a study does not say, the first two that runs have: nearness to singularities and time."""
 
 
 def objectives(wanted: Sequence[str], table: Table) -> tuple[str, ...]:
@@ -20,7 +20,7 @@ def objectives(wanted: Sequence[str], table: Table) -> tuple[str, ...]:
         found = [f"{sign}{column if column in table.columns else name}" for sign, column, name in named]
         return tuple(name for name in found if name.removeprefix("-") in table.columns)
     usual = [figure_column(name, table.parameters) for name in _USUAL]
-    return tuple(name for name in usual if name in table.figures) or numeric(table, table.figures)[:2]
+    return numeric(table, tuple(name for name in usual if name in table.figures))[:2]
 
 
 def numeric(table: Table, names: Sequence[str]) -> tuple[str, ...]:

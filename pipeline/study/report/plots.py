@@ -68,7 +68,7 @@ def parallel(table: Table, figures: Sequence[str]) -> Plot | None:
         "yaxis": {"visible": False, "range": [-0.06, 1.06], "fixedrange": True},
         "annotations": [note for place, axis in enumerate(axes) for note in axis.notes(place)],
     }
-    about = f"Every line is a run that is done, the darker the larger its {shown[-1]}."
+    about = f"Every line is a run that is done, from yellow (least) to violet (most) of {shown[-1]}."
     return Plot("Parallel coordinates", about, {"data": traces, "layout": layout})
 
 
@@ -124,7 +124,7 @@ def shown_figures(table: Table, names: Sequence[str], objectives: Sequence[str])
     """Choose the figures that pictures show: objectives, then those asked for, as far as they are numbers."""
     asked = (figure_column(name, table.parameters) for name in names)
     wanted = dict.fromkeys([*(name.removeprefix("-") for name in objectives), *asked])
-    return numeric(table, tuple(wanted))[:4]
+    return (numeric(table, tuple(wanted)) or numeric(table, table.figures))[:4]
 
 
 def _endings(table: Table, values: list[Any], ordered: list[Any]) -> list[dict[str, Any]]:
