@@ -11,15 +11,14 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.recheck.arithmetic.time_law import largest_rates
+from pipeline.certify.recheck.arithmetic.time_law import PASSED_BY, largest_rates
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 
 LAW = "the proof is of this time law"
+ON_PATH = "s stays on the path"
 _NAMES = ("velocity", "acceleration", "jerk")
-_ROUNDING = 1e-9
-"""How far the law may end beside the ends of the path."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +44,15 @@ def verify_time_law(path: Path, law: PPoly, law_sha256: str, stated: StatedMotio
         fractions[row] = stated.fractions.get(name, np.inf)
     with np.errstate(all="ignore"):
         enough = np.where(np.isfinite(limits), fractions * limits * (1.0 - 1e-12), np.inf)
-        found = largest_rates(path.spline, law, enough)
+        found, on_path = largest_rates(path.spline, law, enough)
         used = np.where(np.isfinite(limits), found / limits, 0.0)
     for row, name in enumerate(names):
         holds = bool((found[row] <= enough[row]).all() and (fractions[row] <= 1.0).all())
         text = f"{used[row].max():.6g} of the limit; stated {fractions[row].max():.6g}"
         yield Claim(within_limits(name), holds, text)
+    yield Claim(ON_PATH, on_path, f"from 0 to 1, to within {PASSED_BY:g}" if on_path else "it may leave 0 to 1")
     ends = law.x[[0, -1]]
-    reached = np.abs(law(ends) - [0.0, 1.0]).max() <= _ROUNDING
+    reached = np.abs(law(ends) - [0.0, 1.0]).max() <= PASSED_BY
     jump = _largest_jump(path, law, 3 if "jerk" in names else 2)
     allowed = np.array([1e-8, 1e-5 * found[0].max(), 1e-4 * found[1].max()])[: len(jump)]
     yield Claim(

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from scipy.interpolate import PPoly
 
-from pipeline.certify.recheck.time_law import LAW, StatedMotion, verify_time_law, within_limits
+from pipeline.certify.recheck.time_law import LAW, ON_PATH, StatedMotion, verify_time_law, within_limits
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from pipeline.retime import Trajectory, law_sha256, prove_motion, time_reversed
+from pipeline.retime.result import stretched
 from tests.retime.proof.conftest import at_rest_at_both_ends, limited_to, with_bump
+
+RATES = ("velocity", "acceleration", "jerk")
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +45,7 @@ def test_what_was_proven_is_verified_there_and_back(motion: Trajectory, stated: 
     assert _refused(back, StatedMotion(proof.law_sha256, proof.fractions)) == set()
 
 
-@pytest.mark.parametrize("name", ["velocity", "acceleration", "jerk"])
+@pytest.mark.parametrize("name", RATES)
 def test_less_than_the_truth_is_refused(motion: Trajectory, stated: StatedMotion, name: str) -> None:
     """A twentieth of a percent, of one actuator."""
     less = stated.fractions[name] * np.where(np.arange(5) == int(np.argmax(stated.fractions[name])), 0.9994, 1.0)
@@ -70,7 +73,7 @@ def test_jumps_are_refused(motion: Trajectory, stated: StatedMotion) -> None:
     """Of the position within the motion, and of the velocity from rest."""
     split = with_bump(motion, 1.5, 1.0, 0.0)
     c = split.time_law.c.copy()
-    c[-1, 1:] += 1e-6
+    c[-1, 1:] -= 1e-6
     jumping = replace(motion, time_law=PPoly(c, split.time_law.x))
     (wrong,) = _refused(jumping, replace(stated, law_sha256=law_sha256(jumping)))
     assert "jumps" in wrong
@@ -83,3 +86,11 @@ def test_limits_are_those_of_the_machine(machine: Machine, motion: Trajectory, s
     assert all(limit > 0.0 for limit in limits)
     weak = replace(slower, path=limited_to(motion.path, *(0.01 * np.ones(3))))
     assert _refused(weak, stated) == {within_limits(name) for name in stated.fractions}
+
+
+def test_a_law_that_leaves_the_path_in_between_is_refused(motion: Trajectory) -> None:
+    """Slow enough for all limits, it passes s = 1 by a third and turns back."""
+    slow = stretched(at_rest_at_both_ends(motion.path), 400.0)
+    away = with_bump(slow, 200.0, 199.0, 0.5)
+    assert away.time_law(np.linspace(200.0, 400.0, 1_001)).max() > 1.3
+    assert _refused(away, StatedMotion(law_sha256(away), {name: np.ones(5) for name in RATES})) == {ON_PATH}
