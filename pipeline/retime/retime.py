@@ -96,7 +96,7 @@ def fitted(trajectory: Trajectory, period_s: float, table: PathDynamicsTable, ba
         trajectory = whole_periods(_within_limits(trajectory, usage), period_s)
         require_limits(trajectory, period_s, table, backwards)
     # Between samples a limit may be exceeded by the thousandth part that samples are granted.
-    if (stretch := prove_motion(trajectory).stretch) > 1.0:
+    if 1.0 < (stretch := prove_motion(trajectory).stretch) < math.inf:
         longer = stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * stretch)
         trajectory = whole_periods(longer, period_s)
     require_proven(trajectory, backwards)

@@ -94,7 +94,7 @@ def require_proven(trajectory: Trajectory, backwards: bool = False) -> MotionPro
     _refuse_jumps(trajectory, proof)
     order, actuator = np.unravel_index(np.argmax(proof.use.proven), proof.use.proven.shape)
     fraction, attained = (float(part[order, actuator]) for part in (proof.use.proven, proof.use.attained))
-    if fraction > 1.0:
+    if not fraction <= 1.0:
         quantity = quantity_named(NAMES[order])
         t_s, s = float(proof.use.t_s[order, actuator]) + trajectory.dwell_s[0], float(proof.use.s[order, actuator])
         s = 1.0 - s if backwards else s
