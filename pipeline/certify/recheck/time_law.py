@@ -18,7 +18,11 @@ from pipeline.refine.result import Path
 
 LAW = "the proof is of this time law"
 ON_PATH = "s stays on the path"
+SMOOTH = "the path has no corners"
+LOCKED = "locked actuators do not move"
 _NAMES = ("velocity", "acceleration", "jerk")
+_LEAST_TRAVEL_M = 1e-9
+"""Travel of an actuator that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +55,8 @@ def verify_time_law(path: Path, law: PPoly, law_sha256: str, stated: StatedMotio
         text = f"{used[row].max():.6g} of the limit; stated {fractions[row].max():.6g}"
         yield Claim(within_limits(name), holds, text)
     yield Claim(ON_PATH, on_path, f"from 0 to 1, to within {PASSED_BY:g}" if on_path else "it may leave 0 to 1")
+    yield _corners(path, 2 if "jerk" in names else 1)
+    yield _locked(path)
     ends = law.x[[0, -1]]
     reached = np.abs(law(ends) - [0.0, 1.0]).max() <= PASSED_BY
     jump = _largest_jump(path, law, 3 if "jerk" in names else 2)
@@ -62,8 +68,23 @@ def verify_time_law(path: Path, law: PPoly, law_sha256: str, stated: StatedMotio
     )
 
 
+def _corners(path: Path, order: int) -> Claim:
+    """Verify that derivatives up to an order are continuous: at a knot of multiplicity m, those up to k - m are."""
+    t, degree = path.spline.t, int(path.spline.k)
+    knots, counts = np.unique(t[(t > 0.0) & (t < 1.0)], return_counts=True)
+    corners = knots[degree - counts < order]
+    words = f"derivative {order} jumps at s = {corners[0]:.6g}" if corners.size else f"{order} continuous derivatives"
+    return Claim(SMOOTH, not corners.size, words)
+
+
+def _locked(path: Path) -> Claim:
+    """Verify that actuators without velocity stay where they are: splines are within their coefficients."""
+    travel = np.ptp(path.spline.c[:, ~(path.machine.velocity_mps > 0.0)], axis=0)
+    return Claim(LOCKED, bool((travel < _LEAST_TRAVEL_M).all()), f"{travel.max(initial=0.0):.2g} m of {travel.size}")
+
+
 def _limits(machine: Machine) -> FloatArray:
-    """Give the limits, (3, 5); those of locked actuators, zero, limit nothing, as they do not move."""
+    """Give the limits, (3, 5); those of locked actuators, zero, limit nothing: `LOCKED` is a claim of its own."""
     velocity = np.where(machine.velocity_mps > 0.0, machine.velocity_mps, np.inf)
     return np.stack([velocity, machine.acceleration_mps2, machine.jerk_mps3])
 

@@ -14,6 +14,7 @@ from pipeline.arrays import FloatArray, arrays_sha256
 from pipeline.errors import NoSolutionError
 from pipeline.inclusion.closure import working_precision
 from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.retime.drivable import require_locked_at_rest, require_smooth
 from pipeline.retime.proof.continuity import Jumps, find_jumps, leaves_path
 from pipeline.retime.proof.exact_motion import exact_motion
 from pipeline.retime.proof.kinematic_use import KinematicUse, kinematic_use
@@ -78,7 +79,7 @@ def prove_motion(trajectory: Trajectory) -> MotionProof:
 
 
 def require_proven(trajectory: Trajectory, backwards: bool = False) -> MotionProof:
-    """Prove a motion, and raise where it jumps or may exceed a limit.
+    """Prove a motion, and raise where it jumps, moves a locked actuator or may exceed a limit.
 
     Parameters
     ----------
@@ -90,6 +91,8 @@ def require_proven(trajectory: Trajectory, backwards: bool = False) -> MotionPro
     NoSolutionError
         With what may exceed which limit, by how much, and where.
     """
+    require_smooth(trajectory.path)
+    require_locked_at_rest(trajectory.path)
     proof = prove_motion(trajectory)
     _refuse_jumps(trajectory, proof)
     order, actuator = np.unravel_index(np.argmax(proof.use.proven), proof.use.proven.shape)

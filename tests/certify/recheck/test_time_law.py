@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import PPoly
 
-from pipeline.certify.recheck.time_law import LAW, ON_PATH, StatedMotion, verify_time_law, within_limits
+from pipeline.certify.recheck.time_law import LAW, LOCKED, ON_PATH, SMOOTH, StatedMotion, verify_time_law, within_limits
 from pipeline.machine import Machine
 from pipeline.refine import Path
 from pipeline.retime import Trajectory, law_sha256, prove_motion, time_reversed
 from pipeline.retime.result import stretched
-from tests.retime.proof.conftest import at_rest_at_both_ends, limited_to, with_bump
+from tests.retime.proof.conftest import at_rest_at_both_ends, limited_to, with_bump, with_corner, with_locked
 
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -31,7 +31,9 @@ def stated(motion: Trajectory) -> StatedMotion:
     return StatedMotion(proof.law_sha256, proof.fractions)
 
 
-def _refused(motion: Trajectory, stated: StatedMotion) -> set[str]:
+def _refused(motion: Trajectory, stated: StatedMotion | None) -> set[str]:
+    """Give the claims that are refused; without a statement, one that all limits are kept."""
+    stated = stated or StatedMotion(law_sha256(motion), {name: np.ones(5) for name in RATES})
     claims = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated)
     return {claim.what for claim in claims if not claim.verified}
 
@@ -93,4 +95,22 @@ def test_a_law_that_leaves_the_path_in_between_is_refused(motion: Trajectory) ->
     slow = stretched(at_rest_at_both_ends(motion.path), 400.0)
     away = with_bump(slow, 200.0, 199.0, 0.5)
     assert away.time_law(np.linspace(200.0, 400.0, 1_001)).max() > 1.3
-    assert _refused(away, StatedMotion(law_sha256(away), {name: np.ones(5) for name in RATES})) == {ON_PATH}
+    assert _refused(away, None) == {ON_PATH}
+
+
+@pytest.mark.parametrize(("multiplicity", "refused"), [(3, set()), (4, {SMOOTH}), (5, {SMOOTH})])
+def test_a_path_with_a_corner_is_refused(motion: Trajectory, multiplicity: int, refused: set[str]) -> None:
+    """Of degree 5, with a knot in the middle of a piece of the law: at 4 its curvature jumps, at 5 its direction."""
+    assert _refused(with_corner(motion, multiplicity), None) == refused
+
+
+def test_without_jerk_limits_only_corners_of_the_direction_count(motion: Trajectory) -> None:
+    """Accelerations jump by design."""
+    free = replace(motion, path=limited_to(motion.path, 1.0, 1.0, np.inf))
+    assert _refused(with_corner(free, 4), None) == set()
+    assert _refused(with_corner(free, 5), None) == {SMOOTH}
+
+
+def test_a_locked_actuator_that_moves_is_refused(motion: Trajectory) -> None:
+    """No part of its limit is used, as there is none."""
+    assert _refused(with_locked(motion, 3), None) == {LOCKED}
