@@ -113,11 +113,11 @@ def _motion_claims(results: "Results") -> "list[Claim]":
     from pipeline.certify.recheck.time_law import verify_time_law
     from pipeline.retime import law_sha256, way_back
 
-    claims = []
+    claims, jerk = [], results.config.retime.jerk
     for name, stated in stated_motions(results.folder).items():
         there = results.trajectory
         motion = there if name == "trajectory" else way_back(results.config, there)
-        found = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated)
+        found = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated, jerk=jerk)
         claims += [replace(claim, what=f"{name}: {claim.what}") for claim in found]
     return claims
 

@@ -66,9 +66,12 @@ class MotionProof:
 
 
 @lru_cache(maxsize=4)
-def prove_motion(trajectory: Trajectory) -> MotionProof:
-    """Prove which part of its kinematic limits a motion uses at most; the proofs of the last motions are kept."""
-    allowed = kinematic_limits(trajectory.path.machine, jerk=not trajectory.jerk_jumps)
+def prove_motion(trajectory: Trajectory, *, jerk: bool = True) -> MotionProof:
+    """Prove which part of its kinematic limits a motion uses at most; the proofs of the last motions are kept.
+
+    Without `jerk` it need not be limited, and accelerations may jump (`retime.jerk: off`).
+    """
+    allowed = kinematic_limits(trajectory.path.machine, jerk=jerk)
     with working_precision(_BITS):
         motion = exact_motion(trajectory)
         use = kinematic_use(motion, allowed)
@@ -78,13 +81,15 @@ def prove_motion(trajectory: Trajectory) -> MotionProof:
     return MotionProof(law_sha256(trajectory), use, jumps, off, bool(np.isfinite(allowed[2]).any()))
 
 
-def require_proven(trajectory: Trajectory, backwards: bool = False) -> MotionProof:
+def require_proven(trajectory: Trajectory, backwards: bool = False, *, jerk: bool = True) -> MotionProof:
     """Prove a motion, and raise where it jumps, moves a locked actuator or may exceed a limit.
 
     Parameters
     ----------
     backwards : bool
         The trajectory is the way back: s is reported along the way there.
+    jerk : bool
+        Jerk is to be limited where the machine limits it; otherwise accelerations may jump.
 
     Raises
     ------
@@ -93,7 +98,7 @@ def require_proven(trajectory: Trajectory, backwards: bool = False) -> MotionPro
     """
     require_smooth(trajectory.path)
     require_locked_at_rest(trajectory.path)
-    proof = prove_motion(trajectory)
+    proof = prove_motion(trajectory, jerk=jerk)
     _refuse_jumps(trajectory, proof)
     order, actuator = np.unravel_index(np.argmax(proof.use.proven), proof.use.proven.shape)
     fraction, attained = (float(part[order, actuator]) for part in (proof.use.proven, proof.use.attained))

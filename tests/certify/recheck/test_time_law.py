@@ -11,7 +11,14 @@ from pipeline.machine import Machine
 from pipeline.refine import Path
 from pipeline.retime import Trajectory, law_sha256, prove_motion, time_reversed
 from pipeline.retime.result import stretched
-from tests.retime.proof.conftest import at_rest_at_both_ends, limited_to, with_bump, with_corner, with_locked
+from tests.retime.proof.conftest import (
+    at_rest_at_both_ends,
+    limited_to,
+    of_degree_two,
+    with_bump,
+    with_corner,
+    with_locked,
+)
 
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -31,10 +38,10 @@ def stated(motion: Trajectory) -> StatedMotion:
     return StatedMotion(proof.law_sha256, proof.fractions)
 
 
-def _refused(motion: Trajectory, stated: StatedMotion | None) -> set[str]:
+def _refused(motion: Trajectory, stated: StatedMotion | None, *, jerk: bool = True) -> set[str]:
     """Give the claims that are refused; without a statement, one that all limits are kept."""
     stated = stated or StatedMotion(law_sha256(motion), {name: np.ones(5) for name in RATES})
-    claims = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated)
+    claims = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated, jerk=jerk)
     return {claim.what for claim in claims if not claim.verified}
 
 
@@ -114,3 +121,10 @@ def test_without_jerk_limits_only_corners_of_the_direction_count(motion: Traject
 def test_a_locked_actuator_that_moves_is_refused(motion: Trajectory) -> None:
     """No part of its limit is used, as there is none."""
     assert _refused(with_locked(motion, 3), None) == {LOCKED}
+
+
+def test_accelerations_jump_only_where_jerk_is_not_to_be_limited(motion: Trajectory) -> None:
+    """A law of degree two, slow enough for all limits: its degree does not decide what is asked of it."""
+    abrupt = of_degree_two(motion, 60.0)
+    assert _refused(abrupt, None, jerk=False) == set()
+    assert _refused(abrupt, None) == {"the motion goes from rest to rest without jumps"}

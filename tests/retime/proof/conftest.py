@@ -21,6 +21,14 @@ def at_rest_at_both_ends(path: Path, duration_s: float = DURATION_S) -> Trajecto
     return Trajectory(path, PPoly(np.array([*quintic, 0.0, 0.0, 0.0])[:, None], [0.0, duration_s]))
 
 
+def of_degree_two(trajectory: Trajectory, duration_s: float) -> Trajectory:
+    """Drive a path at constant path acceleration up to its middle, and as much the other way from there."""
+    half = duration_s / 2.0
+    curve = 0.5 / half**2
+    law = PPoly(np.array([[curve, -curve], [0.0, 2.0 * curve * half], [0.0, 0.5]]), [0.0, half, duration_s])
+    return replace(trajectory, time_law=law)
+
+
 def with_bump(trajectory: Trajectory, at_s: float, width_s: float, height: float) -> Trajectory:
     """Add a bump h (4 u (w - u) / w^2)^3 to s(t) for a while: position, velocity and acceleration stay continuous."""
     law = trajectory.time_law

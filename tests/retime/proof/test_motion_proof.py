@@ -9,7 +9,7 @@ from scipy.interpolate import PPoly
 from pipeline.errors import NoSolutionError
 from pipeline.retime import Trajectory, law_sha256, prove_motion, require_proven, time_reversed
 from pipeline.retime.result import stretched
-from tests.retime.proof.conftest import with_bump, with_corner, with_locked
+from tests.retime.proof.conftest import of_degree_two, with_bump, with_corner, with_locked
 
 
 def test_a_motion_within_its_limits_is_proven(straight: Trajectory) -> None:
@@ -67,6 +67,14 @@ def test_a_corner_of_the_path_is_refused(straight: Trajectory, multiplicity: int
     require_proven(with_corner(straight, 3))
     with pytest.raises(NoSolutionError, match=r"curvature jumps at s = 0\.5000"):
         require_proven(with_corner(straight, multiplicity))
+
+
+def test_accelerations_jump_only_where_jerk_is_not_to_be_limited(straight: Trajectory) -> None:
+    """A law of degree two is no excuse."""
+    abrupt = of_degree_two(straight, 60.0)
+    assert "jerk" not in require_proven(abrupt, jerk=False).fractions
+    with pytest.raises(NoSolutionError, match="the acceleration of an actuator jumps"):
+        require_proven(abrupt)
 
 
 def test_a_locked_actuator_that_moves_is_refused(straight: Trajectory) -> None:
