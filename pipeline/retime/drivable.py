@@ -54,19 +54,10 @@ def require_motion(path: Path) -> None:
             "the path does not move: no actuator travels",
             "Give the task a goal that differs from its start.",
         )
-    rates = path.q(s, 1)
-    for locked in np.flatnonzero((path.machine.velocity_mps == 0.0) & (travel >= _LEAST_TRAVEL_M)):
-        place = float(s[np.argmax(np.abs(rates[:, locked]) > 1e-6 * np.abs(rates[:, locked]).max())])
-        raise NoSolutionError(
-            "retime",
-            f"{ACTUATORS[locked]} has to move from s = {place:.4f} on, at {pose_words(path.pose(place))}, but its "
-            "velocity limit is 0 m/s",
-            "Raise machine.limits, or give the task a goal that does not need this actuator.",
-            {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
-        )
+    require_locked_at_rest(path)
     if path.motion_s is not None:
         return
-    speed = np.linalg.norm(rates, axis=1)
+    speed = np.linalg.norm(path.q(s, 1), axis=1)
     relative = speed / speed.mean()
     slowest = int(np.argmin(relative))
     if not relative[slowest] >= _LEAST_RELATIVE_SPEED:
@@ -76,4 +67,26 @@ def require_motion(path: Path) -> None:
             f"accurate timing needs at least {_LEAST_RELATIVE_SPEED:.0%}",
             "Refine with other refine.coefficients or refine.corridor_cells, so that s stays close to arc length.",
             {"s": float(s[slowest]), "relative_speed": float(relative[slowest])},
+        )
+
+
+def require_locked_at_rest(path: Path) -> None:
+    """Refuse a path that needs a locked actuator: a spline is between its least and its largest coefficient.
+
+    Raises
+    ------
+    NoSolutionError
+        With the actuator, and the place where it begins to move.
+    """
+    travel = np.ptp(path.spline.c, axis=0)
+    for locked in np.flatnonzero((path.machine.velocity_mps == 0.0) & ~(travel < _LEAST_TRAVEL_M)):
+        s = np.linspace(0.0, 1.0, _CHECK_POINTS)
+        rates = np.abs(path.q(s, 1)[:, locked])
+        place = float(s[np.argmax(rates > 1e-6 * rates.max())])
+        raise NoSolutionError(
+            "retime",
+            f"{ACTUATORS[locked]} has to move from s = {place:.4f} on, at {pose_words(path.pose(place))}, but its "
+            "velocity limit is 0 m/s",
+            "Raise machine.limits, or give the task a goal that does not need this actuator.",
+            {"actuator": ACTUATORS[locked], "limit": "velocity", "s": place},
         )

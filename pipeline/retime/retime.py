@@ -73,10 +73,10 @@ def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: T
     period_s = config.retime.period_s
     start, goal = (math.ceil(wait / period_s - 1e-9) * period_s for wait in config.retime.dwell_s)
     waiting = replace(fastest, dwell_s=(start, goal))
-    return fitted(slowed(waiting, config.retime.speed), period_s, table)
+    return fitted(config, slowed(waiting, config.retime.speed), table)
 
 
-def fitted(trajectory: Trajectory, period_s: float, table: PathDynamicsTable, backwards: bool = False) -> Trajectory:
+def fitted(config: Config, trajectory: Trajectory, table: PathDynamicsTable, backwards: bool = False) -> Trajectory:
     """Stretch time to whole periods, and further where a limit is exceeded at an instant that no program looked at.
 
     Velocity, acceleration and jerk are proven to be within their limits at every instant, forces and the TCP's motion
@@ -90,16 +90,17 @@ def fitted(trajectory: Trajectory, period_s: float, table: PathDynamicsTable, ba
         When a limit is still exceeded, or not proven to be kept; s is that along the way there, for a trajectory driven
         backwards, too.
     """
+    period_s, jerk = config.retime.period_s, config.retime.jerk
     trajectory = whole_periods(trajectory, period_s)
     usage = measure_usage(trajectory, period_s, table)
     if usage.largest > ALLOWED_USAGE:
         trajectory = whole_periods(_within_limits(trajectory, usage), period_s)
         require_limits(trajectory, period_s, table, backwards)
     # Between samples a limit may be exceeded by the thousandth part that samples are granted.
-    if (stretch := prove_motion(trajectory).stretch) > 1.0:
+    if 1.0 < (stretch := prove_motion(trajectory, jerk=jerk).stretch) < math.inf:
         longer = stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * stretch)
         trajectory = whole_periods(longer, period_s)
-    require_proven(trajectory, backwards)
+    require_proven(trajectory, backwards, jerk=jerk)
     return trajectory
 
 

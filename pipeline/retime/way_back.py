@@ -50,7 +50,7 @@ def _back(config: Config, trajectory: Trajectory, monitor: Monitor) -> Trajector
         back = _timed_by_itself(config, back, table, monitor)
     else:
         back = stretched(back, sum(back.dwell_s) + back.motion_s * stretch)
-    return fitted(back, config.retime.period_s, table, backwards=True)
+    return fitted(config, back, table, backwards=True)
 
 
 def _timed_by_itself(

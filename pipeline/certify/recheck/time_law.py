@@ -11,15 +11,18 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.recheck.arithmetic.time_law import largest_rates
+from pipeline.certify.recheck.arithmetic.time_law import PASSED_BY, largest_rates
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.machine.geometry import Machine
 from pipeline.refine.result import Path
 
 LAW = "the proof is of this time law"
+ON_PATH = "s stays on the path"
+SMOOTH = "the path has no corners"
+LOCKED = "locked actuators do not move"
 _NAMES = ("velocity", "acceleration", "jerk")
-_ROUNDING = 1e-9
-"""How far the law may end beside the ends of the path."""
+_LEAST_TRAVEL_M = 1e-9
+"""Travel of an actuator that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,24 +38,32 @@ def within_limits(name: str) -> str:
     return f"{name} stays within its bound and limit at every instant"
 
 
-def verify_time_law(path: Path, law: PPoly, law_sha256: str, stated: StatedMotion) -> Iterator[Claim]:
-    """Verify what is stated of a law along a path, whose own hash is given."""
+def verify_time_law(
+    path: Path, law: PPoly, law_sha256: str, stated: StatedMotion, *, jerk: bool = True
+) -> Iterator[Claim]:
+    """Verify what is stated of a law along a path, whose own hash is given.
+
+    Without `jerk` it need not be limited, and accelerations may jump: the configuration says so, not the law.
+    """
     yield Claim(LAW, stated.law_sha256 == law_sha256, law_sha256[:12])
-    limits, jerk_jumps = _limits(path.machine), len(law.c) < 4
-    names = _NAMES[:2] if jerk_jumps or not np.isfinite(limits[2]).any() else _NAMES
+    limits = _limits(path.machine)
+    names = _NAMES if jerk and np.isfinite(limits[2]).any() else _NAMES[:2]
     fractions = np.full((3, 5), np.inf)
     for row, name in enumerate(names):
         fractions[row] = stated.fractions.get(name, np.inf)
     with np.errstate(all="ignore"):
         enough = np.where(np.isfinite(limits), fractions * limits * (1.0 - 1e-12), np.inf)
-        found = largest_rates(path.spline, law, enough)
+        found, on_path = largest_rates(path.spline, law, enough)
         used = np.where(np.isfinite(limits), found / limits, 0.0)
     for row, name in enumerate(names):
         holds = bool((found[row] <= enough[row]).all() and (fractions[row] <= 1.0).all())
         text = f"{used[row].max():.6g} of the limit; stated {fractions[row].max():.6g}"
         yield Claim(within_limits(name), holds, text)
+    yield Claim(ON_PATH, on_path, f"from 0 to 1, to within {PASSED_BY:g}" if on_path else "it may leave 0 to 1")
+    yield _corners(path, 2 if "jerk" in names else 1)
+    yield _locked(path)
     ends = law.x[[0, -1]]
-    reached = np.abs(law(ends) - [0.0, 1.0]).max() <= _ROUNDING
+    reached = np.abs(law(ends) - [0.0, 1.0]).max() <= PASSED_BY
     jump = _largest_jump(path, law, 3 if "jerk" in names else 2)
     allowed = np.array([1e-8, 1e-5 * found[0].max(), 1e-4 * found[1].max()])[: len(jump)]
     yield Claim(
@@ -62,8 +73,23 @@ def verify_time_law(path: Path, law: PPoly, law_sha256: str, stated: StatedMotio
     )
 
 
+def _corners(path: Path, order: int) -> Claim:
+    """Verify that derivatives up to an order are continuous: at a knot of multiplicity m, those up to k - m are."""
+    t, degree = path.spline.t, int(path.spline.k)
+    knots, counts = np.unique(t[(t > 0.0) & (t < 1.0)], return_counts=True)
+    corners = knots[degree - counts < order]
+    words = f"derivative {order} jumps at s = {corners[0]:.6g}" if corners.size else f"{order} continuous derivatives"
+    return Claim(SMOOTH, not corners.size, words)
+
+
+def _locked(path: Path) -> Claim:
+    """Verify that actuators without velocity stay where they are: splines are within their coefficients."""
+    travel = np.ptp(path.spline.c[:, ~(path.machine.velocity_mps > 0.0)], axis=0)
+    return Claim(LOCKED, bool((travel < _LEAST_TRAVEL_M).all()), f"{travel.max(initial=0.0):.2g} m of {travel.size}")
+
+
 def _limits(machine: Machine) -> FloatArray:
-    """Give the limits, (3, 5); those of locked actuators, zero, limit nothing, as they do not move."""
+    """Give the limits, (3, 5); those of locked actuators, zero, limit nothing: `LOCKED` is a claim of its own."""
     velocity = np.where(machine.velocity_mps > 0.0, machine.velocity_mps, np.inf)
     return np.stack([velocity, machine.acceleration_mps2, machine.jerk_mps3])
 

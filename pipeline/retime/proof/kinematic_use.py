@@ -60,7 +60,8 @@ class _Interval:
 def kinematic_use(motion: ExactMotion, limits: FloatArray) -> KinematicUse:
     """Bound the use of limits (3, 5), infinite where there is none, at every instant of a motion.
 
-    What cannot be bounded within intervals of a 2^-24th of a piece is proven only as far as it is.
+    What cannot be bounded within intervals of a 2^-24th of a piece is proven only as far as it is. What is no number,
+    as for a limit that is none, counts as infinite.
     """
     attained, proven, t_s, s = (np.zeros(limits.shape) for _ in range(4))
     waiting, count = [_Interval(piece, fmpq(0), piece.length) for piece in motion.law], 0
@@ -85,6 +86,11 @@ def goals(attained: FloatArray) -> FloatArray:
     """Give the bounds that are good enough for the largest values attained: one wherever that is still above them."""
     sharp = np.maximum((1.0 + _SHARP) * attained, _FLOOR)
     return np.where(attained <= 1.0 - _ROOM, np.minimum(sharp, 1.0), sharp)
+
+
+def _number(value: float) -> float:
+    """Give infinity for what is no number: compared, that would count as nothing."""
+    return np.inf if np.isnan(value) else value
 
 
 def _halves(interval: _Interval) -> Iterator[_Interval]:
@@ -118,8 +124,8 @@ def _bound(motion: ExactMotion, interval: _Interval, limits: FloatArray) -> _Use
                 limit = limits[order, actuator]
                 if np.isinf(limit):
                     continue
-                bound[order, actuator] = max(bound[order, actuator], above(magnitude(f, half) / arb(limit)))
+                bound[order, actuator] = max(bound[order, actuator], _number(above(magnitude(f, half) / arb(limit))))
                 # At a knot it is not known which piece holds the middle.
                 if len(holds) == 1 and piece == holds[0]:
-                    values[order, actuator] = max(0.0, below(f(arb(0)).abs_lower() / arb(limit)))
+                    values[order, actuator] = max(0.0, _number(below(f(arb(0)).abs_lower() / arb(limit))))
     return _Use(bound, values, interval.piece.begins + float(arb(middle).mid()), float(at_middle.mid()))

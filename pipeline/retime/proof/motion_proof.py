@@ -14,6 +14,7 @@ from pipeline.arrays import FloatArray, arrays_sha256
 from pipeline.errors import NoSolutionError
 from pipeline.inclusion.closure import working_precision
 from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.retime.drivable import require_locked_at_rest, require_smooth
 from pipeline.retime.proof.continuity import Jumps, find_jumps, leaves_path
 from pipeline.retime.proof.exact_motion import exact_motion
 from pipeline.retime.proof.kinematic_use import KinematicUse, kinematic_use
@@ -65,9 +66,12 @@ class MotionProof:
 
 
 @lru_cache(maxsize=4)
-def prove_motion(trajectory: Trajectory) -> MotionProof:
-    """Prove which part of its kinematic limits a motion uses at most; the proofs of the last motions are kept."""
-    allowed = kinematic_limits(trajectory.path.machine, jerk=not trajectory.jerk_jumps)
+def prove_motion(trajectory: Trajectory, *, jerk: bool = True) -> MotionProof:
+    """Prove which part of its kinematic limits a motion uses at most; the proofs of the last motions are kept.
+
+    Without `jerk` it need not be limited, and accelerations may jump (`retime.jerk: off`).
+    """
+    allowed = kinematic_limits(trajectory.path.machine, jerk=jerk)
     with working_precision(_BITS):
         motion = exact_motion(trajectory)
         use = kinematic_use(motion, allowed)
@@ -77,24 +81,28 @@ def prove_motion(trajectory: Trajectory) -> MotionProof:
     return MotionProof(law_sha256(trajectory), use, jumps, off, bool(np.isfinite(allowed[2]).any()))
 
 
-def require_proven(trajectory: Trajectory, backwards: bool = False) -> MotionProof:
-    """Prove a motion, and raise where it jumps or may exceed a limit.
+def require_proven(trajectory: Trajectory, backwards: bool = False, *, jerk: bool = True) -> MotionProof:
+    """Prove a motion, and raise where it jumps, moves a locked actuator or may exceed a limit.
 
     Parameters
     ----------
     backwards : bool
         The trajectory is the way back: s is reported along the way there.
+    jerk : bool
+        Jerk is to be limited where the machine limits it; otherwise accelerations may jump.
 
     Raises
     ------
     NoSolutionError
         With what may exceed which limit, by how much, and where.
     """
-    proof = prove_motion(trajectory)
+    require_smooth(trajectory.path)
+    require_locked_at_rest(trajectory.path)
+    proof = prove_motion(trajectory, jerk=jerk)
     _refuse_jumps(trajectory, proof)
     order, actuator = np.unravel_index(np.argmax(proof.use.proven), proof.use.proven.shape)
     fraction, attained = (float(part[order, actuator]) for part in (proof.use.proven, proof.use.attained))
-    if fraction > 1.0:
+    if not fraction <= 1.0:
         quantity = quantity_named(NAMES[order])
         t_s, s = float(proof.use.t_s[order, actuator]) + trajectory.dwell_s[0], float(proof.use.s[order, actuator])
         s = 1.0 - s if backwards else s

@@ -53,10 +53,12 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
     section = trajectory_section(figures) | quality_part(measure_quality(trajectory, config.retime.speed))
     section |= drives_part(measure_drives(whole_periods(trajectory, config.retime.period_s)), ACTUATORS)
-    section |= proven_part(prove_motion(trajectory))
+    section |= proven_part(prove_motion(trajectory, jerk=config.retime.jerk))
     if isinstance(back, NoSolutionError):
         return Product(files, {**section, **without_part("back", failure_section(back.reason, back.advice))})
     samples = sample_trajectory(back, config.retime.period_s)
     figures = measure_trajectory(back, samples)
     files |= back_files(machine, samples, sidecar(config, machine, samples, figures.usage))
-    return Product(files, {**section, "back": back_section(figures) | proven_part(prove_motion(back))})
+    return Product(
+        files, {**section, "back": back_section(figures) | proven_part(prove_motion(back, jerk=config.retime.jerk))}
+    )

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.interpolate import PPoly
+from scipy.interpolate import BSpline, PPoly
 
 from pipeline.refine.result import Path
 from pipeline.retime import Trajectory
@@ -21,6 +21,14 @@ def at_rest_at_both_ends(path: Path, duration_s: float = DURATION_S) -> Trajecto
     return Trajectory(path, PPoly(np.array([*quintic, 0.0, 0.0, 0.0])[:, None], [0.0, duration_s]))
 
 
+def of_degree_two(trajectory: Trajectory, duration_s: float) -> Trajectory:
+    """Drive a path at constant path acceleration up to its middle, and as much the other way from there."""
+    half = duration_s / 2.0
+    curve = 0.5 / half**2
+    law = PPoly(np.array([[curve, -curve], [0.0, 2.0 * curve * half], [0.0, 0.5]]), [0.0, half, duration_s])
+    return replace(trajectory, time_law=law)
+
+
 def with_bump(trajectory: Trajectory, at_s: float, width_s: float, height: float) -> Trajectory:
     """Add a bump h (4 u (w - u) / w^2)^3 to s(t) for a while: position, velocity and acceleration stay continuous."""
     law = trajectory.time_law
@@ -30,6 +38,24 @@ def with_bump(trajectory: Trajectory, at_s: float, width_s: float, height: float
     parts[1] = parts[1] + height * bump**3
     rows = [np.pad(part.coef, (0, 7 - len(part.coef)))[::-1] for part in parts]
     return replace(trajectory, time_law=PPoly(np.array(rows).T, breaks))
+
+
+def with_corner(trajectory: Trajectory, multiplicity: int) -> Trajectory:
+    """Drive from the same start to the same goal by way of a corner at s = 0.5, slowly; straight on either side."""
+    path, degree = trajectory.path, 5
+    knots = np.concatenate([np.zeros(degree + 1), np.full(multiplicity, 0.5), np.ones(degree + 1)])
+    # Coefficients at the means of knots make straight lines.
+    along = np.array([knots[n + 1 : n + 1 + degree].mean() for n in range(degree + 1 + multiplicity)])[:, None]
+    aside = 0.02 * (0.5 - np.abs(along - 0.5)) * np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+    spline = BSpline(knots, path.q(0.0) + (path.q(1.0) - path.q(0.0)) * along + aside, degree)
+    return at_rest_at_both_ends(replace(path, spline=spline), 40.0)
+
+
+def with_locked(trajectory: Trajectory, actuator: int) -> Trajectory:
+    """Lock an actuator of the machine, whatever the path asks of it."""
+    machine = trajectory.path.machine
+    velocity = np.where(np.arange(5) == actuator, 0.0, machine.velocity_mps)
+    return replace(trajectory, path=replace(trajectory.path, machine=replace(machine, velocity_mps=velocity)))
 
 
 def limited_to(path: Path, velocity: float, acceleration: float, jerk: float) -> Path:

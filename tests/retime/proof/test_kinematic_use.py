@@ -1,10 +1,13 @@
 """Bounds of velocity, acceleration and jerk: never below what a motion does, and hardly above it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from pipeline.errors import NoSolutionError
 from pipeline.inclusion.closure import working_precision
-from pipeline.retime import Trajectory, prove_motion
+from pipeline.retime import Trajectory, prove_motion, require_proven
 from pipeline.retime.proof.exact_motion import exact_motion
 from pipeline.retime.proof.kinematic_use import goals, kinematic_use
 from pipeline.retime.proof.motion_proof import kinematic_limits
@@ -55,6 +58,23 @@ def test_quantities_without_a_limit_use_none_of_it(straight: Trajectory) -> None
     proof = prove_motion(at_rest_at_both_ends(limited_to(straight.path, 1.0, 10.0, np.inf)))
     assert (proof.use.proven[2] < 1e-5).all()
     assert "jerk" not in proof.fractions
+
+
+def test_what_is_no_number_is_not_proven(straight: Trajectory) -> None:
+    """A limit that is none is not kept; compared with NaN nothing would be used of it."""
+    limits = np.tile(1.1 * PEAKS[:, None], 5)
+    limits[1, 2] = np.nan
+    with working_precision(96):
+        use = kinematic_use(exact_motion(straight), limits)
+    assert np.isinf(use.proven[1, 2])
+    assert (np.delete(use.proven, 7) <= 1.0).all()
+    with pytest.raises(NoSolutionError, match="c3 is not proven to keep its acceleration limit"):
+        require_proven(_limited(straight, limits[1]))
+
+
+def _limited(motion: Trajectory, acceleration: np.ndarray) -> Trajectory:
+    machine = replace(motion.path.machine, acceleration_mps2=acceleration)
+    return replace(motion, path=replace(motion.path, machine=machine))
 
 
 def test_a_bound_is_good_enough_only_a_little_above_what_is_attained() -> None:

@@ -9,7 +9,7 @@ from scipy.interpolate import PPoly
 from pipeline.errors import NoSolutionError
 from pipeline.retime import Trajectory, law_sha256, prove_motion, require_proven, time_reversed
 from pipeline.retime.result import stretched
-from tests.retime.proof.conftest import with_bump
+from tests.retime.proof.conftest import of_degree_two, with_bump, with_corner, with_locked
 
 
 def test_a_motion_within_its_limits_is_proven(straight: Trajectory) -> None:
@@ -59,6 +59,29 @@ def test_a_law_that_is_not_one_motion_is_refused(straight: Trajectory, change, w
     law = straight.time_law
     with pytest.raises(NoSolutionError, match=words):
         require_proven(replace(straight, time_law=PPoly(change(law.c), law.x)))
+
+
+@pytest.mark.parametrize("multiplicity", [4, 5])
+def test_a_corner_of_the_path_is_refused(straight: Trajectory, multiplicity: int) -> None:
+    """In the middle of a piece of the law, where no coefficients of the law tell of it."""
+    require_proven(with_corner(straight, 3))
+    with pytest.raises(NoSolutionError, match=r"curvature jumps at s = 0\.5000"):
+        require_proven(with_corner(straight, multiplicity))
+
+
+def test_accelerations_jump_only_where_jerk_is_not_to_be_limited(straight: Trajectory) -> None:
+    """A law of degree two is no excuse."""
+    abrupt = of_degree_two(straight, 60.0)
+    assert "jerk" not in require_proven(abrupt, jerk=False).fractions
+    with pytest.raises(NoSolutionError, match="the acceleration of an actuator jumps"):
+        require_proven(abrupt)
+
+
+def test_a_locked_actuator_that_moves_is_refused(straight: Trajectory) -> None:
+    """Telescopes stand still, carts do not."""
+    require_proven(with_locked(straight, 3))
+    with pytest.raises(NoSolutionError, match="c2 has to move"):
+        require_proven(with_locked(straight, 1))
 
 
 def test_the_hash_is_of_law_path_and_waiting(straight: Trajectory) -> None:

@@ -13,7 +13,7 @@ from math import factorial
 import numpy as np
 from scipy.interpolate import BSpline, PPoly
 
-from pipeline.arrays import FloatArray, IntArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, exactly, stacked, times, total, within
 from pipeline.certify.recheck.arithmetic.jets import expand
 from pipeline.certify.recheck.arithmetic.splines import spline_taylor
@@ -22,6 +22,8 @@ _ORDERS = 3
 _TERMS = _ORDERS + 3
 _FACTORIALS = np.array([factorial(n) for n in range(1, _ORDERS + 1)], dtype=float)[:, None, None]
 _MOST_HALVINGS = 24
+PASSED_BY = 1e-9
+"""How far s may pass the ends of the path by rounding."""
 _MOST_BEYOND = 64
 """Intervals that do not suffice, per piece of the law, after which none is halved any more."""
 
@@ -44,18 +46,19 @@ class _Intervals:
         return _Intervals(np.tile(self.piece, 2), begins, np.tile(half, 2))
 
 
-def largest_rates(spline: BSpline, law: PPoly, enough: FloatArray) -> FloatArray:
-    """Bound velocities, accelerations and jerks of a motion at every instant, (3, 5); halved until below `enough`.
+def largest_rates(spline: BSpline, law: PPoly, enough: FloatArray) -> tuple[FloatArray, bool]:
+    """Bound velocities, accelerations and jerks of a motion at every instant, (3, 5), and say whether s is in [0, 1].
 
-    Where that cannot be reached, the bounds are those of the intervals at which that was seen.
+    Intervals are halved until below `enough`, and on the path to within 1e-9. Where that cannot be reached, the bounds
+    are those of the intervals at which that was seen.
     """
     pieces = np.arange(law.c.shape[1])
     waiting, largest = _Intervals(pieces, np.zeros(len(pieces)), np.ones(len(pieces))), np.zeros_like(enough)
     for halvings in range(_MOST_HALVINGS + 1):
-        bounds, attained = _bounds(spline, law, waiting)
+        bounds, attained, on_path = _bounds(spline, law, waiting)
         # What is certainly above needs no sharper bound.
         enough = np.where(attained > enough, np.inf, enough)
-        beyond = ~(bounds <= enough[..., None]).all(axis=(0, 1))
+        beyond = ~((bounds <= enough[..., None]).all(axis=(0, 1)) & on_path)
         largest = np.maximum(largest, bounds[..., ~beyond].max(axis=2, initial=0.0))
         waiting = waiting[np.flatnonzero(beyond)]
         too_many = len(waiting.piece) > _MOST_BEYOND * len(pieces)
@@ -63,11 +66,17 @@ def largest_rates(spline: BSpline, law: PPoly, enough: FloatArray) -> FloatArray
             break
         waiting = waiting.halves()
     unsettled = np.nan_to_num(bounds[..., beyond], nan=np.inf)
-    return np.asarray(np.maximum(largest, unsettled.max(axis=2, initial=0.0)), dtype=float)
+    return np.maximum(largest, unsettled.max(axis=2, initial=0.0)), bool(on_path.all())
 
 
-def _bounds(spline: BSpline, law: PPoly, intervals: _Intervals) -> tuple[FloatArray, FloatArray]:
-    """Bound the rates of all actuators over intervals (n,), shape (3, 5, n); give what some middle attains, (3, 5)."""
+def _bounds(spline: BSpline, law: PPoly, intervals: _Intervals) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Bound the rates of all actuators over intervals (n,), shape (3, 5, n).
+
+    Returns
+    -------
+    bounds, attained, on_path : (3, 5, n), (3, 5), (n,)
+        The second is what some middle attains; the third says where s is certainly on the path.
+    """
     c = exactly(law.c[::-1, intervals.piece])
     length = exactly(law.x[intervals.piece + 1]) - exactly(law.x[intervals.piece])
     middle = length * exactly(intervals.begins + intervals.width / 2.0)
@@ -84,7 +93,8 @@ def _bounds(spline: BSpline, law: PPoly, intervals: _Intervals) -> tuple[FloatAr
     sure = (np.abs(rates.mid) - rates.rad) * (1.0 - 1e-12) * _FACTORIALS
     # Where an interval meets two pieces of the path, it is not known which holds its middle.
     alone = np.bincount(rows, minlength=len(half))[rows] == 1
-    return found, np.where(alone, sure, 0.0).max(axis=2, initial=0.0)
+    on_path = (over[0].lower >= -PASSED_BY) & (over[0].upper <= 1.0 + PASSED_BY)
+    return found, np.where(alone, sure, 0.0).max(axis=2, initial=0.0), on_path
 
 
 def _pieces_met(spline: BSpline, s: Enclosure) -> tuple[IntArray, FloatArray]:
