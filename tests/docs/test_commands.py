@@ -12,7 +12,7 @@ from tests.docs.pages import PAGES, PROJECT, blocks, inline_code, page_name
 
 _PROGRAM = re.compile(r"^(?:\.venv/bin/)?gantry-tau ")
 _COMMAND_LINE = typer.main.get_command(app)
-OTHERS = {"make", ".", "cp"}
+OTHERS = {"make", ".", "cp", "python3", "pip"}
 """Other programs that blocks use."""
 
 
