@@ -17,8 +17,8 @@ OTHERS = {"make", ".", "cp", "python3", "pip"}
 
 
 def shell_lines(page: Path) -> list[str]:
-    """Give the lines of shell blocks, without comments."""
-    lines = [line for code in blocks(page, "sh") for line in code.splitlines()]
+    """Give the lines of shell blocks, continued ones as one, without comments."""
+    lines = [line for code in blocks(page, "sh") for line in code.replace("\\\n", "").splitlines()]
     return [line for line in lines if line.strip() and not line.startswith("#")]
 
 
