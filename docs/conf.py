@@ -29,6 +29,7 @@ myst_heading_anchors = 4
 suppress_warnings = ["myst.strikethrough"]
 
 default_role = "literal"
+smartquotes = False  # "--" and quotes in prose belong to commands
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"

@@ -11,7 +11,7 @@
 # ---
 
 # %% [markdown]
-# # Your own machine
+# # Try out a geometry
 #
 # What to check, and in which order, before a new machine is worth a fine grid. The example is wider and longer
 # than the reference machine. Nothing here takes more than seconds, so that geometries can be tried out.

@@ -22,15 +22,20 @@ def _command(name: str, command: Any) -> str:
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     options = [one for one in command.params if one.param_type_name == "option"]
     usage = " ".join(["gantry-tau", name, *map(_usage, arguments), "[OPTIONS]"])
-    rows = [(literal(one.metavar or one.name.upper()), plain(one.help or ""), "") for one in arguments]
+    rows = [(literal(_name(one)), plain(one.help or ""), "") for one in arguments]
     rows += [(_option(one), plain(one.help or ""), _default(one)) for one in options]
     text = f"## {name}\n\n{plain(command.help or '')}\n\n```text\n{usage}\n```\n\n"
     text += table(("argument, option", "meaning", "default"), rows)
     return text + _examples(command.epilog or "")
 
 
+def _name(argument: Any) -> str:
+    """Name an argument without the brackets of one that may be left out."""
+    return str(argument.metavar or argument.name.upper()).strip("[]")
+
+
 def _usage(argument: Any) -> str:
-    name = argument.metavar or argument.name.upper()
+    name = _name(argument)
     name = f"{name} ..." if argument.nargs == -1 else name
     return name if argument.required else f"[{name}]"
 

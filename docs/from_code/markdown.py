@@ -1,6 +1,10 @@
 """Markdown that is written by programs."""
 
+import re
 from collections.abc import Iterable, Sequence
+
+_CODE_OR_MARKUP = re.compile(r"(`[^`]+`)|([*_<>\[\]{}|`])")
+_BAR = re.compile(r"(?<!\\)\|")
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -15,9 +19,9 @@ def literal(text: object) -> str:
 
 
 def plain(text: str) -> str:
-    """Escape what Markdown would take for markup."""
-    return text.translate({ord(sign): f"\\{sign}" for sign in "*_<>[]{}|`"})
+    """Escape what Markdown would take for markup, except code in backticks."""
+    return _CODE_OR_MARKUP.sub(lambda found: found[1] or f"\\{found[2]}", text)
 
 
 def _cell(text: str) -> str:
-    return " ".join(text.split())
+    return _BAR.sub(r"\\|", " ".join(text.split()))

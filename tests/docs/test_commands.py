@@ -12,13 +12,13 @@ from tests.docs.pages import PAGES, PROJECT, blocks, inline_code, page_name
 
 _PROGRAM = re.compile(r"^(?:\.venv/bin/)?gantry-tau ")
 _COMMAND_LINE = typer.main.get_command(app)
-OTHERS = {"make", ".", "cp"}
+OTHERS = {"make", ".", "cp", "python3", "pip"}
 """Other programs that blocks use."""
 
 
 def shell_lines(page: Path) -> list[str]:
-    """Give the lines of shell blocks, without comments."""
-    lines = [line for code in blocks(page, "sh") for line in code.splitlines()]
+    """Give the lines of shell blocks, continued ones as one, without comments."""
+    lines = [line for code in blocks(page, "sh") for line in code.replace("\\\n", "").splitlines()]
     return [line for line in lines if line.strip() and not line.startswith("#")]
 
 

@@ -49,6 +49,15 @@ def test_every_command_and_option_is_described() -> None:
     assert text.count("Examples:") == len(commands)
 
 
+def test_tables_of_commands_have_three_cells() -> None:
+    """A bar within a cell does not split it, and code of help texts stays code."""
+    text = fill_in("<!-- from code: commands -->")
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {4}
+    assert any("`CONFIG \\| RUN`" in row for row in rows)
+    assert "from `simulate --output FILE`" in text
+
+
 def test_every_column_and_figure_is_described() -> None:
     """The tables have a row for each."""
     columns, figures = (fill_in(f"<!-- from code: {part} -->") for part in ("trajectory columns", "figures"))
