@@ -97,6 +97,7 @@ def test_the_configuration_says_whether_accelerations_may_jump(
     everything = {name: [1.0] * 5 for name in ("velocity", "acceleration", "jerk")}
     stated = {"proven": {**everything, "law_sha256": law_sha256(abrupt)}}
     (run / TRAJECTORY_NPZ).write_bytes(npz_bytes(pack_trajectory(abrupt)))
-    (run / SUMMARY).write_bytes(json_bytes({"trajectory": stated}))
+    (run / SUMMARY).write_bytes(json_bytes({"trajectory": {**stated, "back": stated}}))
     assert own_task.retime.jerk
-    assert refused(check(run)) == ["trajectory: the motion goes from rest to rest without jumps"]
+    wrong = ["trajectory: the motion goes from rest to rest without jumps", "way back: the motion is proven"]
+    assert refused(check(run)) == wrong

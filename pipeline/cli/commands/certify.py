@@ -17,6 +17,7 @@ from pipeline.stage import Stage
 
 if TYPE_CHECKING:
     from pipeline.certify.recheck import Claim
+    from pipeline.certify.recheck.time_law import StatedMotion
     from pipeline.run.results import Results
 
 
@@ -106,30 +107,39 @@ def verify_file(file: Path) -> None:
 
 
 def _motion_claims(results: "Results") -> "list[Claim]":
-    """Verify what the run states of its motion and of the way back, as far as it has any.
+    """Verify what the run states of its motion and of the way back, as far as it has any."""
+    from pipeline.artifacts.results.proven_motion import stated_motions
 
-    Of a motion that is there without a statement nothing is verified: a claim says so.
-    """
+    return [
+        claim for name, stated in stated_motions(results.folder).items() for claim in _claims(results, name, stated)
+    ]
+
+
+def _claims(results: "Results", name: str, stated: "StatedMotion | None") -> "list[Claim]":
+    """Verify what is stated of a motion; where nothing is, or where it cannot be computed, a claim says so."""
     from dataclasses import replace
 
     from pipeline.artifacts.layout import TRAJECTORY_NPZ
-    from pipeline.artifacts.results.proven_motion import stated_motions
     from pipeline.certify.recheck import Claim
     from pipeline.certify.recheck.time_law import verify_time_law
     from pipeline.retime import law_sha256, way_back
 
-    claims, jerk, law_is_there = [], results.config.retime.jerk, (results.folder / TRAJECTORY_NPZ).exists()
-    for name, stated in stated_motions(results.folder).items():
-        if stated is None or not law_is_there:
-            wrong = "nothing is stated of it" if stated is None else f"{TRAJECTORY_NPZ} is missing"
-            found = f"{wrong}; time the path again: gantry-tau retime CONFIG --force"
-            claims.append(Claim(f"{name}: the motion is proven", verified=False, found=found))
-            continue
-        there = results.trajectory
-        motion = there if name == "trajectory" else way_back(results.config, there)
-        found = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated, jerk=jerk)
-        claims += [replace(claim, what=f"{name}: {claim.what}") for claim in found]
-    return claims
+    def unproven(why: str) -> list[Claim]:
+        found = f"{why}; time the path again: gantry-tau retime CONFIG --force"
+        return [Claim(f"{name}: the motion is proven", verified=False, found=found)]
+
+    if stated is None:
+        return unproven("nothing is stated of it")
+    if not (results.folder / TRAJECTORY_NPZ).exists():
+        return unproven(f"{TRAJECTORY_NPZ} is missing")
+    motion = results.trajectory
+    try:
+        motion = motion if name == "trajectory" else way_back(results.config, motion)
+    except NoSolutionError as error:
+        return unproven(error.reason)
+    jerk = results.config.retime.jerk
+    claims = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated, jerk=jerk)
+    return [replace(claim, what=f"{name}: {claim.what}") for claim in claims]
 
 
 def _run_beside(file: Path) -> "Results":
