@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from pipeline.machine.actuator_space import (
@@ -22,6 +22,7 @@ kinds = st.sampled_from(["on axis", "off axis", "general"])
 
 
 @given(seed=seeds, kind=kinds)
+@example(seed=68365, kind="general")
 @settings(max_examples=8)
 def test_figures_belong_to_their_directions(draw_moving: Callable, seed: int, kind: str):
     """Each value is what its matrix gives along its direction, and no random direction is beyond it."""
@@ -46,9 +47,10 @@ def test_figures_belong_to_their_directions(draw_moving: Callable, seed: int, ki
         (felt.stiffness_npm, lambda x: along(K, x), -1.0),
         (felt.damping_nspm, damped, -1.0),
     ):
-        scale = np.abs(figure.value).max()
-        assert of(figure.along) == pytest.approx(figure.value, abs=1e-8 * scale)
-        assert (sign * of(random) <= sign * figure.value + 1e-8 * scale).all()
+        # Where nothing moves there is nothing but rounding.
+        rounding = 1e-8 * np.abs(figure.value).max() + 1e-9
+        assert of(figure.along) == pytest.approx(figure.value, abs=rounding)
+        assert (sign * of(random) <= sign * figure.value + rounding).all()
 
 
 @given(seed=seeds, kind=kinds)
