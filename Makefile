@@ -46,23 +46,17 @@ reference: $(DEV)
 	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
 	$(BIN)/python -m tests.show.page.picture $(REFERENCE)/show.png
 
-# The study of 4-DOF machines that is kept in git: ten minutes.
-FOUR_DOF := results/reference/four_dof
-.PHONY: reference-study
-reference-study: $(DEV)
-	$(BIN)/gantry-tau study configs/studies/four_dof.yaml --out results/four_dof
-	mkdir -p $(FOUR_DOF)
-	cp results/four_dof/study.csv $(FOUR_DOF)/
-	$(BIN)/python -m tests.benchmarks.four_dof $(FOUR_DOF)/study.csv $(FOUR_DOF)/four_dof.png
-
-# The study of the machine's dimensions that is kept in git: some minutes.
-DESIGN := results/reference/design
-.PHONY: reference-design
-reference-design: $(DEV)
-	$(BIN)/gantry-tau study configs/studies/design.yaml --out results/design
-	mkdir -p $(DESIGN)
-	cp results/design/study.csv $(DESIGN)/
-	$(BIN)/python -m tests.benchmarks.design $(DESIGN)/study.csv $(DESIGN)/design.png
+# The studies that are kept in git, with their pictures: of 4-DOF machines, ten minutes; of the machine's dimensions, some.
+STUDIES := four_dof design
+.PHONY: reference-study reference-design
+reference-study: reference-of-four_dof
+reference-design: reference-of-design
+.PHONY: $(STUDIES:%=reference-of-%)
+$(STUDIES:%=reference-of-%): reference-of-%: $(DEV)
+	$(BIN)/gantry-tau study configs/studies/$*.yaml --out results/$*
+	mkdir -p results/reference/$*
+	cp results/$*/study.csv results/reference/$*/
+	$(BIN)/python -m tests.benchmarks.$* results/reference/$*/study.csv results/reference/$*/$*.png
 
 # The notebooks as .ipynb files with their outputs, for Jupyter, VS Code or a browser: a minute.
 .PHONY: notebooks

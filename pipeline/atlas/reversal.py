@@ -16,6 +16,7 @@ from pipeline.limits import move_limits, path_limits
 from pipeline.limits.approach import approaches
 from pipeline.machine.geometry import Machine
 from pipeline.route.moves.check import is_directed
+from pipeline.route.planner import as_route
 from pipeline.route.problem import RouteProblem
 from pipeline.route.programs.solution import StepSequence
 from pipeline.route.result import Route
@@ -56,15 +57,5 @@ def reversed_route(problem: RouteProblem, route: Route) -> Route | None:
     if rejected_moves(problem, placed):
         return None
     moved = placed.objective - route.objective
-    return replace(
-        route,
-        region=placed.region,
-        modes=placed.steps.modes,
-        gates=placed.steps.gates,
-        visits=placed.visits,
-        pose=placed.pose,
-        q_m=placed.q_m,
-        kappa=placed.steps.kappa,
-        objective=placed.objective,
-        search=replace(route.search, bound=route.search.bound + moved),
-    )
+    search = replace(route.search, bound=route.search.bound + moved)
+    return as_route(problem, placed, search, route.status)

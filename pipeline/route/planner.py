@@ -172,7 +172,7 @@ def _best_route(problem: RouteProblem, better: list[Route], screen: Screen, foll
             search = _search(placed, best, screen, len(problem.moves), round_)
             largest = float(placed.steps.kappa.max())
             least = _least_kappa_max(problem, graph, largest) if problem.guided else np.inf
-            return _route(problem, placed, replace(search, least_kappa_max=least), status)
+            return as_route(problem, placed, replace(search, least_kappa_max=least), status)
         for step, rejection in found:
             # Gates may have been exchanged for their twins: forbid the move between either.
             for rows in (placed.region.tolist(), best.sequence.region.tolist()):
@@ -218,7 +218,8 @@ def _search(placed: PlacedRoute, best: Optimum, screen: Screen, moves: int, roun
     )
 
 
-def _route(problem: RouteProblem, placed: PlacedRoute, search: Search, status: Status) -> Route:
+def as_route(problem: RouteProblem, placed: PlacedRoute, search: Search, status: Status) -> Route:
+    """Give a route that was placed, with how it was found, as the result of the stage."""
     return Route(
         region=placed.region,
         modes=placed.steps.modes,

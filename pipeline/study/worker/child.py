@@ -16,7 +16,7 @@ from threading import Thread
 READY = b"ready\n"
 """What the process says when it can take requests: only then does the time of a run begin."""
 _PR_SET_PDEATHSIG = 1
-_MOST_MEMORY_GB = 1.5
+_MOST_BYTES = 1.5e9
 """Memory above which the worker ends the process after a case: what libraries keep for good does not add up."""
 
 
@@ -26,13 +26,6 @@ def die_with(parent: int) -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
-
-
-def memory_gb() -> float:
-    """Give the memory that this process takes up; 0 where the system does not tell."""
-    with contextlib.suppress(OSError), open("/proc/self/statm") as file:  # noqa: PTH123
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e9
-    return 0.0
 
 
 def _listen(lines: "SimpleQueue[bytes]") -> None:
@@ -51,13 +44,15 @@ def main() -> None:
     with os.fdopen(os.dup(1), "wb") as output:
         # Solvers may print.
         os.dup2(2, 1)
+        from pipeline.study.extra import library
         from pipeline.study.worker.task import run_case
 
+        process = library("psutil").Process()
         output.write(READY)
         output.flush()
         while True:
             row = run_case(json.loads(requests.get()))
-            answer = {"row": row.data(), "spent": memory_gb() > _MOST_MEMORY_GB}
+            answer = {"row": row.data(), "spent": process.memory_info().rss > _MOST_BYTES}
             output.write(json.dumps(answer).encode() + b"\n")
             output.flush()
 
