@@ -6,14 +6,16 @@ bound; a good one gives a sharp bound.
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.inclusion.closure import Geometry
+from pipeline.inclusion.closure import Geometry, cross
 from pipeline.inclusion.condition import below, norm
-from pipeline.inclusion.krawczyk import Piecewise
+from pipeline.inclusion.following import CARTS
+from pipeline.inclusion.krawczyk import Erring, Piecewise
 from pipeline.inclusion.matrices import ball_matrix
 
 _LINKS = 6
@@ -46,8 +48,49 @@ class AxisPairs:
         return cls(np.array([(a, _LINKS + a) for a, _ in pairs]), np.array(second), from_rail, rails_m)
 
 
-def distance_bounds(machine: Geometry, pairs: AxisPairs, series: Piecewise, deviation: list[arb]) -> FloatArray:
-    """Bound the distances of all pairs from below for poses within `deviation` of x(t). Shape (pairs,)."""
+@dataclass(frozen=True, eq=False)
+class _Gaps:
+    """What distances along x(t) follow from.
+
+    Attributes
+    ----------
+    N : 2 matrices pairs x 3
+        Directions N0 + N1 t.
+    least : pairs x 4 balls
+        Lower bounds of n . (P - Q), for the four pairs of end points.
+    sizes : pairs bounds
+        |n|.
+    """
+
+    N: list[arb_mat]
+    least: list[list[arb]]
+    sizes: list[arb]
+
+
+def distance_bounds(
+    machine: Geometry, pairs: AxisPairs, series: Piecewise, deviation: list[arb], errors: Erring | None = None
+) -> FloatArray:
+    """Bound the distances of all pairs from below for poses within `deviation` of x(t), or of x(t) + P a for all a.
+
+    Shape (pairs,).
+    """
+    gaps = series.derive((pairs.from_rail, pairs.first.tobytes()), lambda: _along(pairs, series))
+    off = _joint_deviation(machine, deviation)
+    by_errors = None if errors is None else _moved_by_errors(gaps.N[0] + gaps.N[1] * arb(0, series.half), errors)
+    found = []
+    for pair, (least, size) in enumerate(zip(gaps.least, gaps.sizes, strict=True)):
+        if by_errors is not None:
+            closer = [sum(((row[pair][p] - row[pair][q]).abs_upper() for row in by_errors), arb(0)) for p, q in _ends(pairs, pair)]
+            least = [bound - by for bound, by in zip(least, closer, strict=True)]
+        found.append(_pair_bound(pairs, pair, (least, size), off))
+    return np.array(found)
+
+
+def _ends(pairs: AxisPairs, pair: int) -> list[tuple[int, int]]:
+    return list(product(pairs.first[pair].tolist(), pairs.second[pair].tolist()))
+
+
+def _along(pairs: AxisPairs, series: Piecewise) -> _Gaps:
     points = _end_points(pairs, series)
     half = float(series.half.mid())
     values = [np.array([float(entry.mid()) for entry in table.entries()]).reshape(3, -1) for table in points]
@@ -62,27 +105,43 @@ def distance_bounds(machine: Geometry, pairs: AxisPairs, series: Piecewise, devi
         N[0] * points[2] + N[1] * points[1],
         N[1] * points[2],
     ]
-    off = _joint_deviation(machine, deviation)
-    return np.array([_pair_bound(pairs, pair, terms, N, series.half, off) for pair in range(len(pairs.first))])
+    h, least = series.half, []
+    for pair in range(len(pairs.first)):
+        gaps = [[term[pair, p] - term[pair, q] for term in terms] for p, q in _ends(pairs, pair)]
+        least.append([(g[0] - sum((g[k].abs_upper() * h**k for k in range(1, 4)), arb(0))).lower() for g in gaps])
+    ends = [(N[0] + N[1] * t).table() for t in (-h, h)]
+    return _Gaps(N, least, [norm(first).max(norm(last)) for first, last in zip(*ends, strict=True)])
 
 
-def _pair_bound(pairs: AxisPairs, pair: int, terms: list[arb_mat], N: list[arb_mat], h: arb, off: list[arb]) -> float:
-    least = None
-    for p in pairs.first[pair].tolist():
-        for q in pairs.second[pair].tolist():
-            gap = [term[pair, p] - term[pair, q] for term in terms]
-            bound = gap[0] - sum((g.abs_upper() * h**k for k, g in enumerate(gap[1:], start=1)), arb(0))
-            bound = bound.lower()
-            least = bound if least is None else least.min(bound)
-    assert least is not None
-    sizes = [norm([N[0][pair, i] + N[1][pair, i] * t for i in range(3)]) for t in (-h, h)]
-    size = sizes[0].max(sizes[1])
+def _moved_by_errors(N: arb_mat, errors: Erring) -> list[list[list[arb]]]:
+    """Enclose n . dP / da_k A_k for every error k, pair and end point: 5 x pairs x 15.
+
+    Cart joints move by e_x with their own cart; platform joints by P_xyz + T P_angles, T the axes crossed with the arm.
+    """
+    table = errors.following.over.table()
+    shift, turn = arb_mat(table[:3]), arb_mat(table[3:])
+    platform = [
+        shift + arb_mat([cross(axis, arm) for axis in errors.hull.axes]).transpose() * turn for arm in errors.hull.arms
+    ]
+    still, found = [arb(0)] * 3, []
+    for k, error in enumerate(errors.following.errors):
+        carts = [[arb(int(cart == k)), arb(0), arb(0)] for cart in CARTS]
+        points = [*carts, *([joint[c, k] for c in range(3)] for joint in platform), still, still, still]
+        found.append((N * arb_mat(points).transpose() * error).table())
+    return found
+
+
+def _pair_bound(pairs: AxisPairs, pair: int, gap: tuple[list[arb], arb], off: list[arb]) -> float:
+    """Bound the distance of a pair by the gaps of its end points, and |n|; joints are `off` by up to as much."""
+    (bounds, size), least = gap, arb("inf")
+    for bound in bounds:
+        least = least.min(bound.lower())
     if not size > 0:
         return 0.0
-    moved = sum(
+    by_pose = sum(
         (off[p - _LINKS] for p in (*pairs.first[pair], *pairs.second[pair]) if _LINKS <= p < 2 * _LINKS), arb(0)
     )
-    return max(0.0, below(least / size - moved))
+    return max(0.0, below(least / size - by_pose))
 
 
 def _end_points(pairs: AxisPairs, series: Piecewise) -> list[arb_mat]:

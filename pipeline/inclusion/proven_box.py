@@ -1,9 +1,10 @@
 """A proven box with everything that bounds over it are computed from."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from pipeline.inclusion.closure import Geometry
-from pipeline.inclusion.krawczyk import Inclusion, Piecewise
+from pipeline.inclusion.krawczyk import Erring, Inclusion, Piecewise, erring
 from pipeline.inclusion.pieces import Piece
 from pipeline.machine.geometry import Machine
 
@@ -31,3 +32,8 @@ class ProvenBox:
     piece: Piece
     series: Piecewise
     inclusion: Inclusion
+
+    @cached_property
+    def erring(self) -> Erring | None:
+        """The closures for all errors of the actuators; None if there are none."""
+        return erring(self.balls, self.series, self.inclusion)

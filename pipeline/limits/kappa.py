@@ -42,6 +42,7 @@ class KappaCap:
     key: str = "route.kappa_max"
     cost: int = 2
     rounding: float = 1e-12
+    proven_under_error: bool = True
 
     @property
     def wording(self) -> Wording:
@@ -97,7 +98,7 @@ class KappaCap:
         """Bound kappa and the sign of det H over a proven box, shape (2, 2)."""
         from pipeline.inclusion.condition import kappa_bound
 
-        found = kappa_bound(box.balls, box.series, box.inclusion.image)
+        found = kappa_bound(box.balls, box.series, box.inclusion.image, box.erring)
         return np.array([[-np.inf, found.kappa * (1.0 + PROOF_MARGIN)], [found.det_sign, found.det_sign]])
 
     def unproven(self, bounds: FloatArray) -> str:

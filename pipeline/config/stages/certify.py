@@ -33,3 +33,15 @@ class CertifyConfig(Section):
         le=100_000,
         description="machines drawn at random to find the calibration error at which the path really fails",
     )
+    following_length_m: float = Field(
+        0.0,
+        ge=0.0,
+        le=0.01,
+        description="following: errors of the links' lengths that drives may be off beside, as one more claim; 0: none",
+    )
+    following_coordinate_m: float = Field(
+        0.0,
+        ge=0.0,
+        le=0.01,
+        description="following: errors of every coordinate of joints and rails beside which drives may be off",
+    )
