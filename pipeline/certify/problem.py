@@ -17,7 +17,6 @@ from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.result import Path
 
-
 Interval = tuple[float, float, float]
 """The beginning of a piece of the splines, and an interval of s on it."""
 _INFLATION = 1.15

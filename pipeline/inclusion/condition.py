@@ -10,9 +10,9 @@ import numpy as np
 from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import Closure, Geometry, cross
-from pipeline.inclusion.following import CARTS, TELESCOPE
-from pipeline.inclusion.krawczyk import Erring, Piecewise, linear_inverse, residual_of_inverse
+from pipeline.inclusion.closure import Geometry, cross
+from pipeline.inclusion.following import CARTS, TELESCOPE, Erring
+from pipeline.inclusion.krawczyk import Piecewise, linear_inverse, residual_of_inverse
 from pipeline.inclusion.matrices import ball_matrix, floats, inner, magnitudes, matrices
 
 
@@ -32,14 +32,12 @@ class _Statics:
     """What bounds of kappa need of H' along x(t): Y, and bounds of ||Y||, ||H'|| and ||I - Y H'||."""
 
     Y: list[arb_mat]
-    size_Y: arb
-    size_H: arb
+    norm_of_inverse: arb
+    norm_of_h: arb
     miss: arb
 
 
-def kappa_bound(
-    machine: Geometry, series: Piecewise, deviation: list[arb], errors: Erring | None = None
-) -> KappaBound:
+def kappa_bound(machine: Geometry, series: Piecewise, deviation: list[arb], errors: Erring | None = None) -> KappaBound:
     """Bound kappa over a box whose pose is within `deviation` (6,) of x(t), or of x(t) + P a for all errors a."""
     if (along := series.derive(_statics, lambda: _statics(series))) is None:
         return NO_BOUND
@@ -49,11 +47,11 @@ def kappa_bound(
         by_H, by_YH = _change_by_errors(machine, errors, along.Y[0] + along.Y[1] * arb(0, series.half))
         links = errors.hull.vectors, errors.hull.lengths
     off = statics_change(machine, links, deviation)
-    miss = along.miss + along.size_Y * off + by_YH
+    miss = along.miss + along.norm_of_inverse * off + by_YH
     if not miss < 1:
         return NO_BOUND
     det = along.Y[0].det()
-    kappa = ((along.size_H + off + by_H) * along.size_Y / (1 - miss)).abs_upper()
+    kappa = ((along.norm_of_h + off + by_H) * along.norm_of_inverse / (1 - miss)).abs_upper()
     return KappaBound(above(kappa), int(det > 0) - int(det < 0))
 
 
@@ -66,8 +64,8 @@ def _statics(series: Piecewise) -> _Statics | None:
     h, Y = series.half, [ball_matrix(part) for part in inverse]
     H0, H1 = floats(H[0]), floats(H[1])
     rounding = frobenius(magnitudes(H[0] - ball_matrix(H0))) + h * frobenius(magnitudes(H[1] - ball_matrix(H1)))
-    size_H = _largest(H0, H1, h) + rounding + h * h * frobenius(magnitudes(H[2]))
-    return _Statics(Y, _largest(*inverse, h), size_H, frobenius(residual_of_inverse(Y, H, h)))
+    norm_of_h = _largest(H0, H1, h) + rounding + h * h * frobenius(magnitudes(H[2]))
+    return _Statics(Y, _largest(inverse[0], inverse[1], h), norm_of_h, frobenius(residual_of_inverse(Y, H, h)))
 
 
 def _change_by_errors(machine: Geometry, erring: Erring, Y: arb_mat) -> tuple[arb, arb]:
@@ -160,9 +158,7 @@ def spectral_norm(M: FloatArray) -> arb:
     return (_row_sum(MV.transpose() * MV) / (1 - loss)).sqrt().abs_upper()
 
 
-def statics_change(
-    machine: Geometry, links: tuple[list[list[arb]], list[arb]], deviation: list[arb]
-) -> arb:
+def statics_change(machine: Geometry, links: tuple[list[list[arb]], list[arb]], deviation: list[arb]) -> arb:
     """Bound the change of H in the Frobenius norm as the pose deviates by up to `deviation` (6,), metres and radians.
 
     No Euler angle moves a joint farther than its distance from the TCP times the angle. `links` are the vectors

@@ -14,12 +14,13 @@ from flint import arb, arb_mat
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.inclusion.closure import Geometry, cross
 from pipeline.inclusion.condition import below, norm
-from pipeline.inclusion.following import CARTS
-from pipeline.inclusion.krawczyk import Erring, Piecewise
-from pipeline.inclusion.matrices import ball_matrix
+from pipeline.inclusion.following import CARTS, Erring
+from pipeline.inclusion.krawczyk import Piecewise
+from pipeline.inclusion.matrices import ball_matrix, enlarged, floats, inner, upper_bounds, upper_vector
 
 _LINKS = 6
 _PARALLEL = 1e-12
+_PROBE, _FASTEST_PER_M = 1e-6, 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +61,17 @@ class _Gaps:
         Lower bounds of n . (P - Q), for the four pairs of end points.
     sizes : pairs bounds
         |n|.
+    middle : (15, 3)
+        End points in the middle of the interval.
+    points : 3 x 15 balls
+        End points over the interval.
     """
 
     N: list[arb_mat]
     least: list[list[arb]]
     sizes: list[arb]
+    middle: FloatArray
+    points: arb_mat
 
 
 def distance_bounds(
@@ -75,15 +82,10 @@ def distance_bounds(
     Shape (pairs,).
     """
     gaps = series.derive((pairs.from_rail, pairs.first.tobytes()), lambda: _along(pairs, series))
-    off = _joint_deviation(machine, deviation)
-    by_errors = None if errors is None else _moved_by_errors(gaps.N[0] + gaps.N[1] * arb(0, series.half), errors)
-    found = []
-    for pair, (least, size) in enumerate(zip(gaps.least, gaps.sizes, strict=True)):
-        if by_errors is not None:
-            closer = [sum(((row[pair][p] - row[pair][q]).abs_upper() for row in by_errors), arb(0)) for p, q in _ends(pairs, pair)]
-            least = [bound - by for bound, by in zip(least, closer, strict=True)]
-        found.append(_pair_bound(pairs, pair, (least, size), off))
-    return np.array(found)
+    off, (least, sizes) = _joint_deviation(machine, deviation), (gaps.least, gaps.sizes)
+    if errors is not None:
+        least, sizes = _with_errors(pairs, gaps, gaps.N[0] + gaps.N[1] * arb(0, series.half), errors)
+    return np.array([_pair_bound(pairs, pair, gap, off) for pair, gap in enumerate(zip(least, sizes, strict=True))])
 
 
 def _ends(pairs: AxisPairs, pair: int) -> list[tuple[int, int]]:
@@ -93,7 +95,7 @@ def _ends(pairs: AxisPairs, pair: int) -> list[tuple[int, int]]:
 def _along(pairs: AxisPairs, series: Piecewise) -> _Gaps:
     points = _end_points(pairs, series)
     half = float(series.half.mid())
-    values = [np.array([float(entry.mid()) for entry in table.entries()]).reshape(3, -1) for table in points]
+    values = [floats(table) for table in points]
     before, after = (
         separating_directions(pairs, (values[0] + t * values[1] + t * t * values[2]).T) for t in (-half, half)
     )
@@ -110,11 +112,44 @@ def _along(pairs: AxisPairs, series: Piecewise) -> _Gaps:
         gaps = [[term[pair, p] - term[pair, q] for term in terms] for p, q in _ends(pairs, pair)]
         least.append([(g[0] - sum((g[k].abs_upper() * h**k for k in range(1, 4)), arb(0))).lower() for g in gaps])
     ends = [(N[0] + N[1] * t).table() for t in (-h, h)]
-    return _Gaps(N, least, [norm(first).max(norm(last)) for first, last in zip(*ends, strict=True)])
+    sizes = [norm(first).max(norm(last)) for first, last in zip(*ends, strict=True)]
+    everywhere = points[0] + points[1] * arb(0, h) + points[2] * arb(0, h * h)
+    return _Gaps(N, least, sizes, values[0].T, everywhere)
 
 
-def _moved_by_errors(N: arb_mat, errors: Erring) -> list[list[list[arb]]]:
-    """Enclose n . dP / da_k A_k for every error k, pair and end point: 5 x pairs x 15.
+def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> tuple[list[list[arb]], list[arb]]:
+    """Bound n . (P - Q) from below and |n| for all errors a, with n = N(t) + sum a_k M_k; N over the interval.
+
+    M_k follows how directions between closest points turn. With S_k enclosing the derivatives of the end points,
+
+        n . (P - Q) >= N . D - sum |N . S_k + M_k . D| A_k - (sum |M_k| A_k) (sum |S_k| A_k),   D = P - Q along x(t).
+    """
+    A, S = errors.following.errors, _joint_moves(errors)
+    turns = [direction_rates(pairs, gaps.middle, floats(part).T) for part in S]
+    M = [ball_matrix(part) for part in turns]
+    by_error = [(N * part + turn * gaps.points) * a for part, turn, a in zip(S, M, A, strict=True)]
+    size = upper_vector(A)
+    turned = enlarged(np.einsum("kpc,kpc->kp", *(enlarged(np.array(turns)),) * 2) ** 0.5 * size[:, None]).sum(axis=0)
+    middles = np.array([floats(part) for part in S])
+    radii = np.array([upper_bounds(part - ball_matrix(middle)) for part, middle in zip(S, middles, strict=True)])
+    least, sizes = [], []
+    for pair, bounds in enumerate(gaps.least):
+        found = []
+        for bound, (p, q) in zip(bounds, _ends(pairs, pair), strict=True):
+            first = sum(((row[pair, p] - row[pair, q]).abs_upper() for row in by_error), arb(0))
+            apart = np.abs(middles[..., p] - middles[..., q]) + radii[..., p] + radii[..., q]
+            second = enlarged(turned[pair] * (np.sqrt(np.square(apart).sum(axis=1)) @ size))
+            found.append(bound - first - arb(float(second)))
+        least.append(found)
+        along = sum(
+            (inner(N.table()[pair], m.table()[pair]).abs_upper() * a for m, a in zip(M, A, strict=True)), arb(0)
+        )
+        sizes.append((gaps.sizes[pair] ** 2 + 2 * along + arb(float(enlarged(turned[pair] ** 2)))).sqrt().abs_upper())
+    return least, sizes
+
+
+def _joint_moves(errors: Erring) -> list[arb_mat]:
+    """Enclose the derivatives of all end points by the error of each actuator: five matrices 3 x 15.
 
     Cart joints move by e_x with their own cart; platform joints by P_xyz + T P_angles, T the axes crossed with the arm.
     """
@@ -124,10 +159,10 @@ def _moved_by_errors(N: arb_mat, errors: Erring) -> list[list[list[arb]]]:
         shift + arb_mat([cross(axis, arm) for axis in errors.hull.axes]).transpose() * turn for arm in errors.hull.arms
     ]
     still, found = [arb(0)] * 3, []
-    for k, error in enumerate(errors.following.errors):
+    for k in range(len(errors.following.errors)):
         carts = [[arb(int(cart == k)), arb(0), arb(0)] for cart in CARTS]
         points = [*carts, *([joint[c, k] for c in range(3)] for joint in platform), still, still, still]
-        found.append((N * arb_mat(points).transpose() * error).table())
+        found.append(arb_mat(points).transpose())
     return found
 
 
@@ -184,3 +219,12 @@ def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
     between = r + a[..., None] * u - b[..., None] * v
     length = np.linalg.norm(between, axis=-1, keepdims=True)
     return np.asarray(np.divide(between, length, out=np.zeros_like(between), where=length > 0.0), dtype=float)
+
+
+def direction_rates(pairs: AxisPairs, points: FloatArray, moves: FloatArray) -> FloatArray:
+    """Estimate how fast directions (..., pairs, 3) turn as end points (..., 15, 3) move; no proof relies on it."""
+    before, after = (separating_directions(pairs, points + side * _PROBE * moves) for side in (-1.0, 1.0))
+    rates = (after - before) / (2.0 * _PROBE)
+    # Where closest points change from one end to another, directions jump.
+    bounded = np.linalg.norm(rates, axis=-1, keepdims=True) < _FASTEST_PER_M
+    return np.asarray(np.where(bounded, rates, 0.0), dtype=float)

@@ -21,8 +21,17 @@ import numpy as np
 from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import Closure, cross
-from pipeline.inclusion.matrices import ball_matrix, enlarged, floats, magnitudes, times, upper_bounds, upper_vector
+from pipeline.inclusion.closure import Closure, Geometry, closure, cross
+from pipeline.inclusion.matrices import (
+    added,
+    ball_matrix,
+    enlarged,
+    floats,
+    magnitudes,
+    times,
+    upper_bounds,
+    upper_vector,
+)
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
 
 _LINKS, _ACTUATORS, _ORDERS = 6, len(ACTUATORS), 3
@@ -76,7 +85,7 @@ class Following:
         return arb_mat(_LINKS * _LINKS, _ACTUATORS, (C * by_link).entries())
 
     def second_order(self, C: arb_mat, parts: list[arb_mat]) -> FloatArray:
-        """Bound |a' (P' (G_i P / 2 + K_i) + diag(C_i W'') / 2) a| for all errors, with `parts` G_i P / 2 + K_i. (6,)."""
+        """Bound |a' (P' part_i + diag(C_i W'') / 2) a| for all errors, with part_i = G_i P / 2 + K_i. Shape (6,)."""
         A, P = upper_vector(self.errors), self.over.transpose()
         bent, found = C * _SQUARES, []
         for i, part in enumerate(parts):
@@ -156,6 +165,32 @@ def follow_actuators(symbols: Symbols, errors_m: tuple[float, ...]) -> Following
     """Give actuators errors of up to `errors_m` (5,), at least one of them not zero."""
     A = [arb(e) for e in errors_m]
     return Following(symbols.matrix, symbols.over, A, times(symbols.size, A), times(symbols.miss, A))
+
+
+@dataclass(frozen=True, eq=False)
+class Erring:
+    """What bounds need where actuators are off.
+
+    Attributes
+    ----------
+    following : Following
+        P and A.
+    hull : Closure
+        The closures over all proven poses and all errors of the actuators, in plain balls.
+    """
+
+    following: Following
+    hull: Closure[arb]
+
+
+def erring(machine: Geometry, over: Closure[arb_series], following: Following, deviation: list[arb]) -> Erring | None:
+    """Evaluate the closures over poses within `deviation` (6,) of x(t) + P a for all errors; None if there are none."""
+    if not following.any:
+        return None
+    reach = added(following.moved, deviation)
+    pose = [coordinate[0] + arb(0, r.upper()) for coordinate, r in zip(over.pose, reach, strict=True)]
+    q = [position[0] + arb(0, e) for position, e in zip(over.q, following.errors, strict=True)]
+    return Erring(following, closure(machine, pose, q))
 
 
 def _rates(closure: Closure[arb_series], order: int) -> arb_mat:

@@ -219,33 +219,6 @@ def _hull(machine: Geometry, series: Piecewise, reach: list[arb]) -> Closure[arb
     return closure(machine, pose, [q[0] for q in series.over.q])
 
 
-@dataclass(frozen=True, eq=False)
-class Erring:
-    """What bounds need where actuators are off.
-
-    Attributes
-    ----------
-    following : Following
-        P and A.
-    hull : Closure
-        The closures over all proven poses and all errors of the actuators, in plain balls.
-    """
-
-    following: Following
-    hull: Closure[arb]
-
-
-def erring(machine: Geometry, series: Piecewise, inclusion: Inclusion) -> Erring | None:
-    """Evaluate the closures of a proven box for all errors of the actuators; None if there are none."""
-    following = inclusion.following
-    if not following.any:
-        return None
-    reach = added(following.moved, inclusion.image)
-    pose = [coordinate[0] + arb(0, r.upper()) for coordinate, r in zip(series.over.pose, reach, strict=True)]
-    q = [position[0] + arb(0, e) for position, e in zip(series.over.q, following.errors, strict=True)]
-    return Erring(following, closure(machine, pose, q))
-
-
 def _image(
     C: arb_mat,
     hull: Closure[arb],
@@ -253,13 +226,13 @@ def _image(
     following: Following,
     radius: list[arb],
 ) -> list[arb]:
-    """Bound k of a box (see the module): sums of bounds are computed in floats, and enlarged by more than they round."""
+    """Bound k of a box (see the module). Sums of bounds are in floats, and enlarged by more than they round."""
     miss, D = (np.array([upper_vector(row) for row in matrix]) for matrix in (known[0], known[4]))
     rest, E, moved, r = (upper_vector(values) for values in (known[1], known[2], known[3], radius))
     G = arb_mat(_SIZE * _SIZE, _SIZE, (C * arb_mat(second_derivatives(hull))).entries())
     spread = _bounds(G) @ r
     k = rest + miss @ r
-    if uncertain := bool((E > upper_vector([arb(0)])).any()):
+    if uncertain := any(not e.is_zero() for e in known[2]):
         GC, CT, C_abs = G * C, C.transpose(), upper_bounds(C)
         spread += _bounds(GC) @ E
         k += np.array([E @ upper_bounds(CT * part) @ E for part in _parts(GC)]) / 2.0

@@ -114,7 +114,7 @@ class AxisDistance:
         from pipeline.inclusion.distances import AxisPairs, distance_bounds
 
         pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine.rails_m)
-        least = distance_bounds(box.balls, pairs, box.series, box.inclusion.image, box.erring)
+        least = distance_bounds(box.balls, pairs, box.series, box.deviation, box.erring)
         return np.column_stack([np.maximum(least - PROOF_SLACK_M, 0.0), np.full(len(least), np.inf)])
 
     def unproven(self, bounds: FloatArray) -> str:

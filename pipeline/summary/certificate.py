@@ -98,7 +98,11 @@ def certificate_words(section: Section) -> str:
         )
     )
     if (following := section.get("following_m")) is not None:
-        found += f"; drives may be off by {1e3 * following:.2f} mm at a time"
+        branch = section["following_on_branch_m"]
+        found += (
+            f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances within their limits, and by "
+            f"{1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
+        )
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
         f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"

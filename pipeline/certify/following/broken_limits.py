@@ -1,7 +1,7 @@
 """The least errors of actuators at which a sampled pose breaks a limit, for comparison with what is proven.
 
-To first order each limit is lost fastest in one corner of the errors, the signs of its gradient. The most critical poses
-are followed there until a limit breaks.
+To first order each limit is lost fastest in one corner of the errors, the signs of its gradient. The most critical
+poses are followed there until a limit breaks.
 """
 
 from collections.abc import Sequence

@@ -11,10 +11,13 @@ from pipeline.progress import QUIET, Monitor
 
 _LESS = 0.96
 """By how much less is tried over a piece than its single s bear, and where the chain does not close."""
+_RESOLUTION = 0.05
 _MOST_ATTEMPTS = 200
 
 
-def prove_profile(search: Search, likely_m: float, *, within_limits: bool, monitor: Monitor = QUIET) -> ProvenChain | None:
+def prove_profile(
+    search: Search, likely_m: float, *, within_limits: bool, monitor: Monitor = QUIET
+) -> ProvenChain | None:
     """Prove one chain whose errors are as large over each piece as was found; None if some piece bears none.
 
     At a joint both pieces have the smaller errors of the two, so that a motion that stays within those at every s is
@@ -53,7 +56,7 @@ def _at_points(search: Search, points: Iterator[Point], likely_m: float) -> floa
                 Bracket(0.0, bracket.proven_m or float("inf")),
                 likely_m,
                 lambda eps, at=point: search.bears(eps, at),  # type: ignore[misc]
-                _LESS,
+                _RESOLUTION,
             )
             likely_m = bracket.proven_m
     return bracket.proven_m

@@ -103,9 +103,7 @@ def largest_error(search: Search, likely_m: float, likely_s: float, monitor: Mon
 
 def largest_over(search: Search, piece: Piece, bracket: Bracket, first_m: float | None = None) -> Bracket:
     """Bracket the largest error over a piece, within a bracket that is proven at its least."""
-    return narrowed(
-        bracket, first_m, lambda eps: search.close(eps, [piece]).failure is None, search.resolution
-    )
+    return narrowed(bracket, first_m, lambda eps: search.close(eps, [piece]).failure is None, search.resolution)
 
 
 def _largest_at_points(search: Search, likely_m: float, likely_s: float) -> tuple[Bracket, Point]:
@@ -127,9 +125,7 @@ def _at(search: Search, point: Point, bracket: Bracket, first_m: float) -> Brack
     return narrowed(bracket, first_m, lambda eps: search.bears(eps, point), search.resolution)
 
 
-def narrowed(
-    bracket: Bracket, first_m: float | None, proves: Callable[[float], bool], resolution: float
-) -> Bracket:
+def narrowed(bracket: Bracket, first_m: float | None, proves: Callable[[float], bool], resolution: float) -> Bracket:
     """Narrow a bracket to a resolution: doubled as long as nothing fails, then bisected."""
     eps = bracket.next_m() if first_m is None else first_m
     while not bracket.within(resolution):

@@ -58,7 +58,7 @@ def search_following(config: Config, machine: Machine, path: Path, monitor: Moni
     for name, weights in following_weights(machine).items():
         seen = breaking_errors(limits, path, weights)
         within[name] = _late(_within_limits(given, weights, keep, seen, monitor), name, machine)
-        branch[name] = _late(_on_branch(given, of_actuators(weights), likely_m, monitor), name, machine)
+        branch[name] = _late(_on_branch(given, weights, likely_m, monitor), name, machine)
         likely_m = branch[COMMON].eps_m or _FIRST_M
     profiles = {
         name: _profile(given, examine, found[COMMON].eps_m, monitor)
@@ -66,12 +66,10 @@ def search_following(config: Config, machine: Machine, path: Path, monitor: Moni
         if found[COMMON].eps_m > 0.0
     }
     proven = {name: chain for name, chain in profiles.items() if chain is not None}
-    return FollowingTolerances(within, branch, _calibrated(given, likely_m, monitor), proven)
+    return FollowingTolerances(within, branch, _calibrated(given, branch[COMMON], monitor), proven)
 
 
-def _within_limits(
-    given: _Path, weights: FloatArray, keep: Examiner, seen: Broken, monitor: Monitor
-) -> Tolerance:
+def _within_limits(given: _Path, weights: FloatArray, keep: Examiner, seen: Broken, monitor: Monitor) -> Tolerance:
     """Search the largest errors within limits, and what the tilts are off by then."""
     likely_m, kind = seen.eps_m if np.isfinite(seen.eps_m) else _FIRST_M, of_actuators(weights)
     found = largest_error(given.search(kind, keep), likely_m, seen.s, monitor)
@@ -81,16 +79,22 @@ def _within_limits(
     return Tolerance(found.proven_m, found.refuted_m, seen.eps_m, proof, tilt_reserve_deg(found.chain))
 
 
-def _on_branch(
-    given: _Path, kind: Callable[[float], Uncertainty], likely_m: float, monitor: Monitor
-) -> Tolerance:
+def _on_branch(given: _Path, weights: FloatArray, likely_m: float, monitor: Monitor) -> Tolerance:
     """Search the largest errors for which the chain closes, whatever limits are broken."""
-    found = largest_error(given.search(kind, accept_any), likely_m, given.critical_s, monitor)
     monitor.progress("searching for machines that fail")
-    problem, samples = given.problem, given.config.certify.monte_carlo_samples
+    problem, samples, kind = given.problem, given.config.certify.monte_carlo_samples, of_actuators(weights)
     fails = failing_eps(problem.machine, problem.path, kind, samples)
+    return _closing(given, kind, (likely_m, fails), monitor)
+
+
+def _closing(
+    given: _Path, kind: Callable[[float], Uncertainty], known_m: tuple[float, float], monitor: Monitor
+) -> Tolerance:
+    """Search the largest errors of a kind for which the chain closes, from a guess; some machine fails at the other."""
+    likely_m, fails_m = known_m
+    found = largest_error(given.search(kind, accept_any), likely_m, given.critical_s, monitor)
     proof = None if found.chain is None else proven_chain(found.chain, kind(found.proven_m))
-    return Tolerance(found.proven_m, found.refuted_m, fails, proof)
+    return Tolerance(found.proven_m, found.refuted_m, fails_m, proof)
 
 
 def _late(tolerance: Tolerance, name: str, machine: Machine) -> Tolerance:
@@ -105,8 +109,11 @@ def _profile(given: _Path, examine: Examiner, likely_m: float, monitor: Monitor)
     return prove_profile(search, likely_m, within_limits=examine is not accept_any, monitor=monitor)
 
 
-def _calibrated(given: _Path, likely_m: float, monitor: Monitor) -> Tolerance | None:
-    """Search the largest errors of all actuators beside the configured calibration errors; None if these are zero."""
+def _calibrated(given: _Path, alone: Tolerance, monitor: Monitor) -> Tolerance | None:
+    """Search the largest errors of all actuators beside the configured calibration errors; None if these are zero.
+
+    The machine as configured is one of those: what fails with errors of actuators alone fails beside others, too.
+    """
     options = given.config.certify
     beside = Uncertainty(options.following_length_m, options.following_coordinate_m)
     if not beside.calibration:
@@ -115,7 +122,7 @@ def _calibrated(given: _Path, likely_m: float, monitor: Monitor) -> Tolerance | 
     def kind(eps_m: float) -> Uncertainty:
         return replace(beside, actuator_m=(eps_m,) * 5)
 
-    return _on_branch(given, kind, likely_m, monitor)
+    return _closing(given, kind, (alone.eps_m or _FIRST_M, alone.fails_m), monitor)
 
 
 def tilt_reserve_deg(chain: Chain) -> tuple[float, float]:

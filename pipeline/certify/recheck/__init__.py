@@ -9,4 +9,14 @@ from pipeline.certify.recheck.profile import KappaProfile, kappa_profile
 from pipeline.certify.recheck.statement import StatedCalibrated, StatedFollowing, StatedTolerance, Statement
 from pipeline.certify.recheck.verdict import MANDATORY, verify
 
-__all__ = ["MANDATORY", "Claim", "KappaProfile", "StatedCalibrated", "StatedFollowing", "StatedTolerance", "Statement", "kappa_profile", "verify"]
+__all__ = [
+    "MANDATORY",
+    "Claim",
+    "KappaProfile",
+    "StatedCalibrated",
+    "StatedFollowing",
+    "StatedTolerance",
+    "Statement",
+    "kappa_profile",
+    "verify",
+]
