@@ -132,6 +132,7 @@ def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> t
     turned = enlarged(np.einsum("kpc,kpc->kp", *(enlarged(np.array(turns)),) * 2) ** 0.5 * size[:, None]).sum(axis=0)
     middles = np.array([floats(part) for part in S])
     radii = np.array([upper_bounds(part - ball_matrix(middle)) for part, middle in zip(S, middles, strict=True)])
+    normals, rows = N.table(), [rates.table() for rates in M]
     least, sizes = [], []
     for pair, bounds in enumerate(gaps.least):
         found = []
@@ -141,9 +142,7 @@ def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> t
             second = enlarged(turned[pair] * (np.sqrt(np.square(apart).sum(axis=1)) @ size))
             found.append(bound - first - arb(float(second)))
         least.append(found)
-        along = sum(
-            (inner(N.table()[pair], m.table()[pair]).abs_upper() * a for m, a in zip(M, A, strict=True)), arb(0)
-        )
+        along = inner([inner(normals[pair], rates[pair]).abs_upper() for rates in rows], A)
         sizes.append((gaps.sizes[pair] ** 2 + 2 * along + arb(float(enlarged(turned[pair] ** 2)))).sqrt().abs_upper())
     return least, sizes
 

@@ -12,7 +12,7 @@ class CertifyConfig(Section):
     what: Proof = Field(
         Proof.PATH,
         description="path; tolerances: how wrong the machine may be, too (a minute); following: and how far drives may "
-        "lag (another minute); nothing",
+        "be off the path, within limits and on the branch (another minute); nothing",
     )
     precision_bits: int = Field(64, ge=53, le=4_096, description="precision of the ball arithmetic")
     kappa_excess: float = Field(
