@@ -17,8 +17,9 @@ from pipeline.inclusion.condition import below, norm
 from pipeline.inclusion.following import CARTS, Erring
 from pipeline.inclusion.krawczyk import Piecewise
 from pipeline.inclusion.matrices import ball_matrix, enlarged, floats, inner, upper_bounds, upper_vector
+from pipeline.machine.geometry import ACTUATORS
 
-_LINKS = 6
+_LINKS, _ERRORS = 6, len(ACTUATORS)
 _PARALLEL = 1e-12
 _PROBE, _FASTEST_PER_M = 1e-6, 1e3
 
@@ -61,8 +62,8 @@ class _Gaps:
         Lower bounds of n . (P - Q), for the four pairs of end points.
     sizes : pairs bounds
         |n|.
-    middle : (15, 3)
-        End points in the middle of the interval.
+    turning : (5, pairs, 3)
+        M_k: how fast directions turn with errors of the actuators, in the middle of the interval.
     points : 3 x 15 balls
         End points over the interval.
     """
@@ -70,7 +71,7 @@ class _Gaps:
     N: list[arb_mat]
     least: list[list[arb]]
     sizes: list[arb]
-    middle: FloatArray
+    turning: FloatArray
     points: arb_mat
 
 
@@ -114,7 +115,7 @@ def _along(pairs: AxisPairs, series: Piecewise) -> _Gaps:
     ends = [(N[0] + N[1] * t).table() for t in (-h, h)]
     sizes = [norm(first).max(norm(last)) for first, last in zip(*ends, strict=True)]
     everywhere = points[0] + points[1] * arb(0, h) + points[2] * arb(0, h * h)
-    return _Gaps(N, least, sizes, values[0].T, everywhere)
+    return _Gaps(N, least, sizes, _turning(pairs, series, values[0].T), everywhere)
 
 
 def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> tuple[list[list[arb]], list[arb]]:
@@ -125,25 +126,24 @@ def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> t
         n . (P - Q) >= N . D - sum |N . S_k + M_k . D| A_k - (sum |M_k| A_k) (sum |S_k| A_k),   D = P - Q along x(t).
     """
     A, S = errors.following.errors, _joint_moves(errors)
-    turns = [direction_rates(pairs, gaps.middle, floats(part).T) for part in S]
-    M = [ball_matrix(part) for part in turns]
+    M = [ball_matrix(part) for part in gaps.turning]
     by_error = [(N * part + turn * gaps.points) * a for part, turn, a in zip(S, M, A, strict=True)]
     size = upper_vector(A)
-    turned = enlarged(np.einsum("kpc,kpc->kp", *(enlarged(np.array(turns)),) * 2) ** 0.5 * size[:, None]).sum(axis=0)
+    turned = enlarged((enlarged(np.sqrt(np.square(gaps.turning).sum(axis=2))) * size[:, None]).sum(axis=0))
     middles = np.array([floats(part) for part in S])
     radii = np.array([upper_bounds(part - ball_matrix(middle)) for part, middle in zip(S, middles, strict=True)])
-    normals, rows = N.table(), [rates.table() for rates in M]
-    least, sizes = [], []
+    p, q = pairs.first[:, :, None], pairs.second[:, None, :]
+    apart = np.abs(middles[..., p] - middles[..., q]) + radii[..., p] + radii[..., q]
+    second = enlarged(turned[:, None, None] * np.einsum("kpij,k->pij", np.sqrt(np.square(apart).sum(axis=1)), size))
+    normals, rows, least, sizes = N.table(), [rates.table() for rates in M], [], []
     for pair, bounds in enumerate(gaps.least):
-        found = []
-        for bound, (p, q) in zip(bounds, _ends(pairs, pair), strict=True):
-            first = sum(((row[pair, p] - row[pair, q]).abs_upper() for row in by_error), arb(0))
-            apart = np.abs(middles[..., p] - middles[..., q]) + radii[..., p] + radii[..., q]
-            second = enlarged(turned[pair] * (np.sqrt(np.square(apart).sum(axis=1)) @ size))
-            found.append(bound - first - arb(float(second)))
-        least.append(found)
+        lost = zip(_ends(pairs, pair), second[pair].ravel().tolist(), strict=True)
+        closer = [
+            sum(((row[pair, p] - row[pair, q]).abs_upper() for row in by_error), arb(more)) for (p, q), more in lost
+        ]
+        least.append([bound - by for bound, by in zip(bounds, closer, strict=True)])
         along = inner([inner(normals[pair], rates[pair]).abs_upper() for rates in rows], A)
-        sizes.append((gaps.sizes[pair] ** 2 + 2 * along + arb(float(enlarged(turned[pair] ** 2)))).sqrt().abs_upper())
+        sizes.append((gaps.sizes[pair] ** 2 + 2 * along + arb(float(turned[pair])) ** 2).sqrt().abs_upper())
     return least, sizes
 
 
@@ -220,8 +220,31 @@ def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
     return np.asarray(np.divide(between, length, out=np.zeros_like(between), where=length > 0.0), dtype=float)
 
 
-def direction_rates(pairs: AxisPairs, points: FloatArray, moves: FloatArray) -> FloatArray:
-    """Estimate how fast directions (..., pairs, 3) turn as end points (..., 15, 3) move; no proof relies on it."""
+def _turning(pairs: AxisPairs, series: Piecewise, points: FloatArray) -> FloatArray:
+    if series.symbols is None:
+        return np.zeros((_ERRORS, len(pairs.first), 3))
+    axes, arms = (
+        np.array([[float(entry[0].mid()) for entry in vector] for vector in part])
+        for part in (series.at.axes, series.at.arms)
+    )
+    return turning_rates(pairs, points, joint_rates(axes, arms, series.symbols.matrix[0]))
+
+
+def joint_rates(axes: FloatArray, arms: FloatArray, P: FloatArray) -> FloatArray:
+    """Estimate how end points move with errors, (5, ..., 15, 3); axes (..., 3, 3), arms (..., 6, 3), P (..., 6, 5).
+
+    No proof relies on it, nor on `turning_rates`.
+    """
+    moves = np.zeros((_ERRORS, *arms.shape[:-2], 15, 3))
+    moves[np.array(CARTS), ..., np.arange(_LINKS), 0] = 1.0
+    turned = np.cross(axes[..., None, :, :], arms[..., :, None, :])
+    platform = P[..., None, :3, :] + np.einsum("...ljc,...jk->...lck", turned, P[..., 3:, :])
+    moves[..., _LINKS : 2 * _LINKS, :] = np.moveaxis(platform, -1, 0)
+    return moves
+
+
+def turning_rates(pairs: AxisPairs, points: FloatArray, moves: FloatArray) -> FloatArray:
+    """Estimate how fast directions turn, (5, ..., pairs, 3), as end points (..., 15, 3) move by (5, ..., 15, 3)."""
     before, after = (separating_directions(pairs, points + side * _PROBE * moves) for side in (-1.0, 1.0))
     rates = (after - before) / (2.0 * _PROBE)
     # Where closest points change from one end to another, directions jump.

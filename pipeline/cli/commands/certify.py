@@ -38,7 +38,7 @@ def certify(
         bool,
         typer.Option(
             "--following",
-            help="Also search by how much drives may be off the path, within limits and on the branch, and these tolerances.",
+            help="Also search by how much drives may be off: within limits, and on the branch; and these tolerances.",
         ),
     ] = False,
     check: Annotated[

@@ -20,10 +20,11 @@ from pipeline.machine.geometry import Machine
 class Erring:
     """Boxes whose actuators are off: A (5, n), the closures over all errors, and how arms and vectors change.
 
-    `turned` is dA'/da and `moved` dv/da, both (6, 3, 5, n).
+    `matrix` is P in the middles (6, 5, n); `turned` is dA'/da and `moved` dv/da, both (6, 3, 5, n).
     """
 
     errors: FloatArray
+    matrix: FloatArray
     hull: Motion
     turned: Enclosure
     moved: Enclosure
@@ -47,7 +48,7 @@ def erring(machine: Machine, boxes: Boxes, found: Inclusions) -> Erring | None:
     unit = np.zeros((6, 3, 5, 1))
     unit[:, 0] = OF_CART[..., None]
     moved = turned + Enclosure(P.mid[None, :3], P.rad[None, :3]) - exactly(unit)
-    return Erring(following.errors, hull, turned, moved)
+    return Erring(following.errors, following.matrix[0], hull, turned, moved)
 
 
 def statics_derivatives(machine: Machine, erring: Erring) -> Enclosure:

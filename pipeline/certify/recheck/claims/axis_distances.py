@@ -26,7 +26,7 @@ from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
-from pipeline.inclusion.distances import AxisPairs, direction_rates, separating_directions
+from pipeline.inclusion.distances import AxisPairs, joint_rates, separating_directions, turning_rates
 from pipeline.limits.axis_distance import pair_names
 from pipeline.machine.clearance import link_pairs, rail_pairs
 from pipeline.machine.geometry import Machine
@@ -87,7 +87,7 @@ def distance_bounds(
     points = [_end_points(machine, motion, order) for motion, order in ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2))]
     n = _directions(pairs, points, h)
     size = np.maximum(*(norm(np.moveaxis((n[0] + n[1] * exactly(t)).magnitude, 1, 0)) for t in (-h, h)))
-    turning = None if errors is None else _turning(pairs, points, n[0] + n[1] * within(h), (errors, h))
+    turning = None if errors is None else _turning(pairs, boxes, points, n[0] + n[1] * within(h), errors)
     least = np.full((len(pairs.first), len(h)), np.inf)
     for p in pairs.first.T:
         for q in pairs.second.T:
@@ -149,13 +149,15 @@ def _lengths(vectors: Enclosure) -> FloatArray:
     return norm(np.moveaxis(vectors.magnitude, 1, 0))
 
 
-def _turning(pairs: AxisPairs, points: list[Enclosure], n: Enclosure, errors: tuple[Erring, FloatArray]) -> _Turning:
+def _turning(pairs: AxisPairs, boxes: Boxes, points: list[Enclosure], n: Enclosure, errors: Erring) -> _Turning:
     """Let directions follow the closest points; they need not be right."""
-    (erring, h), moves = errors, joint_moves(errors[0])
-    middle = np.moveaxis(points[0].mid, -1, 0)
-    rates = [direction_rates(pairs, middle, np.moveaxis(moves.mid[:, :, k], -1, 0)) for k in range(moves.mid.shape[2])]
+    axes, arms, P, middle = (
+        np.moveaxis(part, -1, 0) for part in (boxes.at.axes[0].mid, boxes.at.arms[0].mid, errors.matrix, points[0].mid)
+    )
+    rates = turning_rates(pairs, middle, joint_rates(axes, arms, P))
+    h = boxes.half
     everywhere = points[0] + points[1] * within(h) + points[2] * within(power(h, 2))
-    return _Turning(n, exactly(np.moveaxis(np.stack(rates, -1), 0, -1)), everywhere, moves, erring.errors)
+    return _Turning(n, exactly(rates.transpose(2, 3, 0, 1)), everywhere, joint_moves(errors), errors.errors)
 
 
 def _directions(pairs: AxisPairs, points: list[Enclosure], h: FloatArray) -> list[Enclosure]:
