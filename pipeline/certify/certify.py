@@ -8,12 +8,12 @@ from pipeline.certify.bounds import combine_bounds
 from pipeline.certify.chain import close_chain
 from pipeline.certify.endpoints import check_ends
 from pipeline.certify.examiner import build_examiner
-from pipeline.certify.following import BY_VELOCITY
+from pipeline.certify.following.tolerances import search_following
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.problem import build_problem
 from pipeline.certify.reasons import ProofFailure
 from pipeline.certify.result import Certificate, path_sha256, proven_chain
-from pipeline.certify.tolerance import search_following, search_tolerances
+from pipeline.certify.tolerance import search_tolerances
 from pipeline.config import Config
 from pipeline.config.choices import Proof
 from pipeline.errors import ForwardKinematicsError, NoSolutionError
@@ -55,18 +55,8 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
             lengths, coordinates = search_tolerances(config.certify, machine, path, monitor)
             certificate = replace(certificate, link_length=lengths, coordinates=coordinates)
         if config.certify.what == Proof.FOLLOWING:
-            certificate = _with_following(config, machine, path, certificate, monitor)
+            certificate = replace(certificate, following=search_following(config, machine, path, monitor))
     return certificate
-
-
-def _with_following(
-    config: Config, machine: Machine, path: Path, certificate: Certificate, monitor: Monitor
-) -> Certificate:
-    """Search the tolerances of following errors."""
-    found = search_following(config.certify, machine, path, monitor)
-    by_velocity = found.get(BY_VELOCITY)
-    late = None if by_velocity is None else by_velocity.eps_m / float(machine.velocity_mps.max())
-    return replace(certificate, following=found, out_of_step_s=late)
 
 
 def prove_path(

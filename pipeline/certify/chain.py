@@ -9,23 +9,21 @@ beyond them.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import inf
 
 from flint import arb, arb_poly
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.guess import guess_box, point_box
-from pipeline.certify.problem import ProofProblem
+from pipeline.certify.problem import ProofProblem, prove_box
 from pipeline.certify.reasons import (
     ACTUATORS_JUMP,
     JUMP,
     NO_INCLUSION,
-    NO_POSE,
     SPLINES_INCOMPLETE,
     ProofFailure,
     Reason,
 )
-from pipeline.errors import ForwardKinematicsError
-from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion, along, include
+from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion
 from pipeline.inclusion.matrices import added, ball_matrix, magnitudes, times
 from pipeline.inclusion.pieces import Piece, exact, middle
 from pipeline.inclusion.proven_box import ProvenBox
@@ -81,28 +79,63 @@ def close_chain(problem: ProofProblem, examine: Examiner = accept_any, monitor: 
     """Prove boxes from s = 0 on until the chain reaches s = 1, or an interval fails that is too narrow to be halved."""
     if (fault := _discontinuity(problem.pieces)) is not None:
         return Chain((), (), (), fault)
-    origin = problem.pieces[0]
+    return close_over(problem, problem.pieces, examine, monitor)
+
+
+def close_over(
+    problem: ProofProblem, pieces: Sequence[Piece], examine: Examiner = accept_any, monitor: Monitor = QUIET
+) -> Chain:
+    """Prove boxes over neighbouring pieces of a continuous path.
+
+    With a memory, what failed for smaller errors is halved unseen, and what fails at a single s is given up at once.
+    """
+    origin = pieces[0]
     start = prove_joint(problem, origin, origin.first)
     if isinstance(start, Reason):
         return Chain((), (), (), ProofFailure(origin.first, start))
     links: list[_Link] = []
-    for piece in problem.pieces:
+    for piece in pieces:
         waiting = [(piece.first, piece.last)]
         while waiting:
             first, last = waiting.pop()
             before = links[-1].joint if links else start
-            link = _prove_link(problem, piece, (first, last), before, examine)
+            link = _try_link(problem, piece, (first, last), before, examine)
             if isinstance(link, _Link):
                 if len(links) == MOST_BOXES:
                     return _chain(start, links, ProofFailure(first, TOO_MANY_BOXES))
                 links.append(link)
                 monitor.progress(f"{len(links)} boxes", last)
-            elif last - first < 2.0 * problem.least_width:
-                return _chain(start, links, ProofFailure((first + last) / 2.0, link))
-            else:
-                centre, _ = middle(first, last)
-                waiting += [(centre, last), (first, centre)]
+                continue
+            centre, _ = middle(first, last)
+            ends = last - first < 2.0 * problem.least_width
+            if problem.memory is not None and link is not None:
+                ends |= not bears(problem, piece, centre, examine)
+            if ends:
+                return _chain(start, links, ProofFailure(centre, link or NO_INCLUSION))
+            waiting += [(centre, last), (first, centre)]
     return _chain(start, links, None)
+
+
+def _try_link(
+    problem: ProofProblem, piece: Piece, interval: tuple[float, float], before: Inclusion, examine: Examiner
+) -> _Link | Reason | None:
+    """Prove a link; None if it failed for smaller errors before."""
+    memory, key = problem.memory, (piece.first, *interval)
+    errors = problem.errors_over(piece).largest_m
+    if memory is not None and errors >= memory.failed.get(key, inf):
+        return None
+    link = _prove_link(problem, piece, interval, before, examine)
+    if memory is not None and isinstance(link, Reason):
+        memory.failed[key] = errors
+    return link
+
+
+def bears(problem: ProofProblem, piece: Piece, s: float, examine: Examiner) -> bool:
+    """Return whether a box can be proven at a single s, with its bounds: none around it can if that fails."""
+    found = prove_box(problem, piece, s, s)
+    if isinstance(found, Reason):
+        return False
+    return not isinstance(examine(ProvenBox(problem.machine, problem.balls, piece, *found)), Reason)
 
 
 def _chain(start: Inclusion, links: list[_Link], failure: ProofFailure | None) -> Chain:
@@ -118,13 +151,10 @@ def _prove_link(
     problem: ProofProblem, piece: Piece, interval: tuple[float, float], before: Inclusion, examine: Examiner
 ) -> _Link | Reason:
     """Prove a box, that it holds the pose `before` at its beginning, and that it holds a pose at its end."""
-    box = guess_box(problem.path, *interval)
-    if box is None:
-        return NO_POSE
-    series = along(problem.balls, piece, box)
-    inclusion = include(problem.balls, series, box, problem.uncertainty)
-    if inclusion is None:
-        return NO_INCLUSION
+    found = prove_box(problem, piece, *interval)
+    if isinstance(found, Reason):
+        return found
+    series, inclusion = found
     if not holds(inclusion, before):
         return JUMP
     joint = prove_joint(problem, piece, interval[1])
@@ -138,12 +168,8 @@ def _prove_link(
 
 def prove_joint(problem: ProofProblem, piece: Piece, s: float) -> Inclusion | Reason:
     """Prove a box at a single s."""
-    try:
-        box = point_box(s, problem.path.pose(s))
-    except ForwardKinematicsError:
-        return NO_POSE
-    inclusion = include(problem.balls, along(problem.balls, piece, box), box, problem.uncertainty)
-    return NO_INCLUSION if inclusion is None else inclusion
+    found = prove_box(problem, piece, s, s)
+    return found if isinstance(found, Reason) else found[1]
 
 
 def holds(inclusion: Inclusion, joint: Inclusion) -> bool:

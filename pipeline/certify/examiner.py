@@ -1,12 +1,13 @@
 """Bounds of all limits over a proven box, and how sharp that of kappa has to be."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipeline.certify.chain import BoxBounds
+from pipeline.certify.chain import BoxBounds, Examiner
 from pipeline.certify.reasons import Reason
 from pipeline.config import CertifyConfig
 from pipeline.inclusion.proven_box import ProvenBox
-from pipeline.limits.interface.limit import ProvenLimit
+from pipeline.limits.interface.limit import ErrorProvenLimit, ProvenLimit
 from pipeline.limits.kappa import KappaCap
 
 _SHARP_ENOUGH = 1e-5
@@ -46,6 +47,18 @@ class LimitExaminer:
                 return Reason(text, limit.wording.proof_advice)
             found.append(bounds)
         return tuple(found)
+
+
+def build_error_examiner(limits: Sequence[ErrorProvenLimit]) -> Examiner:
+    """Ask that limits be kept for every error of the actuators; how sharp their bounds are does not count."""
+
+    def examine(box: ProvenBox) -> BoxBounds | Reason:
+        for limit in limits:
+            if text := limit.unproven(limit.bound(box)):
+                return Reason(text, limit.wording.proof_advice)
+        return ()
+
+    return examine
 
 
 def build_examiner(options: CertifyConfig, limits: list[ProvenLimit], kappa_sampled: float) -> LimitExaminer:

@@ -16,7 +16,8 @@ from pipeline.machine.kinematics import newton
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.refine.result import Path
 
-_SAMPLES = 400
+_SAMPLES, _SAMPLES_FOLLOWING = 400, 200
+_DRAWS_FOLLOWING = 6
 _STEPS = 24
 _HALVINGS = 6
 _LARGEST_M = 0.05
@@ -61,14 +62,14 @@ class _Errors:
 
 def failing_eps(machine: Machine, path: Path, kind: Callable[[float], Uncertainty], samples: int) -> float:
     """Return the least eps in metres at which a sampled machine cannot follow the path; infinite if all can."""
-    s = np.linspace(0.0, 1.0, _SAMPLES)
-    pose, q = path.pose(s), path.q(s)
     unit = kind(1.0)
+    s = np.linspace(0.0, 1.0, _SAMPLES_FOLLOWING if any(unit.actuator_m) else _SAMPLES)
+    pose, q = path.pose(s), path.q(s)
     free = np.concatenate([np.full(42, unit.coordinate_m), np.full(6, unit.length_m), unit.actuator_m])
     # Errors of actuators may be larger before a machine fails, and have few combinations.
     largest, steps, most = (_LARGEST_M, _STEPS, samples)
     if any(unit.actuator_m):
-        largest, steps, most = _LARGEST_FOLLOWING_M, 2 * _STEPS, min(14, (1 << int(np.count_nonzero(free))) - 2)
+        largest, most = _LARGEST_FOLLOWING_M, min(_DRAWS_FOLLOWING, (1 << int(np.count_nonzero(free))) - 2)
     random = np.random.default_rng(_SEED)
     worst = _steepest(machine, pose, q, free)
     draws = [worst, -worst] + [random.choice([-1.0, 1.0], len(free)) * free for _ in range(min(samples, most))]

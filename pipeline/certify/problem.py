@@ -1,12 +1,50 @@
-"""A path to be proven, in exact arithmetic."""
+"""A path to be proven, in exact arithmetic, and the proof of a single box of it."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
+import numpy as np
+
+from pipeline.arrays import FloatArray
+from pipeline.certify.guess import guess_box, point_box
+from pipeline.certify.reasons import NO_INCLUSION, NO_POSE, Reason
+from pipeline.errors import ForwardKinematicsError
 from pipeline.inclusion.closure import Geometry, geometry
+from pipeline.inclusion.krawczyk import Box, Inclusion, Piecewise, along, include
+from pipeline.inclusion.matrices import upper_vector
 from pipeline.inclusion.pieces import Piece, pieces
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
-from pipeline.machine.geometry import Machine
+from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.result import Path
+
+Interval = tuple[float, float, float]
+"""The beginning of a piece of the splines, and an interval of s on it."""
+_INFLATION = 1.15
+_MOST_KEPT = 8_000
+"""Boxes that are kept for other errors: some hundred MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """What attempts with other errors have shown; searches for tolerances use it, single proofs need none.
+
+    Attributes
+    ----------
+    guesses : dict
+        Boxes and the closures along them, which depend on no error; None where the links cannot close.
+    images : dict
+        The error that a box was last proven for, and how far its poses were from the cubic then.
+    failed : dict
+        The least error for which a box failed, of one kind of error.
+    """
+
+    guesses: dict[Interval, tuple[Box, Piecewise] | None] = field(default_factory=dict)
+    images: dict[Interval, tuple[float, FloatArray]] = field(default_factory=dict)
+    failed: dict[Interval, float] = field(default_factory=dict)
+
+    def of_another_kind(self) -> "Memory":
+        """Forget which boxes failed."""
+        return Memory(self.guesses, self.images)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +65,10 @@ class ProofProblem:
         Intervals of s that are narrower are not halved.
     uncertainty : Uncertainty
         How far the machine may be from its configuration.
+    memory : Memory or None
+        What attempts with other errors have shown.
+    profile_m : mapping or None
+        Errors of all actuators by the beginning of each piece, in place of those of the uncertainty.
     """
 
     machine: Machine
@@ -35,6 +77,57 @@ class ProofProblem:
     pieces: tuple[Piece, ...]
     least_width: float
     uncertainty: Uncertainty
+    memory: Memory | None = None
+    profile_m: Mapping[float, float] | None = None
+
+    def errors_over(self, piece: Piece, s: float | None = None) -> Uncertainty:
+        """Give the errors over a piece, or at a single s of it: where it meets another one, the smaller of both."""
+        if self.profile_m is None:
+            return self.uncertainty
+        meeting = [one for one in self.pieces if s is not None and s in (one.first, one.last)]
+        errors = [self.profile_m[one.first] for one in (piece, *meeting)]
+        return replace(self.uncertainty, actuator_m=(min(errors),) * len(ACTUATORS))
+
+
+def guess(problem: ProofProblem, piece: Piece, first: float, last: float) -> tuple[Box, Piecewise] | None:
+    """Place a box over an interval of a piece, or at a single s, and evaluate the closures along it.
+
+    None if there are no poses there.
+    """
+    memory, key = problem.memory, (piece.first, first, last)
+    if memory is not None and key in memory.guesses:
+        return memory.guesses[key]
+    box = _point(problem, first) if first == last else guess_box(problem.path, first, last)
+    found = None if box is None else (box, along(problem.balls, piece, box))
+    if memory is not None and len(memory.guesses) < _MOST_KEPT:
+        memory.guesses[key] = found
+    return found
+
+
+def _point(problem: ProofProblem, s: float) -> Box | None:
+    try:
+        return point_box(s, problem.path.pose(s))
+    except ForwardKinematicsError:
+        return None
+
+
+def prove_box(problem: ProofProblem, piece: Piece, first: float, last: float) -> tuple[Piecewise, Inclusion] | Reason:
+    """Prove a box over an interval of a piece, or at a single s."""
+    if (guessed := guess(problem, piece, first, last)) is None:
+        return NO_POSE
+    (box, series), memory, key = guessed, problem.memory, (piece.first, first, last)
+    errors = problem.errors_over(piece, first if first == last else None)
+    if memory is not None and key in memory.images:
+        size, image = memory.images[key]
+        # What errors add is of second order, or more. Radii that are too large fail, too small ones grow.
+        radius = _INFLATION * image * min(1.0, (errors.largest_m / size) ** 2)
+        box = replace(box, radius=np.maximum(box.radius, radius))
+    inclusion = include(problem.balls, series, box, errors)
+    if inclusion is None:
+        return NO_INCLUSION
+    if memory is not None and errors.any:
+        memory.images[key] = errors.largest_m, upper_vector(inclusion.image)
+    return series, inclusion
 
 
 def build_problem(machine: Machine, path: Path, least_width: float, uncertainty: Uncertainty = CERTAIN) -> ProofProblem:

@@ -27,11 +27,18 @@ class ProvenChain:
         In order.
     joints : n + 1 boxes
         Each at a single s, where the boxes begin and end and are proven to meet.
+    within_limits : bool
+        Whether every box keeps the limits of kappa and distances under these errors, too.
+    profile_m : (n,) or None
+        Errors of every actuator over each box, in place of the uncertainty's, which are the least of them; at a joint,
+        those of the neighbour with the smaller ones. None: the same errors for all s.
     """
 
     uncertainty: Uncertainty
     boxes: tuple[Box, ...]
     joints: tuple[Box, ...]
+    within_limits: bool = False
+    profile_m: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +55,41 @@ class Tolerance:
         An eps at which a sampled machine fails (Monte Carlo); infinite if none did.
     chain : ProvenChain or None
         The proof.
+    tilt_reserve_deg : (2,) or None
+        What rx and rz may be off the path by, proven: what their limits need in reserve. None if that was not asked.
+    late_s : float or None
+        By how much actuators at their velocity limits may be early or late; None where it is not about velocities.
     """
 
     eps_m: float
     refuted_m: float
     fails_m: float
     chain: ProvenChain | None
+    tilt_reserve_deg: tuple[float, float] | None = None
+    late_s: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class FollowingTolerances:
+    """How far the actuators may be off the path: by the names of `following_weights`, as two different claims.
+
+    Attributes
+    ----------
+    within_limits : mapping
+        The motion stays regular and on its branch, *and* keeps the limits of kappa and distances.
+    on_branch : mapping
+        The motion stays regular and on its branch, whatever limits it breaks.
+    calibrated : Tolerance or None
+        On its branch, with all actuators off alike and the calibration wrong by `certify.following_length_m` and
+        `certify.following_coordinate_m` at the same time; None if these are zero.
+    profiles : mapping
+        The errors of all actuators alike over s, "within_limits" and "on_branch": each one chain.
+    """
+
+    within_limits: Mapping[str, Tolerance] = field(default_factory=dict)
+    on_branch: Mapping[str, Tolerance] = field(default_factory=dict)
+    calibrated: Tolerance | None = None
+    profiles: Mapping[str, ProvenChain] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,10 +112,8 @@ class Certificate:
         Where and why the proof ends; None if the path is certified.
     link_length, coordinates : Tolerance or None
         Calibration tolerances; None if they were not searched.
-    following : mapping
-        Tolerances of following errors, by the names of `following_weights`; empty if they were not searched.
-    out_of_step_s : float or None
-        By how much actuators at their velocity limits may be early or late at most; None if that was not searched.
+    following : FollowingTolerances or None
+        Tolerances of following errors; None if they were not searched.
     """
 
     path_sha256: str
@@ -90,8 +124,7 @@ class Certificate:
     failure: ProofFailure | None
     link_length: Tolerance | None = None
     coordinates: Tolerance | None = None
-    following: Mapping[str, Tolerance] = field(default_factory=dict)
-    out_of_step_s: float | None = None
+    following: FollowingTolerances | None = None
 
     @property
     def verdict(self) -> str:
@@ -99,10 +132,10 @@ class Certificate:
         return CERTIFIED if self.failure is None else NOT_CERTIFIED
 
 
-def proven_chain(chain: Chain, uncertainty: Uncertainty) -> ProvenChain:
+def proven_chain(chain: Chain, uncertainty: Uncertainty, *, within_limits: bool = False) -> ProvenChain:
     """Keep what is needed to verify a chain again."""
     boxes, joints = (tuple(proven.box for proven in part) for part in (chain.inclusions, chain.joints))
-    return ProvenChain(uncertainty, boxes, joints)
+    return ProvenChain(uncertainty, boxes, joints, within_limits)
 
 
 def path_sha256(path: Path) -> str:

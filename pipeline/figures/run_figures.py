@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
+from pipeline.certify.following.steps import FollowingProfile
 from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
 from pipeline.figures.clearance import clearance_figure
+from pipeline.figures.following import following_figure
 from pipeline.figures.kappa import kappa_figure
 from pipeline.figures.machine import machine_figure
 from pipeline.figures.maps.regions import regions_figure
@@ -42,6 +44,8 @@ class RunData:
         Dense samples of both paths.
     kappa_profile : KappaProfile or None
         The proven bound of kappa, box by box.
+    following : FollowingProfile or None
+        By how much drives may be off the path, over s.
     trajectory : Trajectory or None
         The refined path in time.
     trajectory_samples : TrajectorySamples or None
@@ -55,6 +59,7 @@ class RunData:
     coarse: PathSamples | None = None
     refined: PathSamples | None = None
     kappa_profile: KappaProfile | None = None
+    following: FollowingProfile | None = None
     trajectory: Trajectory | None = None
     trajectory_samples: TrajectorySamples | None = None
 
@@ -90,6 +95,7 @@ FIGURES = (
     RunFigure("kappa", kappa_figure, ("config", "route", "coarse", "refined")),
     RunFigure("clearance", clearance_figure, ("config", "machine", "coarse", "refined")),
     RunFigure("proof", proof_figure, ("config", "refined", "kappa_profile")),
+    RunFigure("following", following_figure, ("following",)),
     RunFigure("pose", pose_figure, ("config", "machine", "route", "coarse", "trajectory_samples")),
     RunFigure("trajectory", trajectory_figure, ("machine", "trajectory_samples")),
     RunFigure("loads", loads_figure, ("trajectory",), applies=has_loads),

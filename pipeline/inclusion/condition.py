@@ -7,10 +7,11 @@ linear in t is largest at an end of the interval; that of a matrix of floats is 
 from dataclasses import dataclass
 
 import numpy as np
-from flint import arb, arb_mat, arb_series
+from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import Closure, Geometry
+from pipeline.inclusion.closure import Geometry, cross
+from pipeline.inclusion.following import CARTS, TELESCOPE, Erring
 from pipeline.inclusion.krawczyk import Piecewise, linear_inverse, residual_of_inverse
 from pipeline.inclusion.matrices import ball_matrix, floats, inner, magnitudes, matrices
 
@@ -26,24 +27,110 @@ class KappaBound:
 NO_BOUND = KappaBound(np.inf, 0)
 
 
-def kappa_bound(machine: Geometry, series: Piecewise, deviation: list[arb]) -> KappaBound:
-    """Bound kappa over a box whose pose is within `deviation` (6,) of x(t)."""
-    H = matrices(series.at.statics(), series.over.statics(), 3)
-    Y = linear_inverse(H)
-    if Y is None:
+@dataclass(frozen=True, eq=False)
+class _Statics:
+    """What bounds of kappa need of H' along x(t): Y, and bounds of ||Y||, ||H'|| and ||I - Y H'||."""
+
+    Y: list[arb_mat]
+    norm_of_inverse: arb
+    norm_of_h: arb
+    miss: arb
+
+
+def kappa_bound(machine: Geometry, series: Piecewise, deviation: list[arb], errors: Erring | None = None) -> KappaBound:
+    """Bound kappa over a box whose pose is within `deviation` (6,) of x(t), or of x(t) + P a for all errors a."""
+    if (along := series.derive(_statics, lambda: _statics(series))) is None:
         return NO_BOUND
-    h = series.half
-    off = statics_change(machine, series.over, deviation)
-    bound_Y = _largest(Y[0], Y[1], h)
-    H0, H1 = floats(H[0]), floats(H[1])
-    rounding = frobenius(magnitudes(H[0] - ball_matrix(H0))) + h * frobenius(magnitudes(H[1] - ball_matrix(H1)))
-    bound_H = _largest(H0, H1, h) + rounding + h * h * frobenius(magnitudes(H[2])) + off
-    miss = frobenius(residual_of_inverse([ball_matrix(part) for part in Y], H, h)) + bound_Y * off
+    by_H, by_YH, over = arb(0), arb(0), series.over
+    links = [[entry[0] for entry in vector] for vector in over.vectors], [length[0] for length in over.lengths]
+    if errors is not None:
+        by_H, by_YH = _change_by_errors(machine, errors, along.Y[0] + along.Y[1] * arb(0, series.half))
+        links = errors.hull.vectors, errors.hull.lengths
+    off = statics_change(machine, links, deviation)
+    miss = along.miss + along.norm_of_inverse * off + by_YH
     if not miss < 1:
         return NO_BOUND
-    det = ball_matrix(Y[0]).det()
-    kappa = (bound_H * bound_Y / (1 - miss)).abs_upper()
+    det = along.Y[0].det()
+    kappa = ((along.norm_of_h + off + by_H) * along.norm_of_inverse / (1 - miss)).abs_upper()
     return KappaBound(above(kappa), int(det > 0) - int(det < 0))
+
+
+def _statics(series: Piecewise) -> _Statics | None:
+    """Bound H' along x(t); None if it is numerically singular."""
+    H = matrices(series.at.statics(), series.over.statics(), 3)
+    inverse = linear_inverse(H)
+    if inverse is None:
+        return None
+    h, Y = series.half, [ball_matrix(part) for part in inverse]
+    H0, H1 = floats(H[0]), floats(H[1])
+    rounding = frobenius(magnitudes(H[0] - ball_matrix(H0))) + h * frobenius(magnitudes(H[1] - ball_matrix(H1)))
+    norm_of_h = _largest(H0, H1, h) + rounding + h * h * frobenius(magnitudes(H[2]))
+    return _Statics(Y, _largest(inverse[0], inverse[1], h), norm_of_h, frobenius(residual_of_inverse(Y, H, h)))
+
+
+def _change_by_errors(machine: Geometry, erring: Erring, Y: arb_mat) -> tuple[arb, arb]:
+    """Bound how much H' and Y H' change by all errors of the actuators, in the 2-norm.
+
+    With D_k enclosing the derivative of H' by the error of actuator k, along x = x(t) + P a and q = q(t) + a, the
+    change is sum a_k D_k for some matrices in the enclosures: a convex function of a but for their radii, so that its
+    largest norm is that of a corner.
+    """
+    errors = erring.following.errors
+    changes = statics_derivatives(machine, erring)
+    by_H = [change * error for change, error in zip(changes, errors, strict=True) if error > 0]
+    return largest_corner(by_H), largest_corner([Y * change for change in by_H])
+
+
+def statics_derivatives(machine: Geometry, erring: Erring) -> list[arb_mat]:
+    """Enclose the derivatives of H' by the error of each actuator over a box: five 6 x 6 matrices.
+
+    v_l changes by dv = P_xyz + T P_angles - e_x for the link's own cart, T the axes crossed with the arm, m_l by
+    (T P_angles) x v + A' x dv, and row l of H' is [v ; m / L] / len.
+    """
+    hull, table = erring.hull, erring.following.over.table()
+    shift, turn = arb_mat(table[:3]), arb_mat(table[3:])
+    rows: list[list[list[arb]]] = []
+    for link, (arm, vector, length) in enumerate(zip(hull.arms, hull.vectors, hull.lengths, strict=True)):
+        turned = arb_mat([cross(axis, arm) for axis in hull.axes]).transpose() * turn
+        moved = shift + turned
+        moved[0, CARTS[link]] -= 1
+        moment = skew(arm) * moved - skew(vector) * turned
+        parts = [*moved.table(), *(moment / machine.characteristic_length).table()]
+        columns = [[entry / length for entry in column] for column in zip(*parts, strict=True)]
+        if link in TELESCOPE:
+            k = TELESCOPE[link]
+            row = [*vector, *(m / machine.characteristic_length for m in hull.moments[link])]
+            columns[k] = [entry - part / length**2 for entry, part in zip(columns[k], row, strict=True)]
+        rows.append(columns)
+    return [arb_mat([columns[k] for columns in rows]) for k in range(len(rows[0]))]
+
+
+def largest_corner(changes: list[arb_mat]) -> arb:
+    """Bound the largest ||sum e_k M_k||_2 over |e_k| <= 1, for n matrices 6 x 6 of balls.
+
+    Middles in floats: with V nearly orthogonal, ||M||^2 <= ||(M V)' (M V)||_inf / (1 - ||I - V' V||_inf), where all
+    roundings together are below 1e-12 of the Frobenius norms.
+    """
+    middles = np.stack([floats(change) for change in changes])
+    spread = sum(
+        (frobenius(magnitudes(change - ball_matrix(m))) for change, m in zip(changes, middles, strict=True)), arb(0)
+    )
+    if not np.isfinite(middles).all():
+        return arb("inf")
+    n = len(middles)
+    signs = 1.0 - 2.0 * ((np.arange(2 ** (n - 1))[:, None] >> np.arange(n)) & 1)
+    sums = np.einsum("ck,kij->cij", signs, middles)
+    V = np.linalg.svd(sums)[2].swapaxes(1, 2)
+    turned = sums @ V
+    total = float(np.square(middles).sum() * n)
+    loss = np.abs(V.swapaxes(1, 2) @ V - np.eye(6)).sum(axis=2).max(axis=1) + 1e-12
+    square = np.abs(turned.swapaxes(1, 2) @ turned).sum(axis=2).max(axis=1) + 1e-12 * total
+    return arb(float(np.sqrt((square / (1.0 - loss)).max() * (1.0 + 1e-12)) * (1.0 + 1e-12))) + spread
+
+
+def skew(v: list[arb]) -> arb_mat:
+    """Return the matrix of v x (.)."""
+    return arb_mat([[arb(0), -v[2], v[1]], [v[2], arb(0), -v[0]], [-v[1], v[0], arb(0)]])
 
 
 def above(value: arb) -> float:
@@ -71,19 +158,20 @@ def spectral_norm(M: FloatArray) -> arb:
     return (_row_sum(MV.transpose() * MV) / (1 - loss)).sqrt().abs_upper()
 
 
-def statics_change(machine: Geometry, over: Closure[arb_series], deviation: list[arb]) -> arb:
+def statics_change(machine: Geometry, links: tuple[list[list[arb]], list[arb]], deviation: list[arb]) -> arb:
     """Bound the change of H in the Frobenius norm as the pose deviates by up to `deviation` (6,), metres and radians.
 
-    No Euler angle moves a joint farther than its distance from the TCP times the angle.
+    No Euler angle moves a joint farther than its distance from the TCP times the angle. `links` are the vectors
+    (6 x 3) and lengths (6,) of the links before.
     """
     shift, turn = norm(deviation[:3]), sum((d.abs_upper() for d in deviation[3:]), arb(0))
     total = arb(0)
-    for point, vector, length in zip(machine.points, over.vectors, over.lengths, strict=True):
+    for point, vector, length in zip(machine.points, *links, strict=True):
         arm = norm(point)
         by_vector = shift + arm * turn
-        size = norm([entry[0] for entry in vector])
+        size = norm(vector)
         by_moment = (arm * by_vector + arm * turn * (size + by_vector)) / machine.characteristic_length
-        total += (by_vector**2 + by_moment**2) / length[0].abs_lower() ** 2
+        total += (by_vector**2 + by_moment**2) / length.abs_lower() ** 2
     return total.sqrt().abs_upper()
 
 

@@ -6,18 +6,22 @@ bound; a good one gives a sharp bound.
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.inclusion.closure import Geometry
+from pipeline.inclusion.closure import Geometry, cross
 from pipeline.inclusion.condition import below, norm
+from pipeline.inclusion.following import CARTS, Erring
 from pipeline.inclusion.krawczyk import Piecewise
-from pipeline.inclusion.matrices import ball_matrix
+from pipeline.inclusion.matrices import ball_matrix, enlarged, floats, inner, upper_bounds, upper_vector
+from pipeline.machine.geometry import ACTUATORS
 
-_LINKS = 6
+_LINKS, _ERRORS = 6, len(ACTUATORS)
 _PARALLEL = 1e-12
+_PROBE, _FASTEST_PER_M = 1e-6, 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +50,53 @@ class AxisPairs:
         return cls(np.array([(a, _LINKS + a) for a, _ in pairs]), np.array(second), from_rail, rails_m)
 
 
-def distance_bounds(machine: Geometry, pairs: AxisPairs, series: Piecewise, deviation: list[arb]) -> FloatArray:
-    """Bound the distances of all pairs from below for poses within `deviation` of x(t). Shape (pairs,)."""
+@dataclass(frozen=True, eq=False)
+class _Gaps:
+    """What distances along x(t) follow from.
+
+    Attributes
+    ----------
+    N : 2 matrices pairs x 3
+        Directions N0 + N1 t.
+    least : pairs x 4 balls
+        Lower bounds of n . (P - Q), for the four pairs of end points.
+    sizes : pairs bounds
+        |n|.
+    turning : (5, pairs, 3)
+        M_k: how fast directions turn with errors of the actuators, in the middle of the interval.
+    points : 3 x 15 balls
+        End points over the interval.
+    """
+
+    N: list[arb_mat]
+    least: list[list[arb]]
+    sizes: list[arb]
+    turning: FloatArray
+    points: arb_mat
+
+
+def distance_bounds(
+    machine: Geometry, pairs: AxisPairs, series: Piecewise, deviation: list[arb], errors: Erring | None = None
+) -> FloatArray:
+    """Bound the distances of all pairs from below for poses within `deviation` of x(t), or of x(t) + P a for all a.
+
+    Shape (pairs,).
+    """
+    gaps = series.derive((pairs.from_rail, pairs.first.tobytes()), lambda: _along(pairs, series))
+    off, (least, sizes) = _joint_deviation(machine, deviation), (gaps.least, gaps.sizes)
+    if errors is not None:
+        least, sizes = _with_errors(pairs, gaps, gaps.N[0] + gaps.N[1] * arb(0, series.half), errors)
+    return np.array([_pair_bound(pairs, pair, gap, off) for pair, gap in enumerate(zip(least, sizes, strict=True))])
+
+
+def _ends(pairs: AxisPairs, pair: int) -> list[tuple[int, int]]:
+    return list(product(pairs.first[pair].tolist(), pairs.second[pair].tolist()))
+
+
+def _along(pairs: AxisPairs, series: Piecewise) -> _Gaps:
     points = _end_points(pairs, series)
     half = float(series.half.mid())
-    values = [np.array([float(entry.mid()) for entry in table.entries()]).reshape(3, -1) for table in points]
+    values = [floats(table) for table in points]
     before, after = (
         separating_directions(pairs, (values[0] + t * values[1] + t * t * values[2]).T) for t in (-half, half)
     )
@@ -62,27 +108,74 @@ def distance_bounds(machine: Geometry, pairs: AxisPairs, series: Piecewise, devi
         N[0] * points[2] + N[1] * points[1],
         N[1] * points[2],
     ]
-    off = _joint_deviation(machine, deviation)
-    return np.array([_pair_bound(pairs, pair, terms, N, series.half, off) for pair in range(len(pairs.first))])
+    h, least = series.half, []
+    for pair in range(len(pairs.first)):
+        gaps = [[term[pair, p] - term[pair, q] for term in terms] for p, q in _ends(pairs, pair)]
+        least.append([(g[0] - sum((g[k].abs_upper() * h**k for k in range(1, 4)), arb(0))).lower() for g in gaps])
+    ends = [(N[0] + N[1] * t).table() for t in (-h, h)]
+    sizes = [norm(first).max(norm(last)) for first, last in zip(*ends, strict=True)]
+    everywhere = points[0] + points[1] * arb(0, h) + points[2] * arb(0, h * h)
+    return _Gaps(N, least, sizes, _turning(pairs, series, values[0].T), everywhere)
 
 
-def _pair_bound(pairs: AxisPairs, pair: int, terms: list[arb_mat], N: list[arb_mat], h: arb, off: list[arb]) -> float:
-    least = None
-    for p in pairs.first[pair].tolist():
-        for q in pairs.second[pair].tolist():
-            gap = [term[pair, p] - term[pair, q] for term in terms]
-            bound = gap[0] - sum((g.abs_upper() * h**k for k, g in enumerate(gap[1:], start=1)), arb(0))
-            bound = bound.lower()
-            least = bound if least is None else least.min(bound)
-    assert least is not None
-    sizes = [norm([N[0][pair, i] + N[1][pair, i] * t for i in range(3)]) for t in (-h, h)]
-    size = sizes[0].max(sizes[1])
+def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> tuple[list[list[arb]], list[arb]]:
+    """Bound n . (P - Q) from below and |n| for all errors a, with n = N(t) + sum a_k M_k; N over the interval.
+
+    M_k follows how directions between closest points turn. With S_k enclosing the derivatives of the end points,
+
+        n . (P - Q) >= N . D - sum |N . S_k + M_k . D| A_k - (sum |M_k| A_k) (sum |S_k| A_k),   D = P - Q along x(t).
+    """
+    A, S = errors.following.errors, _joint_moves(errors)
+    M = [ball_matrix(part) for part in gaps.turning]
+    by_error = [(N * part + turn * gaps.points) * a for part, turn, a in zip(S, M, A, strict=True)]
+    size = upper_vector(A)
+    turned = enlarged((enlarged(np.sqrt(np.square(gaps.turning).sum(axis=2))) * size[:, None]).sum(axis=0))
+    middles = np.array([floats(part) for part in S])
+    radii = np.array([upper_bounds(part - ball_matrix(middle)) for part, middle in zip(S, middles, strict=True)])
+    p, q = pairs.first[:, :, None], pairs.second[:, None, :]
+    apart = np.abs(middles[..., p] - middles[..., q]) + radii[..., p] + radii[..., q]
+    second = enlarged(turned[:, None, None] * np.einsum("kpij,k->pij", np.sqrt(np.square(apart).sum(axis=1)), size))
+    normals, rows, least, sizes = N.table(), [rates.table() for rates in M], [], []
+    for pair, bounds in enumerate(gaps.least):
+        lost = zip(_ends(pairs, pair), second[pair].ravel().tolist(), strict=True)
+        closer = [
+            sum(((row[pair, p] - row[pair, q]).abs_upper() for row in by_error), arb(more)) for (p, q), more in lost
+        ]
+        least.append([bound - by for bound, by in zip(bounds, closer, strict=True)])
+        along = inner([inner(normals[pair], rates[pair]).abs_upper() for rates in rows], A)
+        sizes.append((gaps.sizes[pair] ** 2 + 2 * along + arb(float(turned[pair])) ** 2).sqrt().abs_upper())
+    return least, sizes
+
+
+def _joint_moves(errors: Erring) -> list[arb_mat]:
+    """Enclose the derivatives of all end points by the error of each actuator: five matrices 3 x 15.
+
+    Cart joints move by e_x with their own cart; platform joints by P_xyz + T P_angles, T the axes crossed with the arm.
+    """
+    table = errors.following.over.table()
+    shift, turn = arb_mat(table[:3]), arb_mat(table[3:])
+    platform = [
+        shift + arb_mat([cross(axis, arm) for axis in errors.hull.axes]).transpose() * turn for arm in errors.hull.arms
+    ]
+    still, found = [arb(0)] * 3, []
+    for k in range(len(errors.following.errors)):
+        carts = [[arb(int(cart == k)), arb(0), arb(0)] for cart in CARTS]
+        points = [*carts, *([joint[c, k] for c in range(3)] for joint in platform), still, still, still]
+        found.append(arb_mat(points).transpose())
+    return found
+
+
+def _pair_bound(pairs: AxisPairs, pair: int, gap: tuple[list[arb], arb], off: list[arb]) -> float:
+    """Bound the distance of a pair by the gaps of its end points, and |n|; joints are `off` by up to as much."""
+    (bounds, size), least = gap, arb("inf")
+    for bound in bounds:
+        least = least.min(bound.lower())
     if not size > 0:
         return 0.0
-    moved = sum(
+    by_pose = sum(
         (off[p - _LINKS] for p in (*pairs.first[pair], *pairs.second[pair]) if _LINKS <= p < 2 * _LINKS), arb(0)
     )
-    return max(0.0, below(least / size - moved))
+    return max(0.0, below(least / size - by_pose))
 
 
 def _end_points(pairs: AxisPairs, series: Piecewise) -> list[arb_mat]:
@@ -125,3 +218,35 @@ def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
     between = r + a[..., None] * u - b[..., None] * v
     length = np.linalg.norm(between, axis=-1, keepdims=True)
     return np.asarray(np.divide(between, length, out=np.zeros_like(between), where=length > 0.0), dtype=float)
+
+
+def _turning(pairs: AxisPairs, series: Piecewise, points: FloatArray) -> FloatArray:
+    if series.symbols is None:
+        return np.zeros((_ERRORS, len(pairs.first), 3))
+    axes, arms = (
+        np.array([[float(entry[0].mid()) for entry in vector] for vector in part])
+        for part in (series.at.axes, series.at.arms)
+    )
+    return turning_rates(pairs, points, joint_rates(axes, arms, series.symbols.matrix[0]))
+
+
+def joint_rates(axes: FloatArray, arms: FloatArray, P: FloatArray) -> FloatArray:
+    """Estimate how end points move with errors, (5, ..., 15, 3); axes (..., 3, 3), arms (..., 6, 3), P (..., 6, 5).
+
+    No proof relies on it, nor on `turning_rates`.
+    """
+    moves = np.zeros((_ERRORS, *arms.shape[:-2], 15, 3))
+    moves[np.array(CARTS), ..., np.arange(_LINKS), 0] = 1.0
+    turned = np.cross(axes[..., None, :, :], arms[..., :, None, :])
+    platform = P[..., None, :3, :] + np.einsum("...ljc,...jk->...lck", turned, P[..., 3:, :])
+    moves[..., _LINKS : 2 * _LINKS, :] = np.moveaxis(platform, -1, 0)
+    return moves
+
+
+def turning_rates(pairs: AxisPairs, points: FloatArray, moves: FloatArray) -> FloatArray:
+    """Estimate how fast directions turn, (5, ..., pairs, 3), as end points (..., 15, 3) move by (5, ..., 15, 3)."""
+    before, after = (separating_directions(pairs, points + side * _PROBE * moves) for side in (-1.0, 1.0))
+    rates = (after - before) / (2.0 * _PROBE)
+    # Where closest points change from one end to another, directions jump.
+    bounded = np.linalg.norm(rates, axis=-1, keepdims=True) < _FASTEST_PER_M
+    return np.asarray(np.where(bounded, rates, 0.0), dtype=float)

@@ -21,13 +21,29 @@ import numpy as np
 from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import Closure, cross
-from pipeline.inclusion.matrices import added, ball_matrix, floats, magnitudes, times
+from pipeline.inclusion.closure import Closure, Geometry, closure, cross
+from pipeline.inclusion.matrices import (
+    added,
+    ball_matrix,
+    enlarged,
+    floats,
+    magnitudes,
+    times,
+    upper_bounds,
+    upper_vector,
+)
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
 
 _LINKS, _ACTUATORS, _ORDERS = 6, len(ACTUATORS), 3
-_CARTS = [int(arm) for arm in ARM_OF_LINK]
-_TELESCOPE = {int(link): 3 + k for k, link in enumerate(TELESCOPES)}
+CARTS = [int(arm) for arm in ARM_OF_LINK]
+TELESCOPE = {int(link): 3 + k for k, link in enumerate(TELESCOPES)}
+_SQUARES = arb_mat(
+    [
+        [arb(int(a == CARTS[link])) - arb(int(a == TELESCOPE.get(link))) for a in range(_ACTUATORS)]
+        for link in range(_LINKS)
+    ]
+)
+"""W'' of each link by each actuator."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,36 +75,26 @@ class Following:
         """Whether any actuator is off."""
         return any(error > 0 for error in self.errors)
 
-    def slopes(self, C: arb_mat, hull: Closure[arb]) -> list[arb_mat]:
-        """Enclose K_i (6 x 5) of all six coordinates over a box."""
-        if not self.any:
-            return []
-        by_link = []
-        for link in range(_LINKS):
-            turned = [cross(axis, hull.arms[link])[0] for axis in hull.axes]
-            by_link.append([arb(-1), arb(0), arb(0), *(-x for x in turned)])
-        found = []
-        for i in range(_LINKS):
-            K = arb_mat(_LINKS, _ACTUATORS)
-            for link, row in enumerate(by_link):
-                for coordinate, slope in enumerate(row):
-                    K[coordinate, _CARTS[link]] += C[i, link] * slope
-            found.append(K)
-        return found
+    def slopes(self, C: arb_mat, hull: Closure[arb]) -> arb_mat:
+        """Enclose K_i of all six coordinates over a box, one below the other: 36 x 5."""
+        by_link = arb_mat(_LINKS, _LINKS * _ACTUATORS)
+        for link, cart in enumerate(CARTS):
+            by_link[link, cart] = -1
+            for j, axis in enumerate(hull.axes):
+                by_link[link, _ACTUATORS * (3 + j) + cart] = -cross(axis, hull.arms[link])[0]
+        return arb_mat(_LINKS * _LINKS, _ACTUATORS, (C * by_link).entries())
 
-    def second_order(self, i: int, C: arb_mat, G: arb_mat, K: arb_mat) -> arb:
-        """Bound |a' (P' (G_i P / 2 + K_i) + diag(C_i W'') / 2) a| for all errors."""
-        M = self.over.transpose() * (G * self.over / 2 + K)
-        for link in range(_LINKS):
-            M[_CARTS[link], _CARTS[link]] += C[i, link] / 2
-            if link in _TELESCOPE:
-                M[_TELESCOPE[link], _TELESCOPE[link]] -= C[i, link] / 2
-        total = arb(0)
-        for a in range(_ACTUATORS):
-            total += M[a, a].abs_upper() * self.errors[a] ** 2
-            for b in range(a):
-                total += (M[a, b] + M[b, a]).abs_upper() * self.errors[a] * self.errors[b]
-        return total
+    def second_order(self, C: arb_mat, parts: list[arb_mat]) -> FloatArray:
+        """Bound |a' (P' part_i + diag(C_i W'') / 2) a| for all errors, with part_i = G_i P / 2 + K_i. Shape (6,)."""
+        A, P = upper_vector(self.errors), self.over.transpose()
+        bent, found = C * _SQUARES, []
+        for i, part in enumerate(parts):
+            M = P * part
+            M = M + M.transpose()
+            for a in range(_ACTUATORS):
+                M[a, a] += bent[i, a]
+            found.append(A @ upper_bounds(M) @ A / 2.0)
+        return enlarged(np.array(found))
 
     def change(self, offset: arb, other: "Following") -> list[arb]:
         """Bound |P(offset) - P'| A against another box's P' at a single s."""
@@ -105,45 +111,93 @@ NO_FOLLOWING = Following(
 """Every actuator is where it is commanded."""
 
 
-def follow_actuators(
-    closures: tuple[Closure[arb_series], Closure[arb_series]],
-    inverse: FloatArray,
-    J: list[arb_mat],
-    h: arb,
-    errors_m: tuple[float, ...],
-) -> Following:
+@dataclass(frozen=True, eq=False)
+class Symbols:
+    """What does not depend on the size of the errors.
+
+    Attributes
+    ----------
+    matrix : (2, 6, 5)
+        P0 and P1.
+    over : 6 x 5 balls
+        P(t) over the interval.
+    size : 6 x 5 bounds
+        |P|.
+    miss : 6 x 5 bounds
+        |C (J P + V)|.
+    """
+
+    matrix: FloatArray
+    over: arb_mat
+    size: list[list[arb]]
+    miss: list[list[arb]]
+
+
+def choose_symbols(
+    closures: tuple[Closure[arb_series], Closure[arb_series]], inverse: FloatArray, J: list[arb_mat], h: arb
+) -> Symbols:
     """Choose P over an interval of half-width h, from the closures about its middle and about every t, C and J."""
-    if not any(errors_m):
-        return NO_FOLLOWING
     at, over = closures
     V = [_rates(at, 0), _rates(at, 1), _rates(over, 2)]
     V0, V1 = floats(V[0]), floats(V[1])
     matrix = np.stack([-inverse[0] @ V0, -(inverse[0] @ V1 + inverse[1] @ V0)])
-    P, C, A = (
-        [ball_matrix(part) for part in matrix],
-        [ball_matrix(part) for part in inverse],
-        [arb(e) for e in errors_m],
-    )
+    P, C = ([ball_matrix(part) for part in parts] for parts in (matrix, inverse))
     rest = [
         J[0] * P[0] + V[0],
         J[0] * P[1] + J[1] * P[0] + V[1],
         J[1] * P[1] + J[2] * P[0] + V[2],
         J[2] * P[1],
     ]
-    miss = [arb(0)] * _LINKS
+    miss = [[arb(0)] * _ACTUATORS for _ in range(_LINKS)]
     for power, part in enumerate(C):
         for n, term in enumerate(rest):
             scale = h ** (n + power)
-            miss = added(miss, [bound * scale for bound in times(magnitudes(part * term), A)])
+            sizes = magnitudes(part * term)
+            miss = [
+                [total + size * scale for total, size in zip(*rows, strict=True)]
+                for rows in zip(miss, sizes, strict=True)
+            ]
     everywhere = P[0] + P[1] * arb(0, h)
-    return Following(matrix, everywhere, A, times(magnitudes(everywhere), A), miss)
+    return Symbols(matrix, everywhere, magnitudes(everywhere), miss)
+
+
+def follow_actuators(symbols: Symbols, errors_m: tuple[float, ...]) -> Following:
+    """Give actuators errors of up to `errors_m` (5,), at least one of them not zero."""
+    A = [arb(e) for e in errors_m]
+    return Following(symbols.matrix, symbols.over, A, times(symbols.size, A), times(symbols.miss, A))
+
+
+@dataclass(frozen=True, eq=False)
+class Erring:
+    """What bounds need where actuators are off.
+
+    Attributes
+    ----------
+    following : Following
+        P and A.
+    hull : Closure
+        The closures over all proven poses and all errors of the actuators, in plain balls.
+    """
+
+    following: Following
+    hull: Closure[arb]
+
+
+def erring(machine: Geometry, over: Closure[arb_series], following: Following, deviation: list[arb]) -> Erring | None:
+    """Evaluate the closures over poses within `deviation` (6,) of x(t) + P a for all errors; None if there are none."""
+    if not following.any:
+        return None
+    reach = added(following.moved, deviation)
+    pose = [coordinate[0] + arb(0, r.upper()) for coordinate, r in zip(over.pose, reach, strict=True)]
+    q = [position[0] + arb(0, e) for position, e in zip(over.q, following.errors, strict=True)]
+    return Erring(following, closure(machine, pose, q))
 
 
 def _rates(closure: Closure[arb_series], order: int) -> arb_mat:
     """Return a coefficient of V as a series, 6 x 5."""
     V = arb_mat(_LINKS, _ACTUATORS)
     for link in range(_LINKS):
-        V[link, _CARTS[link]] = -closure.vectors[link][0][order]
-        if link in _TELESCOPE:
-            V[link, _TELESCOPE[link]] = -closure.lengths[link][order]
+        V[link, CARTS[link]] = -closure.vectors[link][0][order]
+        if link in TELESCOPE:
+            V[link, TELESCOPE[link]] = -closure.lengths[link][order]
     return V

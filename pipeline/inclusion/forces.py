@@ -37,7 +37,8 @@ def holding_force_ranges(box: ProvenBox, masses: Masses) -> FloatArray:
         return unknown
     transposed = [ball_matrix(part.T) for part in Y]
     miss = residual_of_inverse(transposed, [part.transpose() for part in H], h)
-    off = statics_change(box.balls, series.over, deviation)
+    vectors = [[entry[0] for entry in vector] for vector in series.over.vectors]
+    off = statics_change(box.balls, (vectors, [length[0] for length in series.over.lengths]), deviation)
     bound_Y = frobenius(magnitudes(transposed[0])) + h * frobenius(magnitudes(transposed[1]))
     loss = frobenius(miss) + bound_Y * off
     if not loss < 1:

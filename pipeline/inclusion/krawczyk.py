@@ -21,7 +21,10 @@ With actuators that are off by a, |a_k| <= A_k, there is one more symbol, and on
 Everything that depends on t is a power series whose last term holds for the whole interval.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from flint import arb, arb_mat, arb_series
@@ -36,14 +39,26 @@ from pipeline.inclusion.closure import (
     second_derivatives,
     shifted,
 )
-from pipeline.inclusion.following import NO_FOLLOWING, Following, follow_actuators
-from pipeline.inclusion.matrices import added, ball_matrix, floats, inner, magnitudes, matrices, times
+from pipeline.inclusion.following import NO_FOLLOWING, Following, Symbols, choose_symbols, follow_actuators
+from pipeline.inclusion.matrices import (
+    added,
+    ball_matrix,
+    enlarged,
+    floats,
+    magnitudes,
+    matrices,
+    times,
+    upper_bounds,
+    upper_vector,
+)
 from pipeline.inclusion.pieces import Piece, middle
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty, jacobian_change, residual_change
 
+_T = TypeVar("_T")
 _SIZE = 6
-_ATTEMPTS = 3
-_INFLATION = 1.5
+_ATTEMPTS, _ATTEMPTS_WITH_ERRORS = 3, 6
+_INFLATION, _CAREFULLY = 1.5, 1.2
+"""Near the largest errors few radii are neither too small nor too large."""
 SLACK = arb(0.95)
 """Share of a radius that has to suffice, so that other arithmetic with wider enclosures can verify the same boxes."""
 LEAST_RADIUS = 1e-6
@@ -100,11 +115,45 @@ class Inclusion:
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
-    """The closures along x(t): series about the middle of the interval, and series about every t in it."""
+    """The closures along x(t): series about the middle of the interval, and series about every t in it.
+
+    What follows from them for any uncertainty is computed once, when first asked for.
+    """
 
     half: arb
     at: Closure[arb_series]
     over: Closure[arb_series]
+    _derived: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+
+    def derive(self, key: Hashable, compute: Callable[[], _T]) -> _T:
+        """Give what is known by a key, computed once."""
+        if key not in self._derived:
+            self._derived[key] = compute()
+        return cast("_T", self._derived[key])
+
+    @cached_property
+    def jacobian(self) -> list[arb_mat]:
+        """J0, J1, and J2 over the interval."""
+        return matrices(self.at.jacobian(), self.over.jacobian(), 3)
+
+    @cached_property
+    def inverse(self) -> FloatArray | None:
+        """C0 and C1, shape (2, 6, 6); None if J0 is numerically singular."""
+        return linear_inverse(self.jacobian)
+
+    @cached_property
+    def symbols(self) -> Symbols | None:
+        """P and what it misses; None without an inverse."""
+        if self.inverse is None:
+            return None
+        return choose_symbols((self.at, self.over), self.inverse, self.jacobian, self.half)
+
+    @cached_property
+    def misses(self) -> tuple[list[list[arb]], list[arb]]:
+        """Bounds of |I - C J|, 6 x 6, and of |C f|, (6,), with an inverse."""
+        assert self.inverse is not None
+        C = [ball_matrix(part) for part in self.inverse]
+        return residual_of_inverse(C, self.jacobian, self.half), _residual(C, self, self.half)
 
 
 def along(machine: Geometry, piece: Piece, box: Box) -> Piecewise:
@@ -122,22 +171,20 @@ def include(
     machine: Geometry, series: Piecewise, box: Box, uncertainty: Uncertainty = CERTAIN, attempts: int = _ATTEMPTS
 ) -> Inclusion | None:
     """Prove a box, with larger radii if its own are too small; None if that fails."""
-    J = matrices(series.at.jacobian(), series.over.jacobian(), 3)
-    inverse = linear_inverse(J)
-    if inverse is None:
+    if (inverse := series.inverse) is None or (symbols := series.symbols) is None:
         return None
     C = [ball_matrix(part) for part in inverse]
-    h = series.half
-    C_over = C[0] + C[1] * arb(0, h)
+    C_over = C[0] + C[1] * arb(0, series.half)
     C_abs = magnitudes(C_over)
-    miss = residual_of_inverse(C, J, h)
+    miss, own = series.misses
     E = residual_change(machine, series.over, uncertainty)
-    following = follow_actuators((series.at, series.over), inverse, J, h, uncertainty.actuator_m)
+    following = follow_actuators(symbols, uncertainty.actuator_m) if any(uncertainty.actuator_m) else NO_FOLLOWING
     moved = added(times(C_abs, E), following.moved)
-    rest = added(_residual(C, series, h), following.miss)
+    rest = added(own, following.miss)
     if uncertainty.calibration:
         rest = added(rest, times(miss, times(C_abs, E)))
-    for _ in range(attempts):
+    inflation = _INFLATION
+    for _ in range(_ATTEMPTS_WITH_ERRORS if following.any else attempts):
         radius = [arb(value) for value in box.radius]
         reach = added(moved, radius)
         hull = _hull(machine, series, reach)
@@ -147,7 +194,8 @@ def include(
             return Inclusion(box, inverse, image, E, D, following)
         if not all(k.is_finite() and k < 1 for k in image):
             return None
-        wider = np.maximum(LEAST_RADIUS, [_INFLATION * float(k.upper()) for k in image])
+        wider = np.maximum(LEAST_RADIUS, [inflation * float(k.upper()) for k in image])
+        inflation = _CAREFULLY if following.any else _INFLATION
         box = Box(box.first, box.last, box.pose, np.maximum(wider, box.radius))
     return None
 
@@ -178,30 +226,38 @@ def _image(
     following: Following,
     radius: list[arb],
 ) -> list[arb]:
-    """Bound k of a box (see the module)."""
-    miss, rest, E, moved, D = known
-    G = (C * arb_mat(second_derivatives(hull))).entries()
-    image, C_abs = [], magnitudes(C)
-    uncertain = not all(e.is_zero() for e in E)
-    change = added(times(D, moved), times(D, radius))
-    slopes = following.slopes(C, hull)
-    for i in range(_SIZE):
-        Gi = arb_mat(_SIZE, _SIZE, G[36 * i : 36 * (i + 1)])
-        spread = times(magnitudes(Gi), radius)
-        k = rest[i] + inner(miss[i], radius)
+    """Bound k of a box (see the module). Sums of bounds are in floats, and enlarged by more than they round."""
+    miss, D = (np.array([upper_vector(row) for row in matrix]) for matrix in (known[0], known[4]))
+    rest, E, moved, r = (upper_vector(values) for values in (known[1], known[2], known[3], radius))
+    G = arb_mat(_SIZE * _SIZE, _SIZE, (C * arb_mat(second_derivatives(hull))).entries())
+    spread = _bounds(G) @ r
+    k = rest + miss @ r
+    if uncertain := any(not e.is_zero() for e in known[2]):
+        GC, CT, C_abs = G * C, C.transpose(), upper_bounds(C)
+        spread += _bounds(GC) @ E
+        k += np.array([E @ upper_bounds(CT * part) @ E for part in _parts(GC)]) / 2.0
+        k += C_abs @ (D @ (moved + r))
+    if following.any:
+        A = upper_vector(following.errors)
+        K = following.slopes(C, hull)
+        GP = G * following.over
+        bent = GP + K
+        spread += _bounds(bent) @ A
+        k += following.second_order(C, _parts(GP / 2 + K))
         if uncertain:
-            GC = Gi * C
-            spread = added(spread, times(magnitudes(GC), E))
-            k += inner(E, times(magnitudes(C.transpose() * GC), E)) / 2
-            k += inner(C_abs[i], change)
-        if following.any:
-            bent = Gi * following.over + slopes[i]
-            spread = added(spread, times(magnitudes(bent), following.errors))
-            k += following.second_order(i, C, Gi, slopes[i])
-            if uncertain:
-                k += inner(E, times(magnitudes(C.transpose() * bent), following.errors))
-        image.append(k + inner(spread, radius))
-    return image
+            k += np.array([E @ upper_bounds(CT * part) @ A for part in _parts(bent)])
+    return [arb(value) for value in enlarged(k + spread @ r).tolist()]
+
+
+def _parts(stacked: arb_mat) -> list[arb_mat]:
+    """Split six matrices with six rows each that are stacked, one per coordinate of the pose."""
+    entries, n = stacked.entries(), _SIZE * stacked.ncols()
+    return [arb_mat(_SIZE, stacked.ncols(), entries[n * i : n * (i + 1)]) for i in range(_SIZE)]
+
+
+def _bounds(stacked: arb_mat) -> FloatArray:
+    """Bound the entries of six stacked matrices, shape (6, 6, n)."""
+    return upper_bounds(stacked).reshape(_SIZE, _SIZE, stacked.ncols())
 
 
 def linear_inverse(J: list[arb_mat]) -> FloatArray | None:

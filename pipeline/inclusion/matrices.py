@@ -41,3 +41,19 @@ def inner(a: list[arb], b: list[arb]) -> arb:
 def added(a: list[arb], b: list[arb]) -> list[arb]:
     """Add two vectors."""
     return [x + y for x, y in zip(a, b, strict=True)]
+
+
+def upper_bounds(matrix: arb_mat) -> FloatArray:
+    """Return floats that are not below the absolute values of a matrix of balls."""
+    values = np.array([float(entry.abs_upper()) for entry in matrix.entries()])
+    return enlarged(values).reshape(matrix.nrows(), matrix.ncols())
+
+
+def upper_vector(values: list[arb]) -> FloatArray:
+    """Return floats that are not below the absolute values of some balls."""
+    return enlarged(np.array([float(value.abs_upper()) for value in values]))
+
+
+def enlarged(bounds: FloatArray) -> FloatArray:
+    """Enlarge bounds, not negative and computed with up to a thousand roundings of floats each, to certain ones."""
+    return np.asarray(bounds * (1.0 + 1e-12) + 1e-290, dtype=float)

@@ -51,6 +51,11 @@ class Uncertainty:
         return self.calibration or any(self.actuator_m)
 
     @property
+    def largest_m(self) -> float:
+        """The largest error of all."""
+        return max(self.length_m, self.coordinate_m, *self.actuator_m)
+
+    @property
     def calibration(self) -> bool:
         """Whether lengths or coordinates are uncertain."""
         return self.length_m > 0.0 or self.coordinate_m > 0.0

@@ -7,6 +7,7 @@ A new kind of limit is a module with the functions of `LimitKind`, its entry in 
 from pipeline.limits.interface.direction import DirectedLimit, applying, counting, end_stretches
 from pipeline.limits.interface.limit import (
     Curve,
+    ErrorProvenLimit,
     Limit,
     NodeLimit,
     ProvenLimit,
@@ -23,6 +24,7 @@ from pipeline.limits.kinds import (
     KINDS,
     LimitKind,
     certificate_keys,
+    error_proven_limits,
     measures,
     move_limits,
     node_limits,
@@ -40,6 +42,7 @@ __all__ = [
     "CertificateKey",
     "Curve",
     "DirectedLimit",
+    "ErrorProvenLimit",
     "Limit",
     "LimitKind",
     "Measure",
@@ -59,6 +62,7 @@ __all__ = [
     "certificate_keys",
     "counting",
     "end_stretches",
+    "error_proven_limits",
     "measures",
     "move_limits",
     "node_limits",

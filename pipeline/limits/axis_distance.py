@@ -53,6 +53,7 @@ class AxisDistance:
     cost: int
     rounding: float = 1e-9
     slack: float = 0.0005
+    proven_under_error: bool = True
 
     @property
     def requirement(self) -> str:
@@ -113,8 +114,8 @@ class AxisDistance:
         from pipeline.inclusion.distances import AxisPairs, distance_bounds
 
         pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine.rails_m)
-        least = np.maximum(distance_bounds(box.balls, pairs, box.series, box.inclusion.image) - PROOF_SLACK_M, 0.0)
-        return np.column_stack([least, np.full(len(least), np.inf)])
+        least = distance_bounds(box.balls, pairs, box.series, box.deviation, box.erring)
+        return np.column_stack([np.maximum(least - PROOF_SLACK_M, 0.0), np.full(len(least), np.inf)])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State the pair that is not proven far enough apart."""

@@ -19,7 +19,7 @@ from pipeline.machine.samples import PoseSamples
 if TYPE_CHECKING:
     from pipeline.inclusion.proven_box import ProvenBox
 
-PROOF_MARGIN = 3e-4
+PROOF_MARGIN, PROOF_MARGIN_WITH_ERRORS = 3e-4, 0.01
 """Relative slack of proven bounds of kappa, so that other arithmetic can verify them."""
 KAPPA = CertificateKey("kappa", Side.LARGEST, label="κ")
 DET_SIGN = CertificateKey("det_sign", Side.SIGN, label="sign of det H")
@@ -42,6 +42,7 @@ class KappaCap:
     key: str = "route.kappa_max"
     cost: int = 2
     rounding: float = 1e-12
+    proven_under_error: bool = True
 
     @property
     def wording(self) -> Wording:
@@ -97,8 +98,9 @@ class KappaCap:
         """Bound kappa and the sign of det H over a proven box, shape (2, 2)."""
         from pipeline.inclusion.condition import kappa_bound
 
-        found = kappa_bound(box.balls, box.series, box.inclusion.image)
-        return np.array([[-np.inf, found.kappa * (1.0 + PROOF_MARGIN)], [found.det_sign, found.det_sign]])
+        found = kappa_bound(box.balls, box.series, box.deviation, box.erring)
+        margin = PROOF_MARGIN if box.erring is None else PROOF_MARGIN_WITH_ERRORS
+        return np.array([[-np.inf, found.kappa * (1.0 + margin)], [found.det_sign, found.det_sign]])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State that kappa is not proven below its cap."""

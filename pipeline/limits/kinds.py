@@ -4,7 +4,7 @@ from typing import Protocol
 
 from pipeline.config import Config
 from pipeline.limits import actuators, avoid, gravity_stiffness, holding_force, kappa, link_link, link_rail, tilt
-from pipeline.limits.interface.limit import Limit, NodeLimit, ProvenLimit
+from pipeline.limits.interface.limit import ErrorProvenLimit, Limit, NodeLimit, ProvenLimit
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey
 from pipeline.limits.interface.relaxation import Relaxation
@@ -81,6 +81,11 @@ def path_limits(config: Config, machine: Machine) -> list[Limit]:
 def proven_limits(config: Config, machine: Machine) -> list[ProvenLimit]:
     """Return the limits of a path that a certificate bounds."""
     return [limit for limit in path_limits(config, machine) if isinstance(limit, ProvenLimit)]
+
+
+def error_proven_limits(config: Config, machine: Machine) -> list[ErrorProvenLimit]:
+    """Return the limits of a path that are bounded for errors of the actuators, too: kappa and distances."""
+    return [limit for limit in path_limits(config, machine) if isinstance(limit, ErrorProvenLimit)]
 
 
 def certificate_keys() -> tuple[CertificateKey, ...]:

@@ -164,7 +164,7 @@ class _Run:
             raise failure from error.__cause__
         seconds = time.perf_counter() - began
         record = _record(expected, "done", seconds, product)
-        self._replace(stage, record, product.files)
+        self._replace(stage, record, product.files, product.completed)
         self._reporter.end(stage, "done", seconds)
         return record
 
@@ -222,9 +222,12 @@ class _Run:
         except PipelineError:
             return None
 
-    def _replace(self, stage: Stage, record: Record, files: Mapping[str, bytes]) -> None:
-        """Replace the record and the files of a stage."""
-        self._commit({**self._records, stage: record}, files, self._existing(stage))
+    def _replace(
+        self, stage: Stage, record: Record, files: Mapping[str, bytes], completed: Mapping[str, bytes] | None = None
+    ) -> None:
+        """Replace the record and the files of a stage, and files of earlier stages that it completes."""
+        records = {one: _with_files(earlier, completed or {}) for one, earlier in self._records.items()}
+        self._commit({**records, stage: record}, {**files, **(completed or {})}, self._existing(stage))
 
     def _existing(self, stage: Stage) -> list[str]:
         path, patterns = self._folder.path, spec_of(self._specs, stage).patterns
@@ -250,6 +253,14 @@ class _Run:
 
 def _section(records: Mapping[Stage, Record], stage: Stage) -> dict[str, Any] | None:
     return records[stage].summary if stage in records else None
+
+
+def _with_files(record: Record, completed: Mapping[str, bytes]) -> Record:
+    """Record those of some files that a stage has anyway as they are now."""
+    own = {name: content for name, content in completed.items() if name in record.files}
+    hashes = {name: sha256(content).hexdigest() for name, content in own.items()}
+    sizes = {name: len(content) for name, content in own.items()}
+    return record.model_copy(update={"files": {**record.files, **hashes}, "sizes": {**record.sizes, **sizes}})
 
 
 def _record(fingerprint: str, status: Literal["done", "failed"], seconds: float, product: Product) -> Record:

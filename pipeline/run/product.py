@@ -7,7 +7,8 @@ from pipeline.summary.section import Section
 
 @dataclass(frozen=True, eq=False)
 class Product:
-    """The files of a stage by name, and its part of the summary."""
+    """The files of a stage by name, its part of the summary, and files of earlier stages that it completes."""
 
     files: dict[str, bytes] = field(default_factory=dict)
     section: Section = field(default_factory=dict)
+    completed: dict[str, bytes] = field(default_factory=dict)

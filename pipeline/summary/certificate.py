@@ -7,7 +7,9 @@ from pipeline.summary.section import SKIPPED, Section
 from pipeline.summary.versions import versions
 
 if TYPE_CHECKING:
-    from pipeline.certify.result import Certificate
+    from collections.abc import Mapping
+
+    from pipeline.certify.result import Certificate, Tolerance
 
 
 def certificate_section(certificate: "Certificate") -> Section:
@@ -34,21 +36,32 @@ def certificate_section(certificate: "Certificate") -> Section:
 def _following_part(certificate: "Certificate") -> Section:
     """Give how far the actuators may be from where they are commanded; null if that was not searched.
 
-    `following_m` if all are off alike, `following_alone_m` if one is, `following_by_velocity_m` in the ratio of their
-    velocity limits: out of step by `following_out_of_step_s`.
+    Two different claims. The keys that begin with `following_` alone: every proven limit of kappa and distances is
+    kept. `following_on_branch_`: the motion stays regular and on its branch, whatever limits it breaks.
     """
-    found = certificate.following
-    keys = ("following_m", "following_fails_m", "following_by_velocity_m", "following_out_of_step_s")
-    if not found:
-        return dict.fromkeys((*keys, "following_alone_m"))
-    common, by_velocity = found["common"], found.get("by_velocity")
-    errors = None if by_velocity is None or by_velocity.chain is None else by_velocity.chain.uncertainty.actuator_m
+    following = certificate.following
+    within, branch = ({}, {}) if following is None else (following.within_limits, following.on_branch)
+    calibrated = None if following is None else following.calibrated
+    common = within.get("common")
     return {
-        "following_m": common.eps_m,
-        "following_fails_m": common.fails_m,
-        "following_by_velocity_m": errors,
-        "following_out_of_step_s": certificate.out_of_step_s,
-        "following_alone_m": [one.eps_m for name, one in found.items() if name not in ("common", "by_velocity")],
+        **_tolerances(within, "following"),
+        "following_tilt_reserve_deg": None if common is None else common.tilt_reserve_deg,
+        **_tolerances(branch, "following_on_branch"),
+        "following_calibrated_m": None if calibrated is None else calibrated.eps_m,
+    }
+
+
+def _tolerances(found: "Mapping[str, Tolerance]", key: str) -> Section:
+    """Give tolerances under keys with a beginning: common, by velocity, and of each actuator alone."""
+    common, by_velocity = found.get("common"), found.get("by_velocity")
+    errors = None if by_velocity is None or by_velocity.chain is None else by_velocity.chain.uncertainty.actuator_m
+    alone = [one.eps_m for name, one in found.items() if name not in ("common", "by_velocity")]
+    return {
+        f"{key}_m": None if common is None else common.eps_m,
+        f"{key}_fails_m": None if common is None else common.fails_m,
+        f"{key}_by_velocity_m": errors,
+        f"{key}_out_of_step_s": None if by_velocity is None else by_velocity.late_s,
+        f"{key}_alone_m": alone or None,
     }
 
 
@@ -85,7 +98,11 @@ def certificate_words(section: Section) -> str:
         )
     )
     if (following := section.get("following_m")) is not None:
-        found += f"; drives may be off by {1e3 * following:.2f} mm at a time"
+        branch = section["following_on_branch_m"]
+        found += (
+            f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances within their limits, and by "
+            f"{1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
+        )
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
         f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"

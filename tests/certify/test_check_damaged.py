@@ -69,7 +69,7 @@ DAMAGED: dict[str, tuple[Callable[[Data], object], str]] = {
         _set("chains", 0, "pose", 0, 0, 0, to=True),
         "chains[0].pose[0][0][0]: is true; expected a number",
     ),
-    "far too many chains": (lambda data: data.update(chains=data["chains"] * 5), "chains: is a list of 15 entries"),
+    "far too many chains": (lambda data: data.update(chains=data["chains"] * 10), "chains: is a list of 30 entries"),
     "far too many boxes": (
         lambda data: data["chains"][0].update(radius=[0] * 150_001),
         "boxes; at most 150,000 are verified",

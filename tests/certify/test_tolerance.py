@@ -8,7 +8,7 @@ import pytest
 from pipeline.certify import Uncertainty
 from pipeline.certify.monte_carlo import failing_eps
 from pipeline.certify.problem import build_problem
-from pipeline.certify.tolerance import largest_tolerance, search_following, search_tolerances
+from pipeline.certify.tolerance import largest_tolerance, search_tolerances
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.machine import Machine
@@ -77,20 +77,3 @@ def test_uncertainty_says_whether_there_is_any() -> None:
     assert not Uncertainty().any
     assert Uncertainty(length_m=1e-6).any
     assert replace(Uncertainty(), coordinate_m=1e-6).any
-
-
-@pytest.mark.slow
-def test_following_errors_are_searched_together_by_velocity_and_alone(
-    hasty: Config, machine: Machine, line: Path
-) -> None:
-    """Slower actuators off by less, or fewer of them off, leave the others more room."""
-    with working_precision(64):
-        found = search_following(hasty.certify, machine, line)
-    assert list(found) == ["common", "by_velocity", "c1", "c2", "c3", "l2b", "l3b"]
-    for tolerance in found.values():
-        assert 0.0 < tolerance.eps_m < tolerance.refuted_m
-        assert tolerance.eps_m < tolerance.fails_m
-        assert tolerance.chain is not None
-        assert max(tolerance.chain.uncertainty.actuator_m) == tolerance.eps_m
-    assert all(one.eps_m > 0.9 * found["common"].eps_m for one in found.values())
-    assert found["by_velocity"].chain.uncertainty.actuator_m[3] == pytest.approx(0.2 * found["by_velocity"].eps_m)

@@ -6,7 +6,17 @@ are, and directions between axes.
 
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.profile import KappaProfile, kappa_profile
-from pipeline.certify.recheck.statement import StatedTolerance, Statement
+from pipeline.certify.recheck.statement import StatedCalibrated, StatedFollowing, StatedTolerance, Statement
 from pipeline.certify.recheck.verdict import MANDATORY, verify
 
-__all__ = ["MANDATORY", "Claim", "KappaProfile", "StatedTolerance", "Statement", "kappa_profile", "verify"]
+__all__ = [
+    "MANDATORY",
+    "Claim",
+    "KappaProfile",
+    "StatedCalibrated",
+    "StatedFollowing",
+    "StatedTolerance",
+    "Statement",
+    "kappa_profile",
+    "verify",
+]

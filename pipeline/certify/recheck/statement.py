@@ -9,10 +9,29 @@ from pipeline.certify.result import ProvenChain
 
 @dataclass(frozen=True)
 class StatedTolerance:
-    """A tolerance, and the number of boxes of its proof: none if eps is zero."""
+    """A tolerance, the number of boxes of its proof, none if eps is zero, and what rx and rz need in reserve."""
 
     eps_m: float
     boxes: int
+    tilt_reserve_deg: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class StatedCalibrated:
+    """A tolerance of following errors, beside calibration errors of lengths and coordinates."""
+
+    tolerance: StatedTolerance
+    length_m: float
+    coordinate_m: float
+
+
+@dataclass(frozen=True)
+class StatedFollowing:
+    """Tolerances of following errors by their names: within limits, on the branch, and beside calibration errors."""
+
+    within_limits: Mapping[str, StatedTolerance] = field(default_factory=dict)
+    on_branch: Mapping[str, StatedTolerance] = field(default_factory=dict)
+    calibrated: StatedCalibrated | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +48,8 @@ class Statement:
         What they prove.
     link_length, coordinates : StatedTolerance or None
         Calibration tolerances; None if not stated.
-    following : mapping
-        Tolerances of following errors by their names; none if not stated.
+    following : StatedFollowing
+        Tolerances of following errors; none if not stated.
     chains : tuple of ProvenChain
         The proofs, that of the machine as configured first.
     """
@@ -42,4 +61,4 @@ class Statement:
     link_length: StatedTolerance | None
     coordinates: StatedTolerance | None
     chains: tuple[ProvenChain, ...]
-    following: Mapping[str, StatedTolerance] = field(default_factory=dict)
+    following: StatedFollowing = field(default_factory=StatedFollowing)

@@ -7,15 +7,14 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.premises import premises_sha256
-from pipeline.certify.recheck.arithmetic.chain import evaluate_chain, evaluate_ends
-from pipeline.certify.recheck.claims import chain, checks, endpoints, inventory
+from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain, evaluate_chain, evaluate_ends
+from pipeline.certify.recheck.claims import chain, checks, endpoints, errors, inventory
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.poses import POSES, pose_claim
 from pipeline.certify.recheck.claims.splines import SPLINES, spline_claim
 from pipeline.certify.recheck.statement import Statement
 from pipeline.certify.result import ProvenChain, path_sha256
 from pipeline.config import Config
-from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.result import Path
 from pipeline.route.regions.endpoints import Endpoint
@@ -56,49 +55,78 @@ def verify(
         yield from endpoints.endpoint_claims(machine, ends, evaluate_ends(machine, path, proven), stated.bounds)
         yield pose_claim(path, proven)
 
+    def limits_of(of: str, found: errors.Evidence) -> Claim:
+        return errors.limit_claim(of, config, machine, found)
+
     # Boxes say nothing about splines that are not a function.
     if splines.verified:
-        for proven in stated.chains:
-            claims += _chain_claims(
-                machine, path, proven, _Configured(bounds_of, ends_of), refused=_any_refused(claims)
-            )
+        for proven, reserve in zip(stated.chains, inventory.stated_reserves(stated), strict=True):
+            asked = _Asked(bounds_of, ends_of, limits_of, reserve)
+            claims += _chain_claims(machine, path, proven, asked, refused=_any_refused(claims))
     known = {claim.what for claim in claims}
     absent = "missing, or not evaluated for what else is wrong" if _any_refused(claims) else "missing"
     return claims + [Claim(what, verified=False, found=absent) for what in MANDATORY if what not in known]
 
 
 @dataclass(frozen=True)
-class _Configured:
-    """What else is claimed of the chain of the configured machine."""
+class _Asked:
+    """What else is claimed: of the chain of the configured machine, and of chains of following errors."""
 
     bounds_of: Callable[[list[FloatArray]], list[Claim]]
     ends_of: Callable[[ProvenChain], Iterable[Claim]]
+    limits_of: Callable[[str, errors.Evidence], Claim]
+    reserve_deg: tuple[float, float] | None
 
 
-def _chain_claims(
-    machine: Machine, path: Path, proven: ProvenChain, configured: _Configured, *, refused: bool
-) -> list[Claim]:
+class _Bounds:
+    """The claims that follow from bounds over the boxes so far."""
+
+    def __init__(self, of: str, proven: ProvenChain, asked: _Asked) -> None:
+        self._of, self._proven, self._asked = of, proven, asked
+        self._configured: list[FloatArray] | None = None
+        self._erring: errors.Evidence | None = None
+        self._tilts = np.zeros(2)
+        self.claims: list[Claim] = []
+
+    def add(self, machine: Machine, segment: EvaluatedChain) -> None:
+        """Take a segment of boxes into account."""
+        self.claims = []
+        if _is_configured(self._proven):
+            self._configured = checks.measure_all(machine, segment, self._configured)
+            self.claims += self._asked.bounds_of(self._configured)
+        if self._proven.within_limits:
+            self._erring = errors.measure(machine, segment, self._erring)
+            self.claims.append(self._asked.limits_of(self._of, self._erring))
+        self._tilts = np.maximum(self._tilts, errors.tilts_off_deg(segment))
+        self.claims += errors.reserve_claims(self._of, self._tilts, self._asked.reserve_deg)
+
+
+def _is_configured(proven: ProvenChain) -> bool:
+    return not (proven.uncertainty.any or proven.within_limits or proven.profile_m)
+
+
+def _chain_claims(machine: Machine, path: Path, proven: ProvenChain, asked: _Asked, *, refused: bool) -> list[Claim]:
     """Verify a chain; for the configured machine also the bounds that are stated of it.
 
     A chain of many segments is evaluated no further than the certificate is refused anyway.
     """
-    of, counted, found = _name(proven.uncertainty), chain.BoxCounts(), None
-    bounds: list[Claim] = []
+    of, counted = _name(proven), chain.BoxCounts()
+    bounds = _Bounds(of, proven, asked)
     # NaN compares as false: what cannot be computed is not verified.
     with np.errstate(all="ignore"):
         try:
-            ends = [] if proven.uncertainty.any else list(configured.ends_of(proven))
+            ends = list(asked.ends_of(proven)) if _is_configured(proven) else []
             refused |= not chain.closes(proven) or _any_refused(ends)
             for segment in evaluate_chain(machine, path, proven):
                 counted += chain.count_boxes(segment)
-                if not proven.uncertainty.any:
-                    found = checks.measure_all(machine, segment, found)
-                    bounds = configured.bounds_of(found)
+                bounds.add(machine, segment)
                 # What is wrong over some boxes is wrong over all: bounds get only wider.
-                if counted.boxes < len(proven.boxes) and (refused or not counted.all_hold or _any_refused(bounds)):
-                    wrong = [claim for claim in bounds if not claim.verified]
+                if counted.boxes < len(proven.boxes) and (
+                    refused or not counted.all_hold or _any_refused(bounds.claims)
+                ):
+                    wrong = [claim for claim in bounds.claims if not claim.verified]
                     return [*chain.chain_claims(of, proven, counted), *wrong, *ends]
-            return [*chain.chain_claims(of, proven, counted), *bounds, *ends]
+            return [*chain.chain_claims(of, proven, counted), *bounds.claims, *ends]
         except (np.linalg.LinAlgError, ValueError, OverflowError):
             text = "some numbers are too large, or give matrices without an inverse"
             return [Claim(f"{of}: its boxes can be evaluated", verified=False, found=text)]
@@ -108,11 +136,15 @@ def _any_refused(claims: list[Claim]) -> bool:
     return any(not claim.verified for claim in claims)
 
 
-def _name(uncertainty: Uncertainty) -> str:
-    if not uncertainty.any:
+def _name(proven: ProvenChain) -> str:
+    if _is_configured(proven):
         return _CONFIGURED
+    uncertainty, profile = proven.uncertainty, proven.profile_m
     lengths, coordinates = 1e3 * uncertainty.length_m, 1e3 * uncertainty.coordinate_m
     parts = [f"lengths ± {lengths:.4g}, coordinates ± {coordinates:.4g}"] if uncertainty.calibration else []
-    if any(errors := uncertainty.actuator_m):
-        parts.append(f"{', '.join(ACTUATORS)} ± {', '.join(f'{1e3 * error:.4g}' for error in errors)}")
-    return f"{'; '.join(parts)} mm"
+    if profile is not None:
+        parts.append(f"all actuators ± {1e3 * min(profile):.4g} to {1e3 * max(profile):.4g} over s")
+    elif any(off := uncertainty.actuator_m):
+        parts.append(f"{', '.join(ACTUATORS)} ± {', '.join(f'{1e3 * error:.4g}' for error in off)}")
+    kept = ", limits kept" if proven.within_limits else ""
+    return f"{'; '.join(parts)} mm{kept}"

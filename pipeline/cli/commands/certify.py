@@ -36,7 +36,10 @@ def certify(
     ] = False,
     following: Annotated[
         bool,
-        typer.Option("--following", help="Also search by how much drives may be off the path, and these tolerances."),
+        typer.Option(
+            "--following",
+            help="Also search by how much drives may be off: within limits, and on the branch; and these tolerances.",
+        ),
     ] = False,
     check: Annotated[
         Path | None,
@@ -157,7 +160,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau certify configs/agder.yaml",
             "gantry-tau certify configs/agder.yaml --tolerance    (a minute more)",
-            "gantry-tau certify configs/agder.yaml --following    (two minutes more)",
+            "gantry-tau certify configs/agder.yaml --following    (another minute)",
             "gantry-tau certify --check results/agder/certificate.json",
         ),
     ),

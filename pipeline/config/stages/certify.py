@@ -12,7 +12,7 @@ class CertifyConfig(Section):
     what: Proof = Field(
         Proof.PATH,
         description="path; tolerances: how wrong the machine may be, too (a minute); following: and how far drives may "
-        "lag (another minute); nothing",
+        "be off the path, within limits and on the branch (another minute); nothing",
     )
     precision_bits: int = Field(64, ge=53, le=4_096, description="precision of the ball arithmetic")
     kappa_excess: float = Field(
@@ -32,4 +32,16 @@ class CertifyConfig(Section):
         ge=0,
         le=100_000,
         description="machines drawn at random to find the calibration error at which the path really fails",
+    )
+    following_length_m: float = Field(
+        0.0,
+        ge=0.0,
+        le=0.01,
+        description="following: errors of the links' lengths that drives may be off beside, as one more claim; 0: none",
+    )
+    following_coordinate_m: float = Field(
+        0.0,
+        ge=0.0,
+        le=0.01,
+        description="following: errors of every coordinate of joints and rails beside which drives may be off",
     )

@@ -160,6 +160,15 @@ class ProvenLimit(Limit, Protocol):
         """State which bound (m, 2) does not keep the limit; empty if all do."""
 
 
+@runtime_checkable
+class ErrorProvenLimit(ProvenLimit, Protocol):
+    """A limit whose bounds hold for every error of the actuators that a box is proven for."""
+
+    @property
+    def proven_under_error(self) -> bool:
+        """True."""
+
+
 def admits(limit: Limit, samples: PoseSamples) -> BoolArray:
     """Return which poses keep a limit, equality included. Shape (n,)."""
     return np.asarray((limit.margins(samples) >= 0.0).all(axis=1), dtype=bool)

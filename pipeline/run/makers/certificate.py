@@ -1,13 +1,16 @@
 """Make the certificate."""
 
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from pipeline.artifacts.results.certificate.stored import certificate_files
+from pipeline.artifacts.results.certificate.stored import certificate_files, chains
 from pipeline.certify import Certificate, certify_path
+from pipeline.certify.following.steps import following_profile
 from pipeline.config import Config
 from pipeline.config.choices import Proof
 from pipeline.progress import Monitor
+from pipeline.run.makers.following import table_of_proof
 from pipeline.run.product import Product
 from pipeline.summary.certificate import certificate_facts, certificate_section, skipped_certificate
 
@@ -22,7 +25,9 @@ def make_certificate(results: "Results", monitor: Monitor) -> Product:
         return no_certificate()
     began = time.perf_counter()
     certificate = certify_path(config, results.machine, results.refinement.path, monitor)
-    return certificate_product(config, certificate, time.perf_counter() - began)
+    product = certificate_product(config, certificate, time.perf_counter() - began)
+    profile = following_profile(chains(certificate))
+    return replace(product, files={**product.files, **table_of_proof(results, profile)})
 
 
 def certificate_product(config: Config, certificate: Certificate, seconds: float) -> Product:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from pipeline.artifacts.results.figures import figure_files
 from pipeline.figures import RunData, RunFigure, all_figures
 from pipeline.retime import sample_trajectory
+from pipeline.run.makers.following import proven_following
 from pipeline.stage import STAGES, Stage
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ _SOURCES: dict[str, tuple[Stage, Callable[["Results"], Any]]] = {
     "coarse": (Stage.REFINE, lambda results: results.samples[0]),
     "refined": (Stage.REFINE, lambda results: results.samples[1]),
     "kappa_profile": (Stage.CERTIFY, lambda results: results.profile),
+    "following": (Stage.CERTIFY, lambda results: results.derive(proven_following)),
     "trajectory": (Stage.RETIME, lambda results: results.trajectory),
     "trajectory_samples": (Stage.RETIME, lambda results: results.derive(_trajectory_samples)),
 }

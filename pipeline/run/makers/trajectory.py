@@ -1,5 +1,6 @@
 """Make the trajectory, and that of the way back."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pipeline.artifacts.results.trajectory import back_files, trajectory_files
@@ -18,6 +19,7 @@ from pipeline.retime import (
     whole_periods,
 )
 from pipeline.retime.result import Trajectory
+from pipeline.run.makers.following import table_of_motion
 from pipeline.run.product import Product
 from pipeline.stage import Stage
 from pipeline.summary.drives import drives_part
@@ -41,7 +43,8 @@ def make_trajectory(results: "Results", monitor: Monitor) -> Product:
     except NoSolutionError as error:
         back = error
     monitor.progress("sampling both ways")
-    return trajectory_product(results, trajectory, back)
+    product = trajectory_product(results, trajectory, back)
+    return replace(product, completed=table_of_motion(results, trajectory))
 
 
 def trajectory_product(results: "Results", trajectory: Trajectory, back: Trajectory | NoSolutionError) -> Product:

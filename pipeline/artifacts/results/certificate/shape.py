@@ -12,7 +12,7 @@ from pipeline.limits import CertificateKey, Side
 
 FORMAT = 3
 """Version of the file format, increased when its meaning changes."""
-_MOST_CHAINS = 12
+_MOST_CHAINS = 24
 """More than a certificate has: each takes a while to be refused."""
 
 
@@ -59,11 +59,15 @@ class ChainShape(_Part):
     radius: Annotated[list[_Radius], FailFast()]
     joint_pose: Annotated[list[_Six], FailFast()]
     joint_radius: Annotated[list[_Radius], FailFast()]
+    within_limits: bool = False
+    profile_m: list[_Number] | None = None
 
     @model_validator(mode="after")
     def _lengths_agree(self) -> Self:
         joints = len(self.s)
         wanted = {"pose": joints - 1, "radius": joints - 1, "joint_pose": joints, "joint_radius": joints}
+        if self.profile_m is not None:
+            wanted["profile_m"] = joints - 1
         for key, count in wanted.items():
             if (found := len(getattr(self, key))) != count:
                 raise _wrong(key, f"has {found} entries; {joints} values of s need {count}")
@@ -85,14 +89,24 @@ class ToleranceShape(_Part):
     not_proven_m: _Number | None
     monte_carlo_fails_m: _Number | None
     boxes: _Count
+    tilt_reserve_deg: Annotated[list[_Number] | None, Field(min_length=2, max_length=2)] = None
+
+
+class CalibratedShape(ToleranceShape):
+    """A tolerance of following errors beside calibration errors."""
+
+    length_m: _Number
+    coordinate_m: _Number
 
 
 class TolerancesShape(_Part):
-    """Both calibration tolerances, and those of following errors."""
+    """Both calibration tolerances, and those of following errors: within limits, and merely on the branch."""
 
     link_length: ToleranceShape | None
     coordinates: ToleranceShape | None
-    following: dict[str, ToleranceShape] = {}
+    following_within_limits: dict[str, ToleranceShape] = {}
+    following_on_branch: dict[str, ToleranceShape] = {}
+    following_calibrated: CalibratedShape | None = None
 
 
 class CertificateShape(_Part):

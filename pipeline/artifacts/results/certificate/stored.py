@@ -13,14 +13,21 @@ from pipeline.artifacts.files import jsonable
 from pipeline.artifacts.layout import CERTIFICATE_JSON
 from pipeline.artifacts.results.certificate.bounds import read_bounds, state_bounds
 from pipeline.artifacts.results.certificate.json_text import ADVICE, MOST_BOXES, read_certificate_json
-from pipeline.artifacts.results.certificate.shape import FORMAT, ChainShape, ToleranceShape, certificate_shape, explain
+from pipeline.artifacts.results.certificate.shape import (
+    FORMAT,
+    CalibratedShape,
+    ChainShape,
+    ToleranceShape,
+    certificate_shape,
+    explain,
+)
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.certify.guess import point_box
-from pipeline.certify.recheck import StatedTolerance, Statement
-from pipeline.certify.result import NOT_CERTIFIED, Certificate, ProvenChain, Tolerance
+from pipeline.certify.recheck import StatedCalibrated, StatedFollowing, StatedTolerance, Statement
+from pipeline.certify.result import NOT_CERTIFIED, Certificate, FollowingTolerances, ProvenChain, Tolerance
 from pipeline.errors import UsageError
 from pipeline.inclusion.krawczyk import Box
-from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.limits import certificate_keys
 
 _SHOWN = 5
@@ -62,7 +69,7 @@ def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict
         "tolerances": {
             "link_length": _tolerance_dict(link_length),
             "coordinates": _tolerance_dict(coordinates),
-            **_following_dict(certificate.following),
+            **({} if certificate.following is None else _following_dict(certificate.following)),
         },
         "precision_bits": certificate.precision_bits,
         **facts,
@@ -72,9 +79,13 @@ def certificate_dict(certificate: Certificate, facts: Mapping[str, Any]) -> dict
 
 def chains(certificate: Certificate) -> list[ProvenChain]:
     """List the chains of a certificate: of the machine as configured, and of the uncertain machines."""
-    tolerances = (certificate.link_length, certificate.coordinates, *certificate.following.values())
+    tolerances, following = [certificate.link_length, certificate.coordinates], certificate.following
+    profiles: list[ProvenChain] = []
+    if following is not None:
+        tolerances += [*following.within_limits.values(), *following.on_branch.values(), following.calibrated]
+        profiles = list(following.profiles.values())
     uncertain = [tolerance.chain for tolerance in tolerances if tolerance is not None]
-    return [certificate.chain, *(chain for chain in uncertain if chain is not None)]
+    return [certificate.chain, *(chain for chain in uncertain if chain is not None), *profiles]
 
 
 def read_certificate(file: pathlib.Path) -> Statement:
@@ -109,7 +120,11 @@ def read_certificate(file: pathlib.Path) -> Statement:
         link_length=_stated(shape.tolerances.link_length),
         coordinates=_stated(shape.tolerances.coordinates),
         chains=tuple(_chain(chain) for chain in shape.chains),
-        following={name: StatedTolerance(one.proven_m, one.boxes) for name, one in shape.tolerances.following.items()},
+        following=StatedFollowing(
+            within_limits={name: _read(one) for name, one in shape.tolerances.following_within_limits.items()},
+            on_branch={name: _read(one) for name, one in shape.tolerances.following_on_branch.items()},
+            calibrated=_calibrated(shape.tolerances.following_calibrated),
+        ),
     )
 
 
@@ -121,7 +136,16 @@ def _count_boxes(chains: Any) -> int:
 
 
 def _stated(shape: ToleranceShape | None) -> StatedTolerance | None:
-    return None if shape is None else StatedTolerance(shape.proven_m, shape.boxes)
+    return None if shape is None else _read(shape)
+
+
+def _read(shape: ToleranceShape) -> StatedTolerance:
+    reserve = shape.tilt_reserve_deg
+    return StatedTolerance(shape.proven_m, shape.boxes, None if reserve is None else (reserve[0], reserve[1]))
+
+
+def _calibrated(shape: CalibratedShape | None) -> StatedCalibrated | None:
+    return None if shape is None else StatedCalibrated(_read(shape), shape.length_m, shape.coordinate_m)
 
 
 def _chain(shape: ChainShape) -> ProvenChain:
@@ -133,23 +157,35 @@ def _chain(shape: ChainShape) -> ProvenChain:
         ),
         boxes=tuple(Box(first, last, np.array(x), np.array(r)) for first, last, x, r in columns),
         joints=tuple(point_box(s, np.array(x), np.array(r)) for s, x, r in points),
+        within_limits=shape.within_limits,
+        profile_m=None if shape.profile_m is None else tuple(shape.profile_m),
     )
 
 
 def _tolerance_dict(tolerance: Tolerance | None) -> dict[str, Any] | None:
     if tolerance is None:
         return None
+    reserve = tolerance.tilt_reserve_deg
     return {
         "proven_m": tolerance.eps_m,
         "not_proven_m": tolerance.refuted_m,
         "monte_carlo_fails_m": tolerance.fails_m,
         "boxes": 0 if tolerance.chain is None else len(tolerance.chain.boxes),
+        **({} if reserve is None else {"tilt_reserve_deg": list(reserve)}),
     }
 
 
-def _following_dict(following: Mapping[str, Tolerance]) -> dict[str, Any]:
-    """Arrange the tolerances of following errors; certificates without them have no key for them."""
-    return {"following": {name: _tolerance_dict(one) for name, one in following.items()}} if following else {}
+def _following_dict(following: FollowingTolerances) -> dict[str, Any]:
+    """Arrange the tolerances of following errors; certificates without them have no keys for them."""
+    found: dict[str, Any] = {
+        "following_within_limits": {name: _tolerance_dict(one) for name, one in following.within_limits.items()},
+        "following_on_branch": {name: _tolerance_dict(one) for name, one in following.on_branch.items()},
+    }
+    if (one := following.calibrated) is not None:
+        errors = CERTAIN if one.chain is None else one.chain.uncertainty
+        beside = {"length_m": errors.length_m, "coordinate_m": errors.coordinate_m}
+        found["following_calibrated"] = {**(_tolerance_dict(one) or {}), **beside}
+    return found
 
 
 def _uncertainty_dict(uncertainty: Uncertainty) -> dict[str, Any]:
@@ -161,6 +197,8 @@ def _uncertainty_dict(uncertainty: Uncertainty) -> dict[str, Any]:
 def _chain_dict(chain: ProvenChain) -> dict[str, Any]:
     return {
         "uncertainty": _uncertainty_dict(chain.uncertainty),
+        **({"within_limits": True} if chain.within_limits else {}),
+        **({} if chain.profile_m is None else {"profile_m": list(chain.profile_m)}),
         "s": [box.first for box in chain.boxes] + [box.last for box in chain.boxes[-1:]],
         "pose": [box.pose.tolist() for box in chain.boxes],
         "radius": [box.radius.tolist() for box in chain.boxes],

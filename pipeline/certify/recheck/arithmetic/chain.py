@@ -3,9 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
+from pipeline.arrays import FloatArray
+from pipeline.certify.recheck.arithmetic.erring import Erring, erring
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, Inclusions, build_boxes, include
 from pipeline.certify.result import ProvenChain
-from pipeline.machine.geometry import Machine
+from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.parallel import blocks
 from pipeline.refine.result import Path
 
@@ -22,6 +26,10 @@ class EvaluatedChain:
     joints: Boxes
     joint_inclusions: Inclusions
 
+    def erring(self, machine: Machine) -> Erring | None:
+        """The boxes for all errors of their actuators; None if there are none."""
+        return erring(machine, self.boxes, self.inclusions)
+
 
 def evaluate_chain(machine: Machine, path: Path, chain: ProvenChain) -> Iterator[EvaluatedChain]:
     """Evaluate the inclusions of all boxes and joints of a chain, segment by segment.
@@ -34,8 +42,27 @@ def evaluate_chain(machine: Machine, path: Path, chain: ProvenChain) -> Iterator
     for part in blocks(len(chain.boxes), SEGMENT):
         boxes = build_boxes(machine, path, chain.boxes[part])
         joints = build_boxes(machine, path, chain.joints[part.start : part.stop + 1])
-        inclusions, joint_inclusions = (include(machine, each, chain.uncertainty) for each in (boxes, joints))
+        errors = _errors(chain, part), _errors_at_joints(chain, slice(part.start, part.stop + 1))
+        inclusions, joint_inclusions = (
+            include(machine, each, chain.uncertainty, off) for each, off in zip((boxes, joints), errors, strict=True)
+        )
         yield EvaluatedChain(boxes, inclusions, joints, joint_inclusions)
+
+
+def _errors(chain: ProvenChain, part: slice) -> FloatArray | None:
+    """Give the errors of the actuators over boxes, (5, n); None if they are the same for all."""
+    if chain.profile_m is None:
+        return None
+    return np.tile(np.array(chain.profile_m)[part], (len(ACTUATORS), 1))
+
+
+def _errors_at_joints(chain: ProvenChain, part: slice) -> FloatArray | None:
+    """Give the errors of the actuators at joints: the smaller ones of both neighbours."""
+    if chain.profile_m is None:
+        return None
+    profile = np.array(chain.profile_m)
+    meeting = np.minimum(np.append(profile, np.inf), np.insert(profile, 0, np.inf))
+    return np.tile(meeting[part], (len(ACTUATORS), 1))
 
 
 def evaluate_ends(machine: Machine, path: Path, chain: ProvenChain) -> tuple[Boxes, Inclusions]:

@@ -17,16 +17,16 @@ from pipeline.certify.recheck.arithmetic.enclosure import (
 from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
 
-_CARTS = np.eye(len(ACTUATORS))[ARM_OF_LINK]
+OF_CART = np.eye(len(ACTUATORS))[ARM_OF_LINK]
 """Which cart each link is on, (6, 5)."""
-_EXTENSIBLE = np.zeros_like(_CARTS)
-_EXTENSIBLE[TELESCOPES, 3 + np.arange(len(TELESCOPES))] = 1.0
+EXTENSIBLE = np.zeros_like(OF_CART)
+EXTENSIBLE[TELESCOPES, 3 + np.arange(len(TELESCOPES))] = 1.0
 """Which telescope each link is, (6, 5)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Following:
-    """What errors add: P (2, 6, 5, n) and P over each interval, A (5,), |P| A and |C (J P + V)| A (6, n)."""
+    """What errors add: P (2, 6, 5, n) and P over each interval, A (5, n), |P| A and |C (J P + V)| A (6, n)."""
 
     matrix: FloatArray
     over: Enclosure
@@ -63,13 +63,13 @@ def follow_actuators(
     parts = []
     for k, C in enumerate(inverse):
         for n, term in enumerate(missing):
-            share = bound("ian,a->in", _product(exactly(C), term).magnitude, errors_m, terms=5)
+            share = bound("ian,an->in", _product(exactly(C), term).magnitude, errors_m, terms=5)
             for _ in range(n + k):
                 share = total(share * h)
             parts.append(share)
     everywhere = P0_ + P1_ * within(h)
     return Following(
-        P, everywhere, errors_m, bound("ian,a->in", everywhere.magnitude, errors_m, terms=5), total(*parts)
+        P, everywhere, errors_m, bound("ian,an->in", everywhere.magnitude, errors_m, terms=5), total(*parts)
     )
 
 
@@ -89,26 +89,26 @@ def following_terms(following: Following, hull: Motion, C: Enclosure, G: Enclosu
     bent = GP + K
     A = following.errors
     M = contract("kan,ikbn->iabn", following.over, GP * exactly(0.5) + K, 6)
-    diagonal = contract("iln,la->ian", C, exactly(0.5 * (_CARTS - _EXTENSIBLE)), 6)
+    diagonal = contract("iln,la->ian", C, exactly(0.5 * (OF_CART - EXTENSIBLE)), 6)
     unit = np.eye(len(ACTUATORS))[None, :, :, None]
     M = M + Enclosure(diagonal.mid[:, :, None] * unit, diagonal.rad[:, :, None] * unit)
     both = M + Enclosure(M.mid.swapaxes(1, 2), M.rad.swapaxes(1, 2))
-    second = 0.5 * bound("ian,a->in", bound("iabn,b->ian", both.magnitude, A, terms=5), A, terms=5)
-    mixed = bound("ilan,a->iln", contract("kln,ikan->ilan", C, bent, 6).magnitude, A, terms=5)
-    return FollowingTerms(total(following.miss, second), bound("ikan,a->ikn", bent.magnitude, A, terms=5), mixed)
+    second = 0.5 * bound("ian,an->in", bound("iabn,bn->ian", both.magnitude, A, terms=5), A, terms=5)
+    mixed = bound("ilan,an->iln", contract("kln,ikan->ilan", C, bent, 6).magnitude, A, terms=5)
+    return FollowingTerms(total(following.miss, second), bound("ikan,an->ikn", bent.magnitude, A, terms=5), mixed)
 
 
 def following_change(here: Following, s: Enclosure, there: FloatArray, errors_m: FloatArray) -> FloatArray:
-    """Bound |P(s) - P'| A, with s (n,) from the centres of boxes, and P' (6, 5, n). Shape (6, n)."""
+    """Bound |P(s) - P'| A, with s (n,) from the centres of boxes, P' (6, 5, n), A (5, n). Shape (6, n)."""
     P = exactly(here.matrix[0]) + exactly(here.matrix[1]) * s
-    return bound("ian,a->in", (P - exactly(there)).magnitude, errors_m, terms=5)
+    return bound("ian,an->in", (P - exactly(there)).magnitude, errors_m, terms=5)
 
 
 def _rates(motion: Motion, order: int) -> Enclosure:
     """Return the coefficient of an order of V = df/dq, (6, 5, n)."""
     vectors, lengths = motion.vectors[order], motion.lengths[order]
     mid, rad = (
-        _CARTS[..., None] * v[:, None, 0] + _EXTENSIBLE[..., None] * length[:, None]
+        OF_CART[..., None] * v[:, None, 0] + EXTENSIBLE[..., None] * length[:, None]
         for v, length in ((vectors.mid, lengths.mid), (vectors.rad, lengths.rad))
     )
     return Enclosure(-mid, rad)

@@ -83,8 +83,15 @@ def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
     return Boxes(first, last, centre, half, on_one_piece(path.spline, first, last), pose, radius, q, at, over)
 
 
-def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusions:
-    """Verify the inclusion of every box with its own radii."""
+def include(
+    machine: Machine, boxes: Boxes, uncertainty: Uncertainty, actuators_m: FloatArray | None = None
+) -> Inclusions:
+    """Verify the inclusion of every box with its own radii.
+
+    With errors `actuators_m` (5, n) of the actuators over each, in place of the uncertainty's.
+    """
+    if actuators_m is None:
+        actuators_m = np.repeat(np.array(uncertainty.actuator_m)[:, None], len(boxes.first), axis=1)
     h, r = boxes.half, boxes.radius
     at, over = boxes.at.jacobian(), boxes.over.jacobian()
     J = [at[0], at[1], over[2]]
@@ -93,14 +100,15 @@ def include(machine: Machine, boxes: Boxes, uncertainty: Uncertainty) -> Inclusi
     C_over = C[0] + C[1] * within(h)
     C_abs = C_over.magnitude
     miss = residual_of_inverse(C, J, h)
-    E = _residual_change(boxes.over, uncertainty)
+    off = actuators_m.max(axis=0)
+    E = _residual_change(boxes.over, uncertainty, off)
     calibrated = bound("ijn,jn->in", C_abs, E, terms=6)
     following = None
-    if any(uncertainty.actuator_m):
-        following = follow_actuators((boxes.at, boxes.over), inverse, J, h, np.array(uncertainty.actuator_m))
+    if actuators_m.any():
+        following = follow_actuators((boxes.at, boxes.over), inverse, J, h, actuators_m)
     moved_by = calibrated if following is None else total(calibrated, following.moved)
     hull = _hull(machine, boxes, total(moved_by, r))
-    D = _jacobian_change(machine, hull, uncertainty)
+    D = _jacobian_change(machine, hull, uncertainty, off)
     G = contract("iln,lkjn->ikjn", C_over, second_derivatives(hull), 6)
     GC = contract("ikjn,jmn->ikmn", G, C_over, 6)
     spread = total(
@@ -168,7 +176,9 @@ def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_en
         bound("iln,ln->in", C.magnitude, bound("lkn,kn->ln", found.jacobian_change, apart, terms=6), terms=6),
     ]
     if found.following is not None and met.following is not None:
-        parts.append(following_change(found.following, s, met.following.matrix[0][..., of], met.following.errors))
+        parts.append(
+            following_change(found.following, s, met.following.matrix[0][..., of], met.following.errors[:, of])
+        )
     reach = total(*parts)
     return np.asarray(np.all(reach < boxes.radius, axis=0), dtype=bool)
 
@@ -194,16 +204,16 @@ def _hull(machine: Machine, boxes: Boxes, reach: FloatArray) -> Motion:
     return follow(machine, pose, q)
 
 
-def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
-    """Bound E, shape (6, n)."""
+def _residual_change(over: Motion, uncertainty: Uncertainty, off: FloatArray) -> FloatArray:
+    """Bound E, shape (6, n), where actuators are off by up to (n,)."""
     eps, eta = np.array(uncertainty.length_m), np.array(uncertainty.coordinate_m)
-    lengths, off = over.lengths[0].magnitude, np.array(max(uncertainty.actuator_m))
+    lengths = over.lengths[0].magnitude
     if not uncertainty.calibration:
         return np.zeros_like(lengths)
-    lengths = total(lengths, np.full_like(lengths, off))
+    lengths = total(lengths, off[None])
     v = over.vectors[0]
     v = Enclosure(v.mid, v.rad.copy())
-    v.rad[:, 0] = total(v.rad[:, 0], np.full_like(v.rad[:, 0], off))
+    v.rad[:, 0] = total(v.rad[:, 0], off[None])
     local = contract("ijn,lin->ljn", over.rotation[0], v, 3).magnitude
     sizes = v.magnitude
     seen = total(local[:, 0], local[:, 1], local[:, 2], sizes[:, 0], 2.0 * sizes[:, 1], 2.0 * sizes[:, 2])
@@ -211,14 +221,14 @@ def _residual_change(over: Motion, uncertainty: Uncertainty) -> FloatArray:
     return total(times(eps, lengths), times(np.full_like(lengths, eps), eps), times(eta, seen), times(offset, offset))
 
 
-def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty) -> FloatArray:
-    """Bound D, shape (6, 6, n)."""
+def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty, off: FloatArray) -> FloatArray:
+    """Bound D, shape (6, 6, n), where actuators are off by up to (n,)."""
     v = hull.vectors[0].magnitude
     D = np.zeros((6, 6, v.shape[-1]))
     eta = np.array(uncertainty.coordinate_m)
     if eta > 0.0:
         size, arm = norm(np.moveaxis(v, 1, 0)), arm_lengths(machine)[:, None]
-        size = total(size, np.full_like(size, max(uncertainty.actuator_m)))
+        size = total(size, off[None])
         w = _offset(eta)
         D[:, :3] = times(np.array(3.8), eta)
         D[:, 3:] = total(times(arm, w), times(np.array(1.8), eta, total(size, np.full_like(size, w))))[:, None]

@@ -1,19 +1,32 @@
 """The least distances between axes: of links that share no joint, and of links and other arms' rails if required."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, dot, exactly, rounded_down, times, total
+from pipeline.certify.recheck.arithmetic.enclosure import (
+    Enclosure,
+    bound,
+    contract,
+    dot,
+    exactly,
+    root,
+    rounded_down,
+    times,
+    total,
+    within,
+)
+from pipeline.certify.recheck.arithmetic.erring import Erring, joint_moves
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, power
 from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
-from pipeline.inclusion.distances import AxisPairs, separating_directions
+from pipeline.inclusion.distances import AxisPairs, joint_rates, separating_directions, turning_rates
 from pipeline.limits.axis_distance import pair_names
 from pipeline.machine.clearance import link_pairs, rail_pairs
 from pipeline.machine.geometry import Machine
@@ -25,10 +38,9 @@ KEYS: tuple[str, ...] = ("distance_m",)
 
 def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound the distances of all pairs that the machine has over some boxes."""
+    image, errors = segment.inclusions.image, segment.erring(machine)
     distances = [
-        distance_bounds(
-            machine, AxisPairs.of(pairs, from_rail, machine.rails_m), segment.boxes, segment.inclusions.image
-        )
+        distance_bounds(machine, AxisPairs.of(pairs, from_rail, machine.rails_m), segment.boxes, (image, errors))
         for pairs, from_rail, _ in _groups(machine)
     ]
     return lower_bounds(np.concatenate(distances).min(axis=1))
@@ -40,6 +52,11 @@ def _groups(machine: Machine) -> list[tuple[list[tuple[int, int]], bool, float]]
     return groups + ([(rail_pairs(machine), True, machine.link_rail_m)] if np.isfinite(machine.link_rail_m) else [])
 
 
+def required_m(machine: Machine) -> FloatArray:
+    """Return the required distance of every pair that the machine has."""
+    return np.concatenate([np.full(len(pairs), least) for pairs, _, least in _groups(machine)])
+
+
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the distances of all pairs that the machine has for every s."""
     groups, least = _groups(evidence.machine), evidence.least
@@ -48,7 +65,7 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
         missing = [name for name in names if name not in stated.pairs]
         yield Claim(DISTANCES, verified=False, found=f"other pairs are stated; missing: {', '.join(missing) or 'none'}")
         return
-    required = np.concatenate([np.full(len(pairs), least) for pairs, _, least in groups])
+    required = required_m(evidence.machine)
     kept = (least >= stated.distances_m) & (stated.distances_m >= required)
     shown = int(np.argmin(least - required) if kept.all() else np.argmin(kept))
     yield Claim(
@@ -58,15 +75,19 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     )
 
 
-def distance_bounds(machine: Machine, pairs: AxisPairs, boxes: Boxes, deviation: FloatArray) -> FloatArray:
-    """Bound the distances of pairs from below, for poses within `deviation` (6, n) of the cubics. Shape (pairs, n).
+def distance_bounds(
+    machine: Machine, pairs: AxisPairs, boxes: Boxes, off: tuple[FloatArray, Erring | None]
+) -> FloatArray:
+    """Bound the distances of pairs from below, for poses off the cubics by up to (6, n). Shape (pairs, n).
 
+    With errors of the actuators, for all of them: the poses are then off the cubics and P a by as much.
     A bound holds for any direction, so that the directions may be those of the search: they need not be right.
     """
-    h = boxes.half
+    h, (deviation, errors) = boxes.half, off
     points = [_end_points(machine, motion, order) for motion, order in ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2))]
     n = _directions(pairs, points, h)
     size = np.maximum(*(norm(np.moveaxis((n[0] + n[1] * exactly(t)).magnitude, 1, 0)) for t in (-h, h)))
+    turning = None if errors is None else _turning(pairs, boxes, points, n[0] + n[1] * within(h), errors)
     least = np.full((len(pairs.first), len(h)), np.inf)
     for p in pairs.first.T:
         for q in pairs.second.T:
@@ -77,15 +98,66 @@ def distance_bounds(machine: Machine, pairs: AxisPairs, boxes: Boxes, deviation:
                 dot(n[0], gap[2], 1) + dot(n[1], gap[1], 1),
                 dot(n[1], gap[2], 1),
             ]
-            spread = total(*(times(term.magnitude, power(h, k)) for k, term in enumerate(series[1:], start=1)))
-            least = np.minimum(least, (series[0] - exactly(spread)).lower)
+            parts = [times(term.magnitude, power(h, k)) for k, term in enumerate(series[1:], start=1)]
+            if turning is not None:
+                parts.append(turning.closer(p, q))
+            least = np.minimum(least, (series[0] - exactly(total(*parts))).lower)
+    size = size if turning is None else turning.size(size)
     shift = joint_shift(machine, deviation)
-    off = np.concatenate([np.zeros_like(shift), shift, np.zeros((3, len(h)))])
-    moved_by = total(*(off[of[:, end]] for of in (pairs.first, pairs.second) for end in (0, 1)))
+    shifts = np.concatenate([np.zeros_like(shift), shift, np.zeros((3, len(h)))])
+    moved_by = total(*(shifts[of[:, end]] for of in (pairs.first, pairs.second) for end in (0, 1)))
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(least > 0.0, rounded_down(least / size, 1), 0.0)
         distance = np.where(size > 0.0, share - moved_by, 0.0)
     return np.maximum(np.nextafter(distance, -np.inf), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Turning:
+    """Directions n + sum a_k M_k that turn with the errors a: n over intervals (pairs, 3, n), M (pairs, 3, 5, n).
+
+    `points` (15, 3, n) are end points over the intervals, `moves` (15, 3, 5, n) their derivatives by errors (5, n).
+    """
+
+    n: Enclosure
+    rates: Enclosure
+    points: Enclosure
+    moves: Enclosure
+    errors: FloatArray
+
+    def closer(self, p: IntArray, q: IntArray) -> FloatArray:
+        """Bound by how much n . (P - Q) of end points becomes smaller with the errors, (pairs, n)."""
+        S, D = self.moves[p] - self.moves[q], self.points[p] - self.points[q]
+        first = contract("pcn,pcan->pan", self.n, S, 3) + contract("pcan,pcn->pan", self.rates, D, 3)
+        linear = bound("pan,an->pn", first.magnitude, self.errors, terms=5)
+        return total(linear, times(self._turned(), bound("pan,an->pn", _lengths(S), self.errors, terms=5)))
+
+    def size(self, before: FloatArray) -> FloatArray:
+        """Bound |n| for all errors, (pairs, n), where it is `before` without them."""
+        along = contract("pcn,pcan->pan", self.n, self.rates, 3).magnitude
+        turned = self._turned()
+        return root(
+            total(times(before, before), 2.0 * bound("pan,an->pn", along, self.errors, terms=5), times(turned, turned))
+        )
+
+    def _turned(self) -> FloatArray:
+        return bound("pan,an->pn", _lengths(self.rates), self.errors, terms=5)
+
+
+def _lengths(vectors: Enclosure) -> FloatArray:
+    """Bound the lengths of vectors (pairs, 3, 5, n), shape (pairs, 5, n)."""
+    return norm(np.moveaxis(vectors.magnitude, 1, 0))
+
+
+def _turning(pairs: AxisPairs, boxes: Boxes, points: list[Enclosure], n: Enclosure, errors: Erring) -> _Turning:
+    """Let directions follow the closest points; they need not be right."""
+    axes, arms, P, middle = (
+        np.moveaxis(part, -1, 0) for part in (boxes.at.axes[0].mid, boxes.at.arms[0].mid, errors.matrix, points[0].mid)
+    )
+    rates = turning_rates(pairs, middle, joint_rates(axes, arms, P))
+    h = boxes.half
+    everywhere = points[0] + points[1] * within(h) + points[2] * within(power(h, 2))
+    return _Turning(n, exactly(rates.transpose(2, 3, 0, 1)), everywhere, joint_moves(errors), errors.errors)
 
 
 def _directions(pairs: AxisPairs, points: list[Enclosure], h: FloatArray) -> list[Enclosure]:

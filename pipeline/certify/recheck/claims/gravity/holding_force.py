@@ -73,7 +73,7 @@ def holding_force_bounds(machine: Machine, masses: Masses, boxes: Boxes, deviati
     H = [_transposed(part) for part in (at[0], at[1], over[2])]
     Y = [exactly(part) for part in linear_inverse(H)]
     miss = residual_of_inverse(Y, H, h)
-    off = statics_change(machine, boxes, deviation)
+    off = statics_change(machine, boxes.over, deviation)
     bound_Y = total(frobenius(Y[0].magnitude), times(h, frobenius(Y[1].magnitude)))
     loss = total(frobenius(miss), times(bound_Y, off))
     wrench, turned_by = _wrenches(machine, masses, boxes, deviation)
