@@ -14,7 +14,7 @@ from pipeline.artifacts.layout import BOOKS, CONFIG, LOCK, STATE, SUMMARY, SUPER
 from pipeline.artifacts.lock import locked
 from pipeline.artifacts.state import State, read_state, state_bytes
 from pipeline.config import Config
-from pipeline.config.file import config_sha256, load_config, read_yaml
+from pipeline.config.file import NOT_COUNTED, config_sha256, load_config, read_yaml
 from pipeline.errors import UsageError
 from pipeline.regular_file import open_regular_file
 from pipeline.solvers.interrupts import interrupts_noted
@@ -168,13 +168,19 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
     with contextlib.suppress(FileNotFoundError):
         open_regular_file(path / CONFIG, _MOST_CONFIG_BYTES).close()
     config = load_config(path / CONFIG)
-    # A key that is newer than the run has its default, and is not in the file.
-    if state.config_sha256 not in (config_sha256(config), config_sha256(read_yaml(path / CONFIG))):
+    if state.config_sha256 not in (config_sha256(config), _as_written_sha256(path / CONFIG)):
         raise UsageError(
             f"{path / CONFIG} was changed after the run: the results do not belong to it.\n"
             f"  What to change: run it, with gantry-tau run {path / CONFIG} --out {path}."
         )
     return config, state
+
+
+def _as_written_sha256(file: Path) -> str:
+    """Hash a configuration without the defaults of keys that are newer than its run, which the file does not have."""
+    written = read_yaml(file)
+    assert isinstance(written, dict), "a configuration was read from the file"
+    return config_sha256({key: value for key, value in written.items() if key not in NOT_COUNTED})
 
 
 def next_numbered(attic: Path) -> Path:

@@ -13,6 +13,7 @@ from pipeline.figures.kappa import kappa_figure
 from pipeline.figures.machine import machine_figure
 from pipeline.figures.maps.regions import regions_figure
 from pipeline.figures.maps.route import route_figure
+from pipeline.figures.pose_error import pose_error_figure
 from pipeline.figures.proof import proof_figure
 from pipeline.figures.time.drives import drives_figure, has_masses
 from pipeline.figures.time.loads import has_loads, loads_figure, usage_figure
@@ -20,6 +21,7 @@ from pipeline.figures.time.phase import phase_figure
 from pipeline.figures.time.pose import pose_figure
 from pipeline.figures.time.trajectory import trajectory_figure
 from pipeline.machine.geometry import Machine
+from pipeline.pose_error import PoseError, SampledError
 from pipeline.refine.measure import PathSamples
 from pipeline.retime.result import Trajectory, TrajectorySamples
 from pipeline.route.regions.table import RegionTable
@@ -42,6 +44,10 @@ class RunData:
         Dense samples of both paths.
     kappa_profile : KappaProfile or None
         The proven bound of kappa, box by box.
+    pose_error : PoseError or None
+        The proven error of the tool.
+    sampled_error : SampledError or None
+        The same at samples.
     trajectory : Trajectory or None
         The refined path in time.
     trajectory_samples : TrajectorySamples or None
@@ -55,6 +61,8 @@ class RunData:
     coarse: PathSamples | None = None
     refined: PathSamples | None = None
     kappa_profile: KappaProfile | None = None
+    pose_error: PoseError | None = None
+    sampled_error: SampledError | None = None
     trajectory: Trajectory | None = None
     trajectory_samples: TrajectorySamples | None = None
 
@@ -90,6 +98,7 @@ FIGURES = (
     RunFigure("kappa", kappa_figure, ("config", "route", "coarse", "refined")),
     RunFigure("clearance", clearance_figure, ("config", "machine", "coarse", "refined")),
     RunFigure("proof", proof_figure, ("config", "refined", "kappa_profile")),
+    RunFigure("pose_error", pose_error_figure, ("pose_error", "sampled_error")),
     RunFigure("pose", pose_figure, ("config", "machine", "route", "coarse", "trajectory_samples")),
     RunFigure("trajectory", trajectory_figure, ("machine", "trajectory_samples")),
     RunFigure("loads", loads_figure, ("trajectory",), applies=has_loads),

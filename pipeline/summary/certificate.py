@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from pipeline.config import Config
+from pipeline.summary.pose_error import pose_error_part, pose_error_words
 from pipeline.summary.section import SKIPPED, Section
 from pipeline.summary.versions import versions
 
@@ -28,6 +29,7 @@ def certificate_section(certificate: "Certificate") -> Section:
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
         **_following_part(certificate),
+        **pose_error_part(None),
     }
 
 
@@ -88,5 +90,5 @@ def certificate_words(section: Section) -> str:
         found += f"; drives may be off by {1e3 * following:.2f} mm at a time"
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
-        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"
+        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}{pose_error_words(section)}"
     )

@@ -1,9 +1,12 @@
 """The proof of a path: how sharp, how fine, and what is proven."""
 
-from pydantic import Field
+from typing import Self
+
+from pydantic import Field, model_validator
 
 from pipeline.config.choices import Proof
-from pipeline.config.section import Section
+from pipeline.config.section import Section, wrong
+from pipeline.config.stages.pose_error import PoseErrorConfig
 
 
 class CertifyConfig(Section):
@@ -33,3 +36,15 @@ class CertifyConfig(Section):
         le=100_000,
         description="machines drawn at random to find the calibration error at which the path really fails",
     )
+    pose_error: PoseErrorConfig | None = Field(
+        None,
+        description="errors of drives and geometry for which the tool's error is proven (pose_error.csv); null: none",
+    )
+
+    @model_validator(mode="after")
+    def _pose_error_is_proven(self) -> Self:
+        if self.pose_error is not None and self.what == Proof.NOTHING:
+            raise wrong(
+                "pose_error", "needs a proof of the path; allowed is null, or another certify.what than nothing"
+            )
+        return self

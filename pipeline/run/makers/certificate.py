@@ -4,12 +4,15 @@ import time
 from typing import TYPE_CHECKING
 
 from pipeline.artifacts.results.certificate.stored import certificate_files
+from pipeline.artifacts.results.pose_error import pose_error_files, uncertainty_of
 from pipeline.certify import Certificate, certify_path
 from pipeline.config import Config
 from pipeline.config.choices import Proof
+from pipeline.pose_error import bound_pose_error
 from pipeline.progress import Monitor
 from pipeline.run.product import Product
 from pipeline.summary.certificate import certificate_facts, certificate_section, skipped_certificate
+from pipeline.summary.pose_error import pose_error_part
 
 if TYPE_CHECKING:
     from pipeline.run.results import Results
@@ -21,8 +24,13 @@ def make_certificate(results: "Results", monitor: Monitor) -> Product:
     if config.certify.what == Proof.NOTHING:
         return no_certificate()
     began = time.perf_counter()
-    certificate = certify_path(config, results.machine, results.refinement.path, monitor)
-    return certificate_product(config, certificate, time.perf_counter() - began)
+    path, asked = results.refinement.path, config.certify.pose_error
+    certificate = certify_path(config, results.machine, path, monitor)
+    product = certificate_product(config, certificate, time.perf_counter() - began)
+    if asked is None:
+        return product
+    found = bound_pose_error(path, uncertainty_of(asked), config.certify.precision_bits, monitor)
+    return Product({**product.files, **pose_error_files(found)}, {**product.section, **pose_error_part(found)})
 
 
 def certificate_product(config: Config, certificate: Certificate, seconds: float) -> Product:
