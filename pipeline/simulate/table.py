@@ -90,7 +90,7 @@ def tube_table(simulation: Simulation, check: TubeCheck) -> TextTable:
         for k, (name, row) in enumerate(zip(ACTUATORS, off.argmax(axis=0).tolist(), strict=True))
     ]
     header = ("drive", "contour error mm", "at s", "proven mm", "of proven")
-    return TextTable("proven tube: largest distances from the path, all drives at a time", header, rows, 1)
+    return TextTable("distances from the path against the proven tube", header, rows, 1)
 
 
 def tube_text(simulation: Simulation, check: TubeCheck) -> str:

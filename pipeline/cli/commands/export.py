@@ -170,7 +170,8 @@ def _write(kind: Format, files: dict[str, bytes], output: Path | None, beside: d
         return
     if not is_written_through(output):
         for suffix, path in beside.items():
-            write_output(path, files[suffix])
+            if suffix in files:
+                write_output(path, files[suffix])
     write_output(output, files[""])
 
 
