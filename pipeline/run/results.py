@@ -14,7 +14,6 @@ from pipeline.stage import Stage
 
 if TYPE_CHECKING:
     from pipeline.certify.recheck import KappaProfile, Statement
-    from pipeline.pose_error import PoseError
     from pipeline.refine.measure import PathSamples
     from pipeline.refine.result import Refinement
     from pipeline.retime.result import Trajectory
@@ -114,13 +113,6 @@ class Results:
         from pipeline.run.makers.path_samples import sample_paths
 
         return self.derive(sample_paths)
-
-    @property
-    def pose_error(self) -> "PoseError | None":
-        """The proven error of the tool; None if it was not asked for."""
-        from pipeline.artifacts.results.pose_error import load_pose_error
-
-        return self.derive(load_pose_error)
 
     @property
     def profile(self) -> "KappaProfile | None":

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from pipeline.artifacts.results.figures import figure_files
+from pipeline.artifacts.results.pose_error import load_pose_error
 from pipeline.figures import RunData, RunFigure, all_figures
 from pipeline.pose_error import sample_pose_error
 from pipeline.retime import sample_trajectory
@@ -22,9 +23,9 @@ def _trajectory_samples(results: "Results") -> "TrajectorySamples":
     return sample_trajectory(results.trajectory, results.config.retime.period_s)
 
 
-def _sampled_error(results: "Results") -> "SampledError | None":
+def sampled_error(results: "Results") -> "SampledError | None":
     """Sample the error of the tool in the middle of every interval of its bound, of at most so many."""
-    found = results.pose_error
+    found = results.derive(load_pose_error)
     if found is None:
         return None
     middles = found.middles[:: len(found.middles) // _MOST_SAMPLED + 1]
@@ -37,8 +38,8 @@ _SOURCES: dict[str, tuple[Stage, Callable[["Results"], Any]]] = {
     "coarse": (Stage.REFINE, lambda results: results.samples[0]),
     "refined": (Stage.REFINE, lambda results: results.samples[1]),
     "kappa_profile": (Stage.CERTIFY, lambda results: results.profile),
-    "pose_error": (Stage.CERTIFY, lambda results: results.pose_error),
-    "sampled_error": (Stage.CERTIFY, lambda results: results.derive(_sampled_error)),
+    "pose_error": (Stage.CERTIFY, lambda results: results.derive(load_pose_error)),
+    "sampled_error": (Stage.CERTIFY, lambda results: results.derive(sampled_error)),
     "trajectory": (Stage.RETIME, lambda results: results.trajectory),
     "trajectory_samples": (Stage.RETIME, lambda results: results.derive(_trajectory_samples)),
 }
