@@ -14,6 +14,7 @@ from pipeline.arrays import FloatArray
 from pipeline.certify.chain import BoxBounds, close_chain
 from pipeline.certify.problem import build_problem
 from pipeline.certify.reasons import Reason
+from pipeline.certify.result import ProvenChain, proven_chain
 from pipeline.errors import NoSolutionError
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.pieces import Piece
@@ -50,6 +51,8 @@ class PoseError:
         By which angle the platform may be turned against where it should be.
     amplification : DriveAmplification
         How far the tool moves and turns with each drive alone.
+    chain : ProvenChain or None
+        The proof; None of what was read from a table.
     """
 
     uncertainty: Uncertainty
@@ -57,6 +60,7 @@ class PoseError:
     position_m: FloatArray
     rotation_rad: FloatArray
     amplification: DriveAmplification
+    chain: ProvenChain | None = None
 
     @property
     def middles(self) -> FloatArray:
@@ -88,7 +92,8 @@ def bound_pose_error(
         )
     bounds = np.array([found for (found,) in chain.bounds])
     edges = np.array([0.0, *(inclusion.box.last for inclusion in chain.inclusions)])
-    return PoseError(uncertainty, edges, bounds[:, 0], bounds[:, 1], amplify_drives(path, edges))
+    proof = proven_chain(chain, uncertainty)
+    return PoseError(uncertainty, edges, bounds[:, 0], bounds[:, 1], amplify_drives(path, edges), proof)
 
 
 def _split(piece: Piece) -> list[Piece]:

@@ -28,6 +28,8 @@ from pipeline.inclusion.proven_box import ProvenBox
 
 _ROUNDING = 1e-14
 """Relative to the sum of all magnitudes: sums and products of twelve terms in double precision are off by less."""
+_SLACK, _SLACK_OF_REST, _LEAST_SLACK = 1e-4, 0.03, 1e-10
+"""What the linear part of a bound and the rest are enlarged by, relatively, and metres or radians that are added."""
 _RZ = 5
 
 
@@ -63,8 +65,8 @@ def bound_error(box: ProvenBox) -> BoxError | None:
     rest = above((k[0] ** 2 + k[1] ** 2 + k[2] ** 2).sqrt())
     turned = max(_rate(moved[..., 3:], sine) for sine in _sines(box))
     return BoxError(
-        position_m=_sum_above(position, rest),
-        rotation_rad=_sum_above(turned + _ROUNDING * most[3:].sum(), above(sum(k[3:], arb(0)))),
+        position_m=_stated(position, rest),
+        rotation_rad=_stated(turned + _ROUNDING * most[3:].sum(), above(sum(k[3:], arb(0)))),
         rest=rest,
     )
 
@@ -111,5 +113,6 @@ def _sines(box: ProvenBox) -> tuple[float, float]:
     return below(sine), above(sine)
 
 
-def _sum_above(linear: float, rest: float) -> float:
-    return float(np.nextafter((linear + rest) * (1.0 + 1e-15), np.inf))
+def _stated(linear: float, rest: float) -> float:
+    """Add the parts of a bound, each a little larger, so that other arithmetic with wider enclosures verifies them."""
+    return (1.0 + _SLACK) * linear + (1.0 + _SLACK_OF_REST) * rest + _LEAST_SLACK

@@ -38,7 +38,7 @@ def test_the_error_of_the_tool_is_proven_on_request(tmp_path: Path, machine: Mac
     assert files == {"certificate.json"}
     assert section["pose_error_bound_m"] is None
     files, section = made(changed(task, certify__pose_error={"drives_m": [1e-4] * 5}))
-    assert files == {"certificate.json", "pose_error.csv"}
+    assert files == {"certificate.json", "pose_error.csv", "pose_error.npz"}
     assert 1e-4 < section["pose_error_bound_m"] < 2e-3
     assert 0.0 < section["pose_error_rotation_rad"] < 2e-3
     assert len(section["amplification_max"]) == len(section["amplification_max_s"]) == 5
