@@ -50,6 +50,11 @@ from .refine import (
 from .certify import (
     Certificate as Certificate,
     certify_path as certify_path,
+    Uncertainty as Uncertainty,
+)
+from .pose_error import (
+    PoseError as PoseError,
+    bound_pose_error as bound_pose_error,
 )
 from .retime import (
     Trajectory as Trajectory,

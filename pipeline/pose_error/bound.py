@@ -87,7 +87,8 @@ def bound_pose_error(
             "pose error",
             f"for errors of this size the pose is not proven beyond s = {chain.failure.s:.6f}: "
             f"{chain.failure.reason.text}",
-            "Take smaller errors; gantry-tau certify CONFIG --following says how large they may be.",
+            "Take smaller errors (certify.pose_error, or --drives-mm ...); gantry-tau certify CONFIG --following says "
+            "how far drives may be off.",
             {"s": chain.failure.s},
         )
     bounds = np.array([found for (found,) in chain.bounds])
