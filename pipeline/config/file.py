@@ -78,8 +78,8 @@ def results_folder(name: str) -> Path:
     return _RESULTS / os.fsdecode(name.encode())
 
 
-NOT_COUNTED = {"figures", "atlas"}
-"""Sections that are no part of the hash of a whole configuration."""
+NOT_COUNTED = frozenset({"figures", "atlas"})
+"""Sections that do not count in the hash of a whole configuration."""
 
 
 def config_sha256(config: BaseModel | object) -> str:
@@ -87,8 +87,8 @@ def config_sha256(config: BaseModel | object) -> str:
 
     Of a whole one, how results are drawn does not count, nor do the stations of an atlas: results are the same.
     """
-    not_counted = NOT_COUNTED if isinstance(config, Config) else set[str]()
-    plain = config.model_dump(mode="json", exclude=not_counted) if isinstance(config, BaseModel) else config
+    not_counted = NOT_COUNTED if isinstance(config, Config) else frozenset[str]()
+    plain = config.model_dump(mode="json", exclude=set(not_counted)) if isinstance(config, BaseModel) else config
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 
 

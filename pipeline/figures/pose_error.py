@@ -11,6 +11,9 @@ from pipeline.pose_error import PoseError, SampledError
 
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILLION, style.PURPLE)
 
+_WIDEST = 50
+"""Characters that fit above a panel."""
+
 
 @style.styled
 def pose_error_figure(found: PoseError, sampled: SampledError) -> Figure:
@@ -48,4 +51,5 @@ def _errors(uncertainty: Uncertainty) -> str:
     parts = [f"drives ±{', '.join(same)} mm"] if any(uncertainty.actuator_m) else []
     parts += [f"lengths ±{1e3 * uncertainty.length_m:g} mm"] if uncertainty.length_m else []
     parts += [f"coordinates ±{1e3 * uncertainty.coordinate_m:g} mm"] if uncertainty.coordinate_m else []
-    return "; ".join(parts)
+    line = "; ".join(parts)
+    return line if len(line) <= _WIDEST else "\n".join((parts[0], "; ".join(parts[1:])))

@@ -39,6 +39,10 @@ def test_bounds_are_above_the_samples_in_their_units() -> None:
         (Uncertainty(actuator_m=(1e-4,) * 5), "drives ±0.1 mm"),
         (Uncertainty(1e-4, 2e-5), "lengths ±0.1 mm; coordinates ±0.02 mm"),
         (Uncertainty(actuator_m=(1e-4, 1e-4, 1e-4, 5e-5, 0.0)), "drives ±0.1, 0.1, 0.1, 0.05, 0 mm"),
+        (
+            Uncertainty(1e-4, 2e-5, (1e-4, 1e-4, 1e-4, 5e-5, 0.0)),
+            "drives ±0.1, 0.1, 0.1, 0.05, 0 mm\nlengths ±0.1 mm; coordinates ±0.02 mm",
+        ),
     ],
 )
 def test_it_says_what_is_off(errors: Uncertainty, title: str) -> None:
