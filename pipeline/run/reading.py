@@ -40,8 +40,8 @@ def open_results(folder: Path | str, *stages: Stage) -> Results:
     return Results(config, build_machine(config.machine), folder)
 
 
-def open_tube(folder: Path | str) -> "ProvenTube | None":
-    """Open how far the actuators of a run may be off its path; None if that is not proven.
+def open_tubes(folder: Path | str) -> "tuple[ProvenTube, ...]":
+    """Open how far the actuators of a run may be off its path, as `proven_tubes` gives it; none if that is not proven.
 
     Raises
     ------
@@ -49,17 +49,17 @@ def open_tube(folder: Path | str) -> "ProvenTube | None":
         When the folder is not a run folder, or its certificate is damaged.
     """
     from pipeline.certify import path_sha256
-    from pipeline.certify.recheck.tube import proven_tube
+    from pipeline.certify.recheck.tube import proven_tubes
 
     _, state = read_run_folder(Path(folder))
     record = state.stages.get(Stage.CERTIFY)
     if record is None or record.status == "failed" or CERTIFICATE_JSON not in record.files:
-        return None
+        return ()
     results = open_results(folder, Stage.REFINE, Stage.CERTIFY)
     stated = results.certificate
     if stated.path_sha256 != path_sha256(results.refinement.path):
-        return None
-    return proven_tube(stated.chains)
+        return ()
+    return proven_tubes(stated.chains)
 
 
 def refuse_damage(folder: Path, record: Record) -> None:

@@ -44,8 +44,8 @@ def simulation_columns(simulation: Simulation) -> dict[str, FloatArray]:
     return {TIME: simulation.t_s, **named}
 
 
-def simulation_data(simulation: Simulation, check: TubeCheck | None = None) -> dict[str, Any]:
-    """Sum up a simulated motion, and how it keeps its proven tube if there is one, as plain data in SI units."""
+def simulation_data(simulation: Simulation, checks: Sequence[TubeCheck] = ()) -> dict[str, Any]:
+    """Sum up a simulated motion, and how it keeps its proven tubes if there are any, as plain data in SI units."""
     units = {"rx": "rad", "rz": "rad"}
     errors = [{**asdict(row), "unit": units.get(row.quantity, "m")} for row in pose_rows(simulation)]
     return {
@@ -58,7 +58,7 @@ def simulation_data(simulation: Simulation, check: TubeCheck | None = None) -> d
         "links": [asdict(row) for row in link_rows(simulation)],
         "modes": [asdict(row) for row in mode_rows(simulation)],
         "det_h": asdict(determinant(simulation)),
-        "tube": None if check is None else _tube_data(simulation, check),
+        "tubes": [_tube_data(simulation, check) for check in checks],
         "simulated_s": simulation.simulated_s,
         "seconds": simulation.seconds,
     }
@@ -95,17 +95,16 @@ def tube_table(simulation: Simulation, check: TubeCheck) -> TextTable:
 
 def tube_text(simulation: Simulation, check: TubeCheck) -> str:
     """Say whether the motion stays within the proven tube and, if not, which trip limit would have said so."""
-    worst = check.worst
+    worst, widest_mm = check.worst, 1e3 * check.tube.errors_m.min()
     share = f"{check.share[worst]:.1%} of it at {simulation.t_s[worst]:.3f} s"
     if check.inside:
-        return f"within the proven tube, {share}: {check.tube.meaning} by the machine as configured"
-    left = float(simulation.t_s[np.argmax(check.share > 1.0)])
-    text = f"NOT within the proven tube, from {left:.3f} s on, {share}: nothing is proven of the machine there"
-    if (tripped := trip_at(simulation, check)) is not None:
-        text += (
-            f"; with following_error_trip_m at {1e3 * check.tube.errors_m.min():.4g} mm drives would have tripped at "
-            f"{tripped:.3f} s"
+        return (
+            f"within the proven tube of {widest_mm:.4g} mm, {share}: {check.tube.meaning} by the machine as configured"
         )
+    left = float(simulation.t_s[np.argmax(check.share > 1.0)])
+    text = f"NOT within the proven tube of {widest_mm:.4g} mm, from {left:.3f} s on, {share}: {check.tube.lost} there"
+    if (tripped := trip_at(simulation, check)) is not None:
+        text += f"; with following_error_trip_m at {widest_mm:.4g} mm drives would have tripped at {tripped:.3f} s"
     return text
 
 

@@ -13,7 +13,7 @@ from pipeline.errors import (
     UsageError,
 )
 from pipeline.run import RunOptions, Stage, open_results, run_pipeline
-from pipeline.run.reading import open_tube, with_retime
+from pipeline.run.reading import open_tubes, with_retime
 from tests.run.fake_stages import FakeStages, proven
 from tests.run.folders import ALL
 
@@ -48,16 +48,15 @@ class TestReading:
     def test_tube(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
         """It is that of the certificate; there is none without a chain of all actuators, or without a certificate."""
         stages.run(fast_config, tmp_path, last=Stage.REFINE)
-        assert open_tube(tmp_path) is None
+        assert open_tubes(tmp_path) == ()
         stages.run(fast_config, tmp_path)
-        assert open_tube(tmp_path) is None
+        assert open_tubes(tmp_path) == ()
         run_pipeline(fast_config, tmp_path, RunOptions(force=True), None, proven(stages, 1e-3))
-        tube = open_tube(tmp_path)
-        assert tube is not None
+        (tube,) = open_tubes(tmp_path)
         assert tube.errors_m.tolist() == [1e-3] * 5
         (tmp_path / "certificate.json").write_bytes(b"{}")
         with pytest.raises(UsageError, match=r"certificate\.json"):
-            open_tube(tmp_path)
+            open_tubes(tmp_path)
 
     def test_results_of_another_version(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
         """Results made by other code can still be read, and are made again when stages run."""

@@ -88,13 +88,13 @@ def test_columns_are_a_measurement(simulation: Simulation) -> None:
 def test_the_tube_is_told_with_the_trip_limit_that_would_have_held_it(simulation: Simulation) -> None:
     """Inside: how much of it is used; outside: from when on, and when drives would have tripped."""
     wide, narrow = (check_tube(simulation, ProvenTube(np.full(5, eps), True)) for eps in (5e-3, 5e-4))
-    assert tube_text(simulation, wide).startswith("within the proven tube, ")
+    assert tube_text(simulation, wide).startswith("within the proven tube of 5 mm, ")
     assert "limits of kappa and distances are kept" in tube_text(simulation, wide)
-    assert simulation_data(simulation, wide)["tube"]["inside"] is True
-    assert simulation_data(simulation, wide)["tube"]["trip_at_s"] is None
-    assert simulation_data(simulation)["tube"] is None
-    told, data = tube_text(simulation, narrow), simulation_data(simulation, narrow)["tube"]
-    assert told.startswith("NOT within the proven tube, from ")
+    assert simulation_data(simulation, [wide])["tubes"][0]["inside"] is True
+    assert simulation_data(simulation, [wide])["tubes"][0]["trip_at_s"] is None
+    assert simulation_data(simulation)["tubes"] == []
+    told, data = tube_text(simulation, narrow), simulation_data(simulation, [wide, narrow])["tubes"][1]
+    assert told.startswith("NOT within the proven tube of 0.5 mm, from ")
     assert "following_error_trip_m at 0.5 mm" in told
     assert data["share"] > 1.0
     assert 0.0 < data["trip_at_s"] <= data["share_at_s"]

@@ -26,23 +26,30 @@ class ProvenTube:
     within_limits: bool
 
     @property
+    def lost(self) -> str:
+        """What is no longer proven outside of it, in words."""
+        return (
+            "limits of kappa and distances may be broken" if self.within_limits else "nothing is proven of the machine"
+        )
+
+    @property
     def meaning(self) -> str:
         """What is proven in it, in words."""
         kept = "limits of kappa and distances are kept" if self.within_limits else "limits may be broken"
         return f"no singularity is met, {kept}"
 
 
-def proven_tube(chains: Sequence[ProvenChain]) -> ProvenTube | None:
-    """Take the tube of all actuators alike: one that keeps the limits, if there is one; None without any.
+def proven_tubes(chains: Sequence[ProvenChain]) -> tuple[ProvenTube, ...]:
+    """Take the tubes of all actuators alike: one that keeps the limits, then a wider one that may break them.
 
-    Of several of a kind it is the widest: each is proven.
+    Of several chains of a kind the widest tube is taken: each is proven. There may be one of them, or none.
     """
     found = [
         ProvenTube(np.array(chain.uncertainty.actuator_m), bool(getattr(chain, "within_limits", False)))
-        for chain in chains
-        if _alike(chain)
+        for chain in sorted(filter(_alike, chains), key=lambda chain: chain.uncertainty.actuator_m[0])
     ]
-    return max(found, key=lambda tube: (tube.within_limits, float(tube.errors_m[0])), default=None)
+    kept, broken = ([tube for tube in found if tube.within_limits is kind][-1:] for kind in (True, False))
+    return (*kept, *(tube for tube in broken if not kept or tube.errors_m[0] > kept[0].errors_m[0]))
 
 
 def _alike(chain: ProvenChain) -> bool:

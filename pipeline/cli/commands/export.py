@@ -93,14 +93,14 @@ def export(
     from pipeline.export import ExportOptions, ExportRequest, export_files
     from pipeline.export.deviation import quintic_deviation
     from pipeline.retime import sample_trajectory, whole_periods
-    from pipeline.run.reading import open_tube
+    from pipeline.run.reading import open_tubes
 
     wanted, named = _listed(columns), _listed(names)
     options = ExportOptions(separator, decimals, wanted, length, angle, decimal, named, times, lead_in_s, tolerance_m)
     trajectory, config = driven(run, speed, period_s, back)
     samples = sample_trajectory(trajectory, config.retime.period_s)
     machine = trajectory.path.machine
-    tube = open_tube(run) if TRIP_LIMITS & set(beside) else None
+    tube = next(iter(open_tubes(run)), None) if TRIP_LIMITS & set(beside) else None
     request = ExportRequest(
         samples,
         machine.acceleration_mps2,
