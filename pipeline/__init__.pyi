@@ -50,6 +50,13 @@ from .refine import (
 from .certify import (
     Certificate as Certificate,
     certify_path as certify_path,
+    Uncertainty as Uncertainty,
+)
+from .pose_error import (
+    PoseError as PoseError,
+    SampledError as SampledError,
+    bound_pose_error as bound_pose_error,
+    sample_pose_error as sample_pose_error,
 )
 from .retime import (
     Trajectory as Trajectory,
@@ -196,6 +203,7 @@ from .figures import (
     machine_figure as machine_figure,
     measured_figure as measured_figure,
     phase_figure as phase_figure,
+    pose_error_figure as pose_error_figure,
     pose_figure as pose_figure,
     postures_figure as postures_figure,
     proof_figure as proof_figure,

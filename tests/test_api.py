@@ -31,6 +31,7 @@ runs_markdown sample_path sample_trajectory save_path simulate_measurement simul
 step_sizes trajectory_figure tune_drives usable_workspace usage_figure way_back workspace_figure workspace_rows
 workspace_volume_figure
 AtlasOptions AtlasRecord MotionRecord PairRecord StationRecord make_atlas read_atlas Installation SpaceUse measure_space
+PoseError SampledError Uncertainty bound_pose_error pose_error_figure sample_pose_error
 """
 PUBLIC = NAMES.split()
 MADE_STEP_BY_STEP = {"Results"}

@@ -168,8 +168,7 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
     with contextlib.suppress(FileNotFoundError):
         open_regular_file(path / CONFIG, _MOST_CONFIG_BYTES).close()
     config = load_config(path / CONFIG)
-    # A key that is newer than the run has its default, and is not in the file.
-    if state.config_sha256 not in (config_sha256(config), config_sha256(_counted(read_yaml(path / CONFIG)))):
+    if state.config_sha256 not in (config_sha256(config), *_as_written_sha256(path / CONFIG)):
         raise UsageError(
             f"{path / CONFIG} was changed after the run: the results do not belong to it.\n"
             f"  What to change: run it, with gantry-tau run {path / CONFIG} --out {path}."
@@ -177,9 +176,15 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
     return config, state
 
 
-def _counted(raw: object) -> object:
-    """Leave out of a configuration as it was read what does not count in its hash."""
-    return {key: value for key, value in raw.items() if key not in NOT_COUNTED} if isinstance(raw, dict) else raw
+def _as_written_sha256(file: Path) -> tuple[str, str]:
+    """Hash a configuration as it is written, without the defaults of keys that are newer than its run.
+
+    Runs of the first versions counted all sections, later ones leave some out.
+    """
+    written = read_yaml(file)
+    assert isinstance(written, dict), "a configuration was read from the file"
+    counted = {key: value for key, value in written.items() if key not in NOT_COUNTED}
+    return config_sha256(written), config_sha256(counted)
 
 
 def next_numbered(attic: Path) -> Path:

@@ -23,7 +23,7 @@ from pipeline.cli.commands import (
     simulate,
     tune,
 )
-from pipeline.cli.commands.analyses import atlas, bound, compare, study, tradeoff, workspace
+from pipeline.cli.commands.analyses import atlas, bound, compare, pose_error, study, tradeoff, workspace
 from pipeline.cli.console import discard_output, print_error, print_message
 from pipeline.cli.interrupts import ignore_interrupts
 from pipeline.errors import PipelineError, UsageError
@@ -210,6 +210,7 @@ _GROUPS = (
     tradeoff,
     atlas,
     bound,
+    pose_error,
     study,
     measured,
     simulate,

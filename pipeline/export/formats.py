@@ -7,6 +7,9 @@ MOST_DECIMALS = 17
 """Largest number of decimals: all digits that a number near one has."""
 TOLERANCE_M = 1e-6
 """How far positions may be off where points are left out, by default."""
+TRIP_YAML, TRIP_INI = ".controller.yaml", ".ini"
+TRIP_LIMITS = frozenset({TRIP_YAML, TRIP_INI})
+"""Endings of the files with trip limits."""
 _NONE: frozenset[str] = frozenset()
 _TABLE = frozenset({"separator", "decimal", "names"})
 
@@ -25,7 +28,8 @@ class Format(StrEnum):
     options : frozenset of str
         The fields of `ExportOptions` that the format takes.
     beside : mapping of str to str
-        Files that belong beside it: their suffix, and the function that writes them like `writer`.
+        Files that belong beside it: their suffix, and the function that writes them like `writer`, or returns None
+        if there is nothing to write.
     """
 
     writer: str
@@ -55,12 +59,19 @@ class Format(StrEnum):
     )
     PVT = "pvt", "controllers.pvt.format_pvt", "controllers.pvt.read_pvt", _TABLE | {"length", "times"}
     CAM = "cam", "controllers.cam.format_cam", "controllers.cam.read_cam", frozenset({"length", "tolerance_m"})
-    ROS2 = "ros2", "controllers.ros2.format_yaml", "controllers.ros2.read_joint_trajectory", frozenset({"lead_in_s"})
+    ROS2 = (
+        "ros2",
+        "controllers.ros2.format_yaml",
+        "controllers.ros2.read_joint_trajectory",
+        frozenset({"lead_in_s"}),
+        {TRIP_YAML: "controllers.trip_limits.format_ros2_constraints"},
+    )
     ROS2_JSON = (
         "ros2-json",
         "controllers.ros2.format_json",
         "controllers.ros2.read_joint_trajectory",
         frozenset({"lead_in_s"}),
+        {TRIP_YAML: "controllers.trip_limits.format_ros2_constraints"},
     )
     MCAP = "mcap", "controllers.mcap.format_mcap", "controllers.mcap.read_mcap", frozenset({"lead_in_s"})
     LINUXCNC = (
@@ -68,7 +79,7 @@ class Format(StrEnum):
         "controllers.linuxcnc.format_halstreamer",
         "controllers.linuxcnc.read_halstreamer",
         frozenset({"length"}),
-        {".hal": "controllers.linuxcnc.format_hal"},
+        {".hal": "controllers.linuxcnc.format_hal", TRIP_INI: "controllers.trip_limits.format_linuxcnc_ini"},
     )
     BECKHOFF = "beckhoff", "controllers.beckhoff.format_beckhoff", "controllers.beckhoff.read_beckhoff"
     MJCF = "mjcf", "models.mjcf.format_mjcf", "models.mjcf.read_mjcf"

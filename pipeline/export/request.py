@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from typing_extensions import deprecated
@@ -21,6 +22,9 @@ from pipeline.export.formats import (
 )
 from pipeline.machine.geometry import Machine
 from pipeline.retime.result import TrajectorySamples
+
+if TYPE_CHECKING:
+    from pipeline.certify.recheck.tube import ProvenTube
 
 _ROUNDING_SHARE = 1e-4
 """Fraction of an acceleration limit that rounding may contribute when written positions are differenced twice."""
@@ -109,6 +113,10 @@ class ExportRequest:
         The machine, for formats that describe it or its passive joints.
     jerk_mps3 : (n, 5) or None
         Jerk from each instant on; None where accelerations jump.
+    tube : ProvenTube or None
+        How far actuators may be off the path, for formats with trip limits; None if that is not proven.
+    deviation_m : (5,) or None
+        How far what is driven between the rows is off the motion; None where controllers drive the rows alone.
     """
 
     samples: TrajectorySamples
@@ -117,6 +125,8 @@ class ExportRequest:
     options: ExportOptions = ExportOptions()  # frozen
     machine: Machine | None = None
     jerk_mps3: FloatArray | None = None
+    tube: "ProvenTube | None" = None
+    deviation_m: FloatArray | None = None
 
     def needed_decimals(self, unit_m: float = 1.0) -> int:
         """Count the decimals needed for positions in a unit of length, 0.001 for millimetres."""

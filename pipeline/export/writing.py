@@ -16,6 +16,8 @@ from pipeline.retime.result import TrajectorySamples
 def export_files(kind: Format, request: ExportRequest) -> dict[str, bytes]:
     """Write a trajectory in a format: the content of its files by suffix, "" for the file itself.
 
+    Files that belong beside it are left out where there is nothing to say in them.
+
     Raises
     ------
     UsageError
@@ -23,7 +25,11 @@ def export_files(kind: Format, request: ExportRequest) -> dict[str, bytes]:
     """
     request.options.require_for(kind)
     contents = {suffix: _function(writer)(request) for suffix, writer in {"": kind.writer, **kind.beside}.items()}
-    return {suffix: one.encode() if isinstance(one, str) else bytes(one) for suffix, one in contents.items()}
+    return {
+        suffix: one.encode() if isinstance(one, str) else bytes(one)
+        for suffix, one in contents.items()
+        if one is not None
+    }
 
 
 def format_samples(

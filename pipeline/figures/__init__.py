@@ -11,6 +11,7 @@ from pipeline.figures.maps.regions import regions_figure
 from pipeline.figures.maps.route import route_figure
 from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.maps.workspace import workspace_figure
+from pipeline.figures.pose_error import pose_error_figure
 from pipeline.figures.proof import proof_figure
 from pipeline.figures.run_figures import FIGURES, RunData, RunFigure, all_figures
 from pipeline.figures.time.drives import drives_figure, has_masses
@@ -35,6 +36,7 @@ __all__ = [
     "machine_figure",
     "measured_figure",
     "phase_figure",
+    "pose_error_figure",
     "pose_figure",
     "postures_figure",
     "proof_figure",

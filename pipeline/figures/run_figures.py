@@ -15,6 +15,7 @@ from pipeline.figures.kappa import kappa_figure
 from pipeline.figures.machine import machine_figure
 from pipeline.figures.maps.regions import regions_figure
 from pipeline.figures.maps.route import route_figure
+from pipeline.figures.pose_error import pose_error_figure
 from pipeline.figures.proof import proof_figure
 from pipeline.figures.time.drives import drives_figure, has_masses
 from pipeline.figures.time.loads import has_loads, loads_figure, usage_figure
@@ -22,6 +23,7 @@ from pipeline.figures.time.phase import phase_figure
 from pipeline.figures.time.pose import pose_figure
 from pipeline.figures.time.trajectory import trajectory_figure
 from pipeline.machine.geometry import Machine
+from pipeline.pose_error import PoseError, SampledError
 from pipeline.refine.measure import PathSamples
 from pipeline.retime.result import Trajectory, TrajectorySamples
 from pipeline.route.regions.table import RegionTable
@@ -46,6 +48,10 @@ class RunData:
         The proven bound of kappa, box by box.
     following : FollowingProfile or None
         By how much drives may be off the path, over s.
+    pose_error : PoseError or None
+        The proven error of the tool.
+    sampled_error : SampledError or None
+        The same at samples.
     trajectory : Trajectory or None
         The refined path in time.
     trajectory_samples : TrajectorySamples or None
@@ -60,6 +66,8 @@ class RunData:
     refined: PathSamples | None = None
     kappa_profile: KappaProfile | None = None
     following: FollowingProfile | None = None
+    pose_error: PoseError | None = None
+    sampled_error: SampledError | None = None
     trajectory: Trajectory | None = None
     trajectory_samples: TrajectorySamples | None = None
 
@@ -96,6 +104,7 @@ FIGURES = (
     RunFigure("clearance", clearance_figure, ("config", "machine", "coarse", "refined")),
     RunFigure("proof", proof_figure, ("config", "refined", "kappa_profile")),
     RunFigure("following", following_figure, ("following",)),
+    RunFigure("pose_error", pose_error_figure, ("pose_error", "sampled_error")),
     RunFigure("pose", pose_figure, ("config", "machine", "route", "coarse", "trajectory_samples")),
     RunFigure("trajectory", trajectory_figure, ("machine", "trajectory_samples")),
     RunFigure("loads", loads_figure, ("trajectory",), applies=has_loads),

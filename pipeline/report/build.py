@@ -11,12 +11,13 @@ from pipeline.compare.motion import common_retiming, measure_motion, retimed
 from pipeline.config import Config
 from pipeline.config.file import config_sha256, dump_config
 from pipeline.machine.geometry import Machine
+from pipeline.pose_error import PoseError, SampledError
 from pipeline.refine.measure import PathSamples, measure_path
 from pipeline.refine.result import Refinement
 from pipeline.report.coarse import CoarseMotion, Retime, drive_coarse
 from pipeline.report.data import Motion, Picture, Proof, Report, RoutePart, Table
 from pipeline.report.motion import build_motion, build_scene
-from pipeline.report.pictures import reach_picture, route_part
+from pipeline.report.pictures import pose_error_picture, reach_picture, route_part
 from pipeline.report.tables import (
     bounds_table,
     build_proof,
@@ -54,6 +55,8 @@ class RunResults:
         The refined path in time.
     coarse, workspace
         The coarse path in motion, and the table and picture of the workspace, where they were made beforehand.
+    pose_error
+        The proven error of the tool, and the same at samples, where it was asked for.
     reach
         A picture, PNG, of what can be reached where there is no route.
     """
@@ -70,6 +73,7 @@ class RunResults:
     trajectory: Trajectory | None = None
     coarse: CoarseMotion | None = None
     workspace: tuple[Table, Picture] | None = None
+    pose_error: tuple[PoseError, SampledError] | None = None
     reach: bytes | None = None
 
 
@@ -110,6 +114,7 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         bounds=None if run.bounds is None else bounds_table(config, machine, run.bounds),
         distances=None if run.bounds is None else distances_table(config, machine, run.bounds),
         proof=_proof(run),
+        pose_error=None if run.pose_error is None else pose_error_picture(*run.pose_error),
         motions=_motions(run, coarse),
         motion_note=_why_still(run.facts) if run.trajectory is None else coarse.note,
     )

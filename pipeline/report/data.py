@@ -206,6 +206,8 @@ class Report:
         What is animated; `motion_note` explains how the coarse motion was made, or why a motion is missing.
     proof : Proof or None
         kappa and its bound.
+    pose_error : Picture or None
+        The proven error of the tool.
     config_yaml : str
         The whole configuration.
     provenance : pairs of text
@@ -231,5 +233,6 @@ class Report:
     bounds: Table | None = None
     distances: Table | None = None
     proof: Proof | None = None
+    pose_error: Picture | None = None
     motions: tuple[Motion, ...] = field(default=())
     motion_note: str = ""

@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 from pipeline.config import Config
 from pipeline.figures.maps.route import route_figure
 from pipeline.figures.maps.volume import workspace_volume_figure
+from pipeline.figures.pose_error import pose_error_figure
 from pipeline.machine.geometry import MODES, Machine
+from pipeline.pose_error import PoseError, SampledError
 from pipeline.refine.measure import PathSamples
 from pipeline.report.data import Picture, RoutePart, Table
 from pipeline.report.wording import signed
@@ -34,6 +36,19 @@ def workspace_picture(machine: Machine, workspace: Workspace) -> Picture:
         f"arms right (RRR), {workspace.union_m3:.3f} m³ in all eight working modes together."
     )
     return picture_of(workspace_volume_figure(machine, workspace), alt)
+
+
+def pose_error_picture(found: PoseError, sampled: SampledError) -> Picture:
+    """Draw the proven error of the tool, with samples."""
+    worst, most = found.position_m.max(), found.rotation_rad.max()
+    alt = (
+        f"The proven error of the tool along the path, over s: at most {1e3 * worst:.3f} mm near s = "
+        f"{found.middles[found.position_m.argmax()]:.2f}, and {1e3 * most:.3f} mrad near s = "
+        f"{found.middles[found.rotation_rad.argmax()]:.2f}; the largest of {len(sampled.s)} samples are "
+        f"{1e3 * sampled.position_m.max():.3f} mm and {1e3 * sampled.rotation_rad.max():.3f} mrad. Below, how far it "
+        f"moves with each drive, up to {found.amplification.position.max():.1f} mm per mm."
+    )
+    return picture_of(pose_error_figure(found, sampled), alt)
 
 
 def reach_picture(png: bytes, why_not: Sequence[str]) -> Picture:

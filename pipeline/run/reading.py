@@ -1,14 +1,19 @@
 """The results of a finished run, for commands that evaluate them."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeline.artifacts import Record, read_run_folder
+from pipeline.artifacts.layout import CERTIFICATE_JSON
 from pipeline.config import Config
 from pipeline.config.file import parse_config
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import build_machine
 from pipeline.run.results import Results
 from pipeline.stage import Stage
+
+if TYPE_CHECKING:
+    from pipeline.certify.recheck.tube import ProvenTube
 
 
 def open_results(folder: Path | str, *stages: Stage) -> Results:
@@ -33,6 +38,28 @@ def open_results(folder: Path | str, *stages: Stage) -> Results:
             raise UsageError(f"{folder} has no result of {stage}, which failed: {record.summary.get('reason')}")
         refuse_damage(folder, record)
     return Results(config, build_machine(config.machine), folder)
+
+
+def open_tubes(folder: Path | str) -> "tuple[ProvenTube, ...]":
+    """Open how far the actuators of a run may be off its path, as `proven_tubes` gives it; none if that is not proven.
+
+    Raises
+    ------
+    UsageError
+        When the folder is not a run folder, or its certificate is damaged.
+    """
+    from pipeline.certify import path_sha256
+    from pipeline.certify.recheck.tube import proven_tubes
+
+    _, state = read_run_folder(Path(folder))
+    record = state.stages.get(Stage.CERTIFY)
+    if record is None or record.status == "failed" or CERTIFICATE_JSON not in record.files:
+        return ()
+    results = open_results(folder, Stage.REFINE, Stage.CERTIFY)
+    stated = results.certificate
+    if stated.path_sha256 != path_sha256(results.refinement.path):
+        return ()
+    return proven_tubes(stated.chains)
 
 
 def refuse_damage(folder: Path, record: Record) -> None:

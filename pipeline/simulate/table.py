@@ -13,6 +13,7 @@ from pipeline.measured.comparison import COORDINATES
 from pipeline.measured.table import TIME
 from pipeline.simulate.result import Simulation
 from pipeline.simulate.rows import determinant, drive_rows, link_rows, mode_rows, pose_rows, tcp_error
+from pipeline.simulate.tube import TubeCheck
 
 
 class TextTable(NamedTuple):
@@ -43,8 +44,8 @@ def simulation_columns(simulation: Simulation) -> dict[str, FloatArray]:
     return {TIME: simulation.t_s, **named}
 
 
-def simulation_data(simulation: Simulation) -> dict[str, Any]:
-    """Sum up a simulated motion as plain data, in metres, radians, newtons and seconds."""
+def simulation_data(simulation: Simulation, checks: Sequence[TubeCheck] = ()) -> dict[str, Any]:
+    """Sum up a simulated motion, and how it keeps its proven tubes if there are any, as plain data in SI units."""
     units = {"rx": "rad", "rz": "rad"}
     errors = [{**asdict(row), "unit": units.get(row.quantity, "m")} for row in pose_rows(simulation)]
     return {
@@ -57,6 +58,7 @@ def simulation_data(simulation: Simulation) -> dict[str, Any]:
         "links": [asdict(row) for row in link_rows(simulation)],
         "modes": [asdict(row) for row in mode_rows(simulation)],
         "det_h": asdict(determinant(simulation)),
+        "tubes": [_tube_data(simulation, check) for check in checks],
         "simulated_s": simulation.simulated_s,
         "seconds": simulation.seconds,
     }
@@ -72,6 +74,59 @@ def determinant_text(simulation: Simulation) -> str:
     found = determinant(simulation)
     sign = "keeps its sign" if found.sign_kept else "changes its sign"
     return f"det H {sign}; at least {found.least_ratio:.4f} of the planned one, at {found.least_ratio_at_s:.3f} s"
+
+
+def tube_table(simulation: Simulation, check: TubeCheck) -> TextTable:
+    """Make a table of the largest contour error of each drive against what is proven, in millimetres."""
+    off = np.abs(check.contour_error_m)
+    rows = [
+        (
+            name,
+            f"{1e3 * check.contour_error_m[row, k]:+.3f}",
+            f"{simulation.t_s[row]:.3f}",
+            f"{1e3 * check.tube.errors_m[k]:.4g}",
+            f"{off[row, k] / check.tube.errors_m[k]:.1%}",
+        )
+        for k, (name, row) in enumerate(zip(ACTUATORS, off.argmax(axis=0).tolist(), strict=True))
+    ]
+    header = ("drive", "contour error mm", "at s", "proven mm", "of proven")
+    return TextTable("distances from the path against the proven tube", header, rows, 1)
+
+
+def tube_text(simulation: Simulation, check: TubeCheck) -> str:
+    """Say whether the motion stays within the proven tube and, if not, which trip limit would have said so."""
+    worst, widest_mm = check.worst, 1e3 * check.tube.errors_m.min()
+    share = f"{check.share[worst]:.1%} of it at {simulation.t_s[worst]:.3f} s"
+    if check.inside:
+        return (
+            f"within the proven tube of {widest_mm:.4g} mm, {share}: {check.tube.meaning} by the machine as configured"
+        )
+    left = float(simulation.t_s[np.argmax(check.share > 1.0)])
+    text = f"NOT within the proven tube of {widest_mm:.4g} mm, from {left:.3f} s on, {share}: {check.tube.lost} there"
+    if (tripped := trip_at(simulation, check)) is not None:
+        text += f"; with following_error_trip_m at {widest_mm:.4g} mm drives would have tripped at {tripped:.3f} s"
+    return text
+
+
+def trip_at(simulation: Simulation, check: TubeCheck) -> float | None:
+    """Find when drives that trip at the proven errors would have tripped; None if they would not have."""
+    beyond = (np.abs(simulation.following_error_m) > check.tube.errors_m).any(axis=1)
+    return float(simulation.t_s[beyond.argmax()]) if beyond.any() else None
+
+
+def _tube_data(simulation: Simulation, check: TubeCheck) -> dict[str, Any]:
+    worst = check.worst
+    return {
+        "inside": check.inside,
+        "errors_m": check.tube.errors_m.tolist(),
+        "within_limits": check.tube.within_limits,
+        "share": float(check.share[worst]),
+        "share_at_s": float(simulation.t_s[worst]),
+        "drive": ACTUATORS[int((np.abs(check.contour_error_m[worst]) / check.tube.errors_m).argmax())],
+        "contour_error_m": np.abs(check.contour_error_m).max(axis=0).tolist(),
+        "late_s": [float(check.late_s.min()), float(check.late_s.max())],
+        "trip_at_s": trip_at(simulation, check),
+    }
 
 
 def _errors(simulation: Simulation) -> TextTable:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from pipeline.config import Config
+from pipeline.summary.pose_error import pose_error_part, pose_error_words
 from pipeline.summary.section import SKIPPED, Section
 from pipeline.summary.versions import versions
 
@@ -30,6 +31,7 @@ def certificate_section(certificate: "Certificate") -> Section:
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
         **_following_part(certificate),
+        **pose_error_part(None),
     }
 
 
@@ -105,5 +107,5 @@ def certificate_words(section: Section) -> str:
         )
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
-        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"
+        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}{pose_error_words(section)}"
     )

@@ -15,7 +15,7 @@ from pipeline.artifacts import (
     read_run_folder,
 )
 from pipeline.config import Config
-from pipeline.config.file import config_sha256, dump_config
+from pipeline.config.file import NOT_COUNTED, config_sha256, dump_config
 from pipeline.errors import UsageError
 from pipeline.run.stage_specs import SPECS
 from tests.artifacts.saved import put
@@ -131,12 +131,16 @@ class TestFolder:
         with pytest.raises(UsageError, match="was changed after the run"):
             read_run_folder(tmp_path)
 
-    def test_runs_from_before_a_key_existed_are_read(self, tmp_path: Path, fast_config: Config) -> None:
+    @pytest.mark.parametrize("not_counted", [set(), NOT_COUNTED])
+    def test_runs_from_before_a_key_existed_are_read(
+        self, tmp_path: Path, fast_config: Config, not_counted: set[str]
+    ) -> None:
         """The key has its default; the file is still the one that the run has written."""
         data = fast_config.model_dump(mode="json")
         del data["machine"]["limits"]["holding_fraction"]
+        counted = {key: value for key, value in data.items() if key not in not_counted}
         with open_run_folder(tmp_path) as folder:
-            folder.change(State(config_sha256=config_sha256(data)), {}, [], yaml.safe_dump(data), {})
+            folder.change(State(config_sha256=config_sha256(counted)), {}, [], yaml.safe_dump(data), {})
         assert read_run_folder(tmp_path)[0] == fast_config
         data["route"]["step_budget"] = 24
         (tmp_path / "config.yaml").write_text(yaml.safe_dump(data))

@@ -80,6 +80,8 @@ def messages(data: dict[str, Any]) -> list[str]:
             "allowed is a number from 0.000125 to 0.1 (the unit is seconds: is 10 in milliseconds?)",
         ),
         ("task.start.x_m", 1e9, f"is 1000000000.0; allowed is {METRES}"),
+        ("certify.pose_error", {"lengths_m": 0}, "drives_m: is 0, and so are lengths_m and coordinates_m; expected an"),
+        ("certify", {"what": "nothing", "pose_error": {"lengths_m": 1e-4}}, "pose_error: needs a proof of the path"),
         # negative, zero and out of range
         ("machine.limits.carts.velocity_mps", -0.5, "is -0.5; allowed is a number from 0 to 20"),
         ("machine.limits.carts.acceleration_mps2", 0, "is 0; allowed is a number above 0, at most 500"),

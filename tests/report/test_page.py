@@ -13,9 +13,12 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from plotly.offline import get_plotlyjs
 
+from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.pose_error import DriveAmplification, PoseError, SampledError
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
 from pipeline.stage import Stage
 
@@ -265,6 +268,19 @@ def test_what_prevents_a_route_is_listed(
     (picture, _) = (attributes for tag, attributes in Outline(page).tags if tag == "img")
     assert picture["src"] == f"data:image/png;base64,{base64.b64encode(b'a picture').decode()}"
     assert "Reach: 3 of <9>" in str(picture["alt"])
+
+
+def test_the_error_of_the_tool_is_shown_where_it_was_asked_for(complete: RunResults) -> None:
+    """As a picture, with the largest bounds and samples in words."""
+    assert "Error of the tool" not in render_page(build_report(complete))
+    gains = DriveAmplification(np.ones((2, 5)), np.ones((2, 5)))
+    errors = Uncertainty(actuator_m=(1e-4,) * 5)
+    found = PoseError(errors, np.array([0.0, 0.4, 1.0]), np.array([1e-3, 2e-3]), np.array([3e-3, 1e-3]), gains)
+    sampled = SampledError(np.array([0.5]), np.array([1.9e-3]), np.array([9e-4]))
+    page = render_page(build_report(replace(complete, pose_error=(found, sampled))))
+    assert "<h3>Error of the tool</h3>" in page
+    assert "at most 2.000 mm near s = 0.70, and 3.000 mrad near s = 0.20" in page
+    assert "samples are 1.900 mm" in page
 
 
 @pytest.mark.parametrize("stage", [Stage.REFINE, Stage.RETIME])

@@ -28,7 +28,14 @@ from pipeline.run.product import Product
 from pipeline.run.stage_specs import SPECS, Specs
 from pipeline.stage import Stage
 from pipeline.status import Status
-from tests.run.short_results import make_certificate, make_refinement, make_regions, make_route, make_trajectory
+from tests.run.short_results import (
+    make_certificate,
+    make_refinement,
+    make_regions,
+    make_route,
+    make_trajectory,
+    with_tube,
+)
 
 Messages = list[tuple[str, float | None]]
 _MOTIONS: dict[tuple[str, str, str], tuple[Trajectory, Trajectory]] = {}
@@ -143,3 +150,13 @@ class FakeStages:
 
     def _page(self, *_: object) -> bytes:
         return b"<!doctype html>"
+
+
+def proven(stages: FakeStages, error_m: float) -> Specs:
+    """Give stages whose certificate has a chain of actuators that are off by `error_m` alike."""
+
+    def make(results: Results, monitor: Monitor) -> Product:
+        certificate = with_tube(make_certificate(results.refinement.path), error_m)
+        return certificate_product(results.config_to_prove, certificate, 0.0)
+
+    return stages.with_row(Stage.CERTIFY, make=make)

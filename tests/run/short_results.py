@@ -1,12 +1,14 @@
 """The real types of results, filled with a short path of the reference machine."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from pipeline.certify import Certificate, ProvenChain, Tolerance, path_sha256
 from pipeline.certify.guess import point_box
 from pipeline.inclusion.krawczyk import Box
-from pipeline.inclusion.uncertainty import CERTAIN, of_everything, of_lengths
+from pipeline.inclusion.uncertainty import CERTAIN, of_actuators, of_everything, of_lengths
 from pipeline.machine import Machine, inverse_kinematics
 from pipeline.refine.result import Path, Refinement
 from pipeline.retime.result import Trajectory
@@ -98,6 +100,13 @@ def make_certificate(path: Path) -> Certificate:
         link_length=Tolerance(1e-4, 1.1e-4, np.inf, proofs[1]),
         coordinates=Tolerance(1e-4, 1.1e-4, np.inf, proofs[2]),
     )
+
+
+def with_tube(certificate: Certificate, error_m: float) -> Certificate:
+    """Add a chain of actuators that are off alike, in place of that of coordinates."""
+    errors = of_actuators(np.ones(5))(error_m)
+    chain = replace(certificate.chain, uncertainty=errors)
+    return replace(certificate, coordinates=Tolerance(1e-4, 1.1e-4, np.inf, chain))
 
 
 def make_trajectory(path: Path) -> Trajectory:

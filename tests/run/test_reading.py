@@ -12,9 +12,9 @@ from pipeline.errors import (
     NoSolutionError,
     UsageError,
 )
-from pipeline.run import Stage, open_results
-from pipeline.run.reading import with_retime
-from tests.run.fake_stages import FakeStages
+from pipeline.run import RunOptions, Stage, open_results, run_pipeline
+from pipeline.run.reading import open_tubes, with_retime
+from tests.run.fake_stages import FakeStages, proven
 from tests.run.folders import ALL
 
 Change = Callable[..., Config]
@@ -44,6 +44,19 @@ class TestReading:
         (tmp_path / "path.npz").write_bytes(b"mine")
         with pytest.raises(UsageError, match=r"removed or changed after the run: path\.npz"):
             open_results(tmp_path, Stage.REFINE)
+
+    def test_tube(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
+        """It is that of the certificate; there is none without a chain of all actuators, or without a certificate."""
+        stages.run(fast_config, tmp_path, last=Stage.REFINE)
+        assert open_tubes(tmp_path) == ()
+        stages.run(fast_config, tmp_path)
+        assert open_tubes(tmp_path) == ()
+        run_pipeline(fast_config, tmp_path, RunOptions(force=True), None, proven(stages, 1e-3))
+        (tube,) = open_tubes(tmp_path)
+        assert tube.errors_m.tolist() == [1e-3] * 5
+        (tmp_path / "certificate.json").write_bytes(b"{}")
+        with pytest.raises(UsageError, match=r"certificate\.json"):
+            open_tubes(tmp_path)
 
     def test_results_of_another_version(self, tmp_path: Path, fast_config: Config, stages: FakeStages) -> None:
         """Results made by other code can still be read, and are made again when stages run."""

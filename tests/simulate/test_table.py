@@ -5,12 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.certify.recheck.tube import ProvenTube
 from pipeline.export.csv import format_csv, read_csv
 from pipeline.machine import Machine
 from pipeline.measured import parse_measurement
 from pipeline.simulate import Deviations, Drives, Motion, Simulation, build_plant, simulate_motion
 from pipeline.simulate.rows import determinant, drive_rows, link_rows, mode_rows, tcp_error
-from pipeline.simulate.table import determinant_text, simulation_columns, simulation_data, simulation_tables
+from pipeline.simulate.table import (
+    determinant_text,
+    simulation_columns,
+    simulation_data,
+    simulation_tables,
+    tube_table,
+    tube_text,
+)
+from pipeline.simulate.tube import check_tube
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +83,23 @@ def test_columns_are_a_measurement(simulation: Simulation) -> None:
     measurement = parse_measurement(columns, float(simulation.motion.t_s[-1]))
     assert measurement.controlled == pytest.approx(simulation.pose[:, [0, 1, 2, 3, 5]], abs=1e-11)
     assert columns["e4_m"] == pytest.approx(simulation.following_error_m[:, 3], abs=1e-11)
+
+
+def test_the_tube_is_told_with_the_trip_limit_that_would_have_held_it(simulation: Simulation) -> None:
+    """Inside: how much of it is used; outside: from when on, and when drives would have tripped."""
+    wide, narrow = (check_tube(simulation, ProvenTube(np.full(5, eps), True)) for eps in (5e-3, 5e-4))
+    assert tube_text(simulation, wide).startswith("within the proven tube of 5 mm, ")
+    assert "limits of kappa and distances are kept" in tube_text(simulation, wide)
+    assert simulation_data(simulation, [wide])["tubes"][0]["inside"] is True
+    assert simulation_data(simulation, [wide])["tubes"][0]["trip_at_s"] is None
+    assert simulation_data(simulation)["tubes"] == []
+    told, data = tube_text(simulation, narrow), simulation_data(simulation, [wide, narrow])["tubes"][1]
+    assert told.startswith("NOT within the proven tube of 0.5 mm, from ")
+    assert "following_error_trip_m at 0.5 mm" in told
+    assert data["share"] > 1.0
+    assert 0.0 < data["trip_at_s"] <= data["share_at_s"]
+    assert f"tripped at {data['trip_at_s']:.3f} s" in told
+    rows = tube_table(simulation, narrow).rows
+    assert len(rows) == 5
+    largest = max(float(row[4].rstrip("%")) for row in rows)
+    assert largest == pytest.approx(100.0 * data["share"], abs=1.0)

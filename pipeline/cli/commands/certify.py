@@ -96,6 +96,7 @@ def verify_file(file: Path) -> None:
     stated = read_certificate(file)
     began = time.perf_counter()
     claims = verify(config, machine, path, task_endpoints(config, machine), stated)
+    claims += _pose_error_claims(results)
     claims += _motion_claims(results)
     seconds = time.perf_counter() - began
     rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in claims]
@@ -107,6 +108,23 @@ def verify_file(file: Path) -> None:
             f"{file} does not hold: {wrong[0]}",
             "make it again: gantry-tau run CONFIG --from certify --force",
         )
+
+
+def _pose_error_claims(results: "Results") -> "list[Claim]":
+    """Verify what the run states of its tool's error, if it was asked for."""
+    from pipeline.artifacts.results.pose_error import stated_error, uncertainty_of
+    from pipeline.certify.recheck import Claim
+    from pipeline.certify.recheck.pose_error import verify_pose_error
+
+    asked = results.config.certify.pose_error
+    if asked is None:
+        return []
+    try:
+        stated = stated_error(results.folder)
+    except FileNotFoundError as error:
+        found = f"{Path(str(error.filename)).name} is missing; prove it again: gantry-tau certify CONFIG --force"
+        return [Claim("tool: its error is proven", verified=False, found=found)]
+    return verify_pose_error(results.machine, results.refinement.path, stated, uncertainty_of(asked))
 
 
 def _motion_claims(results: "Results") -> "list[Claim]":

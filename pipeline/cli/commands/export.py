@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +16,8 @@ from pipeline.errors import UsageError
 from pipeline.export.formats import (
     MOST_DECIMALS,
     TOLERANCE_M,
+    TRIP_LIMITS,
+    TRIP_YAML,
     AngleUnit,
     DecimalMark,
     Format,
@@ -25,6 +28,7 @@ from pipeline.export.formats import (
 
 if TYPE_CHECKING:
     from pipeline.arrays import FloatArray
+    from pipeline.certify.recheck.tube import ProvenTube
     from pipeline.retime.result import Trajectory, TrajectorySamples
 
 
@@ -87,23 +91,38 @@ def export(
     for suffix, path in beside.items():
         refuse_same(output, path, f"--output and the {suffix} file beside it")
     from pipeline.export import ExportOptions, ExportRequest, export_files
-    from pipeline.retime import sample_trajectory
+    from pipeline.export.deviation import quintic_deviation
+    from pipeline.retime import sample_trajectory, whole_periods
+    from pipeline.run.reading import open_tubes
 
     wanted, named = _listed(columns), _listed(names)
     options = ExportOptions(separator, decimals, wanted, length, angle, decimal, named, times, lead_in_s, tolerance_m)
     trajectory, config = driven(run, speed, period_s, back)
     samples = sample_trajectory(trajectory, config.retime.period_s)
     machine = trajectory.path.machine
-    files = export_files(
-        kind,
-        ExportRequest(
-            samples, machine.acceleration_mps2, config.export.joint_names, options, machine, _jerk(trajectory, samples)
-        ),
+    tube = next(iter(open_tubes(run)), None) if TRIP_LIMITS & set(beside) else None
+    request = ExportRequest(
+        samples,
+        machine.acceleration_mps2,
+        config.export.joint_names,
+        options,
+        machine,
+        _jerk(trajectory, samples),
+        tube,
     )
+    if tube is not None and TRIP_YAML in beside:
+        request = replace(request, deviation_m=quintic_deviation(whole_periods(trajectory, samples.period_s), samples))
+    files = export_files(kind, request)
     _write(kind, files, output, beside)
     if output is not None:
-        also = "".join(f", and {path}" for path in beside.values())
+        also = "".join(f", and {beside[suffix]}" for suffix in beside if suffix in files)
         messages_console().print(f"{output}: {_content(kind, samples)}{also}", soft_wrap=True)
+    for suffix, path in beside.items():
+        if suffix not in files:
+            messages_console().print(_without_limits(path, run, tube), soft_wrap=True)
+        elif tube is not None and suffix in TRIP_LIMITS:
+            text = f"{path}: trip limits; with drives up to {1e3 * tube.errors_m[0]:.4g} mm off the path {tube.meaning}"
+            messages_console().print(text, soft_wrap=True)
 
 
 def _content(kind: Format, samples: "TrajectorySamples") -> str:
@@ -112,6 +131,20 @@ def _content(kind: Format, samples: "TrajectorySamples") -> str:
         return "the machine, without a motion"
     points = "points that meet " if "tolerance_m" in kind.options else ""
     return f"{points}{len(samples):,} rows {samples.period_s:g} s apart, {samples.duration_s:g} s"
+
+
+def _without_limits(path: Path, run: Path, tube: "ProvenTube | None") -> str:
+    """Say why there is no file with trip limits, and how to get one."""
+    from pipeline.artifacts.layout import CONFIG
+
+    if tube is not None:
+        return (
+            f"{path} is not written: nothing of the proven tolerance is left at this period; choose a shorter --period"
+        )
+    return (
+        f"{path} is not written, which would have trip limits: how far drives may be off the path is not proven.\n"
+        f"  gantry-tau certify {run / CONFIG} --out {run} --following   (a minute), then export again"
+    )
 
 
 def _listed(names: str | None) -> tuple[str, ...] | None:
@@ -137,7 +170,8 @@ def _write(kind: Format, files: dict[str, bytes], output: Path | None, beside: d
         return
     if not is_written_through(output):
         for suffix, path in beside.items():
-            write_output(path, files[suffix])
+            if suffix in files:
+                write_output(path, files[suffix])
     write_output(output, files[""])
 
 

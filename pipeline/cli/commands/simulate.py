@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from pipeline.config import Config
     from pipeline.retime import Trajectory
     from pipeline.simulate import Deviations, Simulation
+    from pipeline.simulate.tube import TubeCheck
 
 _FIGURES = ("", "_following", "_forces")
 """What is added to the name of a picture for each of the three figures."""
@@ -85,7 +86,9 @@ def simulate(
     pictures = [] if picture is None else [picture.with_stem(picture.stem + what) for what in _FIGURES]
     for path in pictures:
         check_picture(path, run)
+    from pipeline.run.reading import open_tubes
     from pipeline.simulate import Deviations
+    from pipeline.simulate.tube import check_tube
 
     trajectory, config = driven(run, speed, period_s, back)
     config = config if drives is None else with_drives(config, drives)
@@ -99,7 +102,7 @@ def simulate(
         "setting": deviations,
         "configured": config.drives.model_dump(mode="json"),
     }
-    _show(simulation, facts, as_json, f"{'the way back of ' if back else ''}{run}")
+    _show(simulation, [check_tube(simulation, tube) for tube in open_tubes(run)], facts, as_json)
     if output is not None:
         _write(simulation, output, beside, facts)
     if pictures:
@@ -126,18 +129,28 @@ def _simulate(
         )
 
 
-def _show(simulation: "Simulation", facts: dict[str, Any], as_json: bool, title: str) -> None:
+def _show(simulation: "Simulation", checks: "list[TubeCheck]", facts: dict[str, Any], as_json: bool) -> None:
     from pipeline.artifacts import json_bytes
-    from pipeline.simulate.table import determinant_text, simulation_data, simulation_tables
+    from pipeline.artifacts.layout import CONFIG
+    from pipeline.simulate.table import determinant_text, simulation_data, simulation_tables, tube_table, tube_text
 
     if as_json:
-        typer.echo(json_bytes({**facts, **simulation_data(simulation)}), nl=False)
+        typer.echo(json_bytes({**facts, **simulation_data(simulation, checks)}), nl=False)
         return
-    for table in simulation_tables(simulation):
+    title = f"{'the way back of ' if facts['back'] else ''}{facts['run']}"
+    for table in [*simulation_tables(simulation), *(tube_table(simulation, one) for one in checks[:1])]:
         results_console().print(
             text_table(f"{title}: {table.title}", table.header, table.rows, tuple(range(table.words)))
         )
     results_console().print(determinant_text(simulation), soft_wrap=True)
+    for check in checks:
+        results_console().print(tube_text(simulation, check), soft_wrap=True)
+    if not checks:
+        results_console().print(
+            f"no tube about the path is proven: gantry-tau certify {Path(facts['run']) / CONFIG} --out {facts['run']} "
+            "--following",
+            soft_wrap=True,
+        )
     verdict = simulation.verdict
     results_console().print(f"{verdict.ending} {verdict.when}: {verdict.reason}", soft_wrap=True)
 

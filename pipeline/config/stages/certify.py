@@ -1,9 +1,12 @@
 """The proof of a path: how sharp, how fine, and what is proven."""
 
-from pydantic import Field
+from typing import Self
+
+from pydantic import Field, model_validator
 
 from pipeline.config.choices import Proof
-from pipeline.config.section import Section
+from pipeline.config.section import Section, wrong
+from pipeline.config.stages.pose_error import PoseErrorConfig
 
 
 class CertifyConfig(Section):
@@ -45,3 +48,15 @@ class CertifyConfig(Section):
         le=0.01,
         description="following: errors of every coordinate of joints and rails beside which drives may be off",
     )
+    pose_error: PoseErrorConfig | None = Field(
+        None,
+        description="errors of drives and geometry for which the tool's error is proven (pose_error.csv); null: none",
+    )
+
+    @model_validator(mode="after")
+    def _pose_error_is_proven(self) -> Self:
+        if self.pose_error is not None and self.what == Proof.NOTHING:
+            raise wrong(
+                "pose_error", "needs a proof of the path; allowed is null, or another certify.what than nothing"
+            )
+        return self

@@ -3,10 +3,12 @@
 from typing import TYPE_CHECKING
 
 from pipeline.artifacts.layout import failure_picture
+from pipeline.artifacts.results.pose_error import load_pose_error
 from pipeline.artifacts.state import Record, State
 from pipeline.config.choices import Proof
 from pipeline.report import RunResults, StageFacts, build_report, render_page
 from pipeline.run.makers.path_samples import sample_paths
+from pipeline.run.makers.pictures import sampled_error
 from pipeline.run.makers.proven_profile import proven_profile
 from pipeline.run.makers.report_parts import coarse_motion, workspace
 from pipeline.run.stage_specs import Specs, spec_of
@@ -14,6 +16,7 @@ from pipeline.stage import Stage
 from pipeline.summary.versions import versions
 
 if TYPE_CHECKING:
+    from pipeline.pose_error import PoseError, SampledError
     from pipeline.run.results import Results
 
 
@@ -38,9 +41,16 @@ def report_page(results: "Results", state: State) -> bytes:
         trajectory=results.trajectory if Stage.RETIME in done else None,
         coarse=results.derive(coarse_motion) if {Stage.REFINE, Stage.RETIME} <= done else None,
         workspace=results.derive(workspace),
+        pose_error=_pose_error(results) if proven else None,
         reach=_reach(results, state),
     )
     return render_page(build_report(run)).encode()
+
+
+def _pose_error(results: "Results") -> "tuple[PoseError, SampledError] | None":
+    """Load the proven error of the tool, and sample it; None if it was not asked for."""
+    found, sampled = results.derive(load_pose_error), results.derive(sampled_error)
+    return None if found is None or sampled is None else (found, sampled)
 
 
 def _reach(results: "Results", state: State) -> bytes | None:

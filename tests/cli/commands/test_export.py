@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.export.formats import Format
-from tests.cli.calls import Call
-from tests.run.fake_stages import FakeStages
+from tests.cli.calls import Call, invoke
+from tests.run.fake_stages import FakeStages, proven
 
 
 class TestExport:
@@ -89,6 +89,20 @@ class TestExport:
         assert not Path("only.hal").exists()
         assert call("export", "out", "--format", "urdf", "--output", "/dev/null").exit_code == 0
         assert call("export", "out", "--format", "urdf", "--output", "out/config.urdf").exit_code == 2
+
+    def test_trip_limits_beside_the_export(self, call: Call, config_file: Path, stages: FakeStages) -> None:
+        """Where nothing is proven, the command that proves it is told; else the files have what is proven."""
+        result = call("export", "out", "--format", "ros2", "--output", "m.yaml")
+        assert "m.controller.yaml is not written" in result.stderr
+        assert "gantry-tau certify out/config.yaml --out out --following" in result.stderr
+        assert not Path("m.controller.yaml").exists()
+        assert invoke("run", config_file, "--out", "out", "--force", specs=proven(stages, 2e-3)).exit_code == 0
+        result = call("export", "out", "--format", "ros2", "--output", "m.yaml")
+        assert ", and m.controller.yaml" in result.stderr
+        assert "2 mm off the path no singularity is met, limits may be broken" in result.stderr
+        assert "trajectory: 0.00199" in Path("m.controller.yaml").read_text()
+        assert call("export", "out", "--format", "linuxcnc", "--length", "mm", "--output", "m.txt").exit_code == 0
+        assert "FERROR = 2.0000\n" in Path("m.ini").read_text()
 
     def test_export_for_a_german_spreadsheet(self, call: Call) -> None:
         """Decimal commas, names of one's own, and columns that trajectory.csv does not have."""

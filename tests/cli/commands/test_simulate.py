@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from tests.cli.calls import invoke as call
-from tests.run.fake_stages import FakeStages
+from tests.run.fake_stages import FakeStages, proven
 
 
 @pytest.fixture(autouse=True)
@@ -59,6 +59,16 @@ def test_it_shows_tables_and_pictures() -> None:
     assert [Path(name).read_bytes()[:4] for name in ("twin.png", "twin_following.png", "twin_forces.png")] == [
         b"\x89PNG"
     ] * 3
+
+
+def test_it_says_whether_the_motion_stays_within_what_is_proven(config_file: Path, stages: FakeStages) -> None:
+    """With a certificate that has a tube; without, how to get one."""
+    result = call("simulate", "out")
+    assert "no tube about the path is proven: gantry-tau certify out/config.yaml --out out --following" in result.stdout
+    assert call("run", config_file, "--out", "out", "--force", specs=proven(stages, 2e-2)).exit_code == 0
+    result = call("simulate", "out")
+    assert "distances from the path" in result.stdout
+    assert "within the proven tube of 20 mm, " in result.stdout
 
 
 def test_drives_of_another_file_are_used() -> None:

@@ -14,6 +14,7 @@ from pipeline.stage import STAGES, Stage
         ("machine", Stage.ROUTE),
         ("route", Stage.REFINE),
         ("proof", Stage.CERTIFY),
+        ("pose_error", Stage.CERTIFY),
         ("pose", Stage.RETIME),
     ],
 )

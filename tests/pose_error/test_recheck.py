@@ -1,0 +1,75 @@
+"""The stated error of the tool is verified by other arithmetic, and nothing beyond it is."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.certify.recheck.pose_error import ERRORS, POSITION, ROTATION, StatedError, verify_pose_error
+from pipeline.certify.result import ProvenChain
+from pipeline.inclusion.uncertainty import Uncertainty
+from pipeline.pose_error import PoseError
+from pipeline.refine import Path
+from tests.pose_error.conftest import DRIVES, EVERYTHING
+
+
+def _stated(found: PoseError) -> StatedError:
+    assert found.chain is not None
+    return StatedError(found.chain, found.position_m, found.rotation_rad)
+
+
+def _refused(path: Path, stated: StatedError, asked: Uncertainty = DRIVES) -> set[str]:
+    claims = verify_pose_error(path.machine, path, stated, asked)
+    return {claim.what.removeprefix("tool: ") for claim in claims if not claim.verified}
+
+
+def test_what_was_proven_is_verified(line: Path, of_drives: PoseError, of_everything: PoseError) -> None:
+    """Of drives alone, and of drives and geometry."""
+    assert _refused(line, _stated(of_drives)) == set()
+    assert _refused(line, _stated(of_everything), EVERYTHING) == set()
+
+
+@pytest.mark.parametrize("name", ["position_m", "rotation_rad"])
+def test_smaller_errors_are_refused(line: Path, of_drives: PoseError, name: str) -> None:
+    """By a hundredth in a single interval."""
+    values = getattr(of_drives, name).copy()
+    values[len(values) // 2] *= 0.99
+    forged = replace(_stated(of_drives), **{name: values})
+    assert _refused(line, forged) == {POSITION if name == "position_m" else ROTATION}
+
+
+def _larger(chain: ProvenChain) -> ProvenChain:
+    """Say that the boxes are of drives that are off ten times as far."""
+    return replace(chain, uncertainty=Uncertainty(actuator_m=(1e-3,) * 5))
+
+
+def _gap(chain: ProvenChain) -> ProvenChain:
+    return replace(chain, boxes=chain.boxes[:-1], joints=chain.joints[:-1])
+
+
+def _elsewhere(chain: ProvenChain) -> ProvenChain:
+    """Move every box by more than it is wide."""
+    boxes = [replace(box, pose=box.pose + np.eye(4)[:, :1] * np.full(6, 0.01)) for box in chain.boxes]
+    return replace(chain, boxes=tuple(boxes))
+
+
+@pytest.mark.parametrize(
+    ("change", "wrong"),
+    [(_larger, ERRORS), (_gap, "boxes cover s = 0 to 1"), (_elsewhere, "each box holds one regular pose")],
+)
+def test_other_chains_are_refused(
+    line: Path, of_drives: PoseError, change: Callable[[ProvenChain], ProvenChain], wrong: str
+) -> None:
+    """Of other errors, of a part of the path, of other poses."""
+    stated = _stated(of_drives)
+    forged = replace(stated, chain=change(stated.chain))
+    assert wrong in _refused(line, forged)
+
+
+def test_boxes_of_smaller_errors_do_not_hold_larger_ones(line: Path, of_drives: PoseError) -> None:
+    """The arithmetic finds it, not the comparison of the errors."""
+    stated = _stated(of_drives)
+    wrong = _refused(line, replace(stated, chain=_larger(stated.chain)), Uncertainty(actuator_m=(1e-3,) * 5))
+    assert ERRORS not in wrong
+    assert {"each box holds one regular pose", POSITION, ROTATION} <= wrong
