@@ -71,7 +71,8 @@ def proven_part(proof: "MotionProof") -> Section:
     return {
         PROVEN: {
             **proof.fractions,
-            "intervals": proof.use.intervals,
+            **({"peak": dict(proof.peaks)} if proof.peaks else {}),
+            "intervals": proof.intervals,
             "jumps": jumps if proof.jerk_limited else {key: jumps[key] for key in list(jumps)[:2]},
             "law_sha256": proof.law_sha256,
         }
@@ -94,7 +95,7 @@ def trajectory_words(section: Section) -> str:
     parts = ", ".join(f"{share:.0%} of {name.replace('_', ' ').replace('tcp', 'TCP')}" for name, share in used.items())
     words = f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; up to {parts}"
     if PROVEN in section:
-        names = [name for name in ("velocity", "acceleration", "jerk") if name in section[PROVEN]]
+        names = [name.replace("_", " ").replace("tcp", "TCP") for name in used if name in section[PROVEN]]
         words += f"; {', '.join(names)} proven at every instant"
     if "gap" in section:
         words += f"; {section['jerk_cost']:+.1%} for jerk, {section['gap']:.2%} above the bound without"

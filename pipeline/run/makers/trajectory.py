@@ -12,6 +12,7 @@ from pipeline.retime import (
     measure_quality,
     measure_trajectory,
     prove_motion,
+    require_proven,
     retime_path,
     sample_trajectory,
     way_back,
@@ -33,11 +34,15 @@ def make_trajectory(results: "Results", monitor: Monitor) -> Product:
 
     If only the way back has no solution, the way there is still a result, and the summary says so.
     """
-    config = results.config
+    config, jerk = results.config, results.config.retime.jerk
     trajectory = retime_path(config, results.refinement.path, monitor)
+    monitor.progress("bounding forces in motion")
+    require_proven(trajectory, jerk=jerk, loads=True)
     monitor.progress("timing the way back")
     try:
-        back: Trajectory | NoSolutionError = way_back(config, trajectory, monitor)
+        driven_back = way_back(config, trajectory, monitor)
+        require_proven(driven_back, backwards=True, jerk=jerk, loads=True)
+        back: Trajectory | NoSolutionError = driven_back
     except NoSolutionError as error:
         back = error
     monitor.progress("sampling both ways")
@@ -53,12 +58,11 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
     section = trajectory_section(figures) | quality_part(measure_quality(trajectory, config.retime.speed))
     section |= drives_part(measure_drives(whole_periods(trajectory, config.retime.period_s)), ACTUATORS)
-    section |= proven_part(prove_motion(trajectory, jerk=config.retime.jerk))
+    section |= proven_part(prove_motion(trajectory, jerk=config.retime.jerk, loads=True))
     if isinstance(back, NoSolutionError):
         return Product(files, {**section, **without_part("back", failure_section(back.reason, back.advice))})
     samples = sample_trajectory(back, config.retime.period_s)
     figures = measure_trajectory(back, samples)
     files |= back_files(machine, samples, sidecar(config, machine, samples, figures.usage))
-    return Product(
-        files, {**section, "back": back_section(figures) | proven_part(prove_motion(back, jerk=config.retime.jerk))}
-    )
+    proven = proven_part(prove_motion(back, jerk=config.retime.jerk, loads=True))
+    return Product(files, {**section, "back": back_section(figures) | proven})
