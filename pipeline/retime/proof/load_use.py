@@ -52,7 +52,7 @@ class LoadUse:
     Attributes
     ----------
     units : (2, 13)
-        What positive and negative values are divided by: the limits, or one.
+        What positive and negative values are divided by: the limits, or one where neither has any.
     known, limited : (13,)
         Whether it is bounded, and whether its unit is a limit: forces need masses.
     proven, attained : (13,)
@@ -112,18 +112,19 @@ class _Interval:
 
 @dataclass(frozen=True, eq=False)
 class _Scale:
-    """What loads are divided by (2, 13), and the friction of the drives (5,) in newtons."""
+    """What loads are divided by (2, 13), the friction of the drives (5,) in newtons, and a factor of all bounds."""
 
     units: FloatArray
     friction: list[arb]
+    wider: float
 
 
-def load_use(law: Sequence[LawPiece], loads: list[BoxLoads], machine: Machine) -> LoadUse:
-    """Bound the loads of a motion with a time law along a path whose loads are known box by box."""
+def load_use(law: Sequence[LawPiece], loads: list[BoxLoads], machine: Machine, *, wider: float = 1.0) -> LoadUse:
+    """Bound the loads of a time law along a path whose loads are known box by box; all bounds by a factor `wider`."""
     limits = np.concatenate([both_sides(quantity_named(name).limit(machine)) for name in NAMES], axis=1)
-    known, limited = np.arange(_WIDTH) >= (0 if machine.masses else _FORCES), np.isfinite(limits).all(axis=0)
+    known, limited = np.arange(_WIDTH) >= (0 if machine.masses else _FORCES), np.isfinite(limits).any(axis=0)
     friction = [0.0] * _DRIVES if machine.masses is None else machine.masses.friction_n.tolist()
-    scale = _Scale(np.where(np.isfinite(limits), limits, 1.0), [arb(value) for value in friction])
+    scale = _Scale(np.where(limited, limits, 1.0), [arb(value) for value in friction], wider)
     firsts = [one.box.interval[0] for one in loads]
     proven, attained = (np.where(known, part, 0.0) for part in _at_rest(loads, scale))
     rest, t_s, s = proven, np.zeros(_WIDTH), np.zeros(_WIDTH)
@@ -200,7 +201,9 @@ def _bound(met: list[BoxLoads], interval: _Interval, scale: _Scale) -> _Use:
             attained[k] = _part(below(_norm(values)), -np.inf, scale.units[:, k])
     # Where several boxes are met, it is not known which holds the middle.
     attained = attained if len(met) == 1 else np.zeros(_WIDTH)
-    return _Use(bound, attained, rest, interval.piece.begins + float(arb(middle).mid()), float(s(arb(0)).mid()))
+    return _Use(
+        bound * scale.wider, attained, rest, interval.piece.begins + float(arb(middle).mid()), float(s(arb(0)).mid())
+    )
 
 
 def _over_time(one: BoxLoads, s: arb_poly) -> tuple[list[arb_poly], list[list[arb_poly]]]:
