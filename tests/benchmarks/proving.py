@@ -112,8 +112,8 @@ def markdown(found: dict[str, Any]) -> str:
         "",
         "Written by `make bench-retime`; all numbers are in `law.json`. Random tasks are of the reference machine, on "
         "the grids of `configs/quick.yaml`. *Above* is how far a proven use of a limit is above the largest of 100 "
-        "instants per period, relatively, for the actuator or link where it is most. The last column is the largest use of "
-        "a limit that a controller makes of rows 10 ms apart.",
+        "instants per period, relatively, for the actuator or link where it is most. The last column: the largest use "
+        "of a limit that a controller makes of rows 10 ms apart.",
         "",
         *(f"- {key}: {value}" for key, value in found["host"].items()),
         "",
