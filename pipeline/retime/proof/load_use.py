@@ -97,7 +97,7 @@ class LoadUse:
         powers[COLUMNS["tcp_speed"]] = 1.0
         proven, rest = self.proven[over], self.rest[over]
         with np.errstate(divide="ignore"):
-            factors = ((proven - rest) / np.maximum(1.0 - rest, 0.0)) ** powers[over]
+            factors = (((1.0 + 2.0 * _ROOM) * proven - rest) / np.maximum(1.0 - rest, 0.0)) ** powers[over]
         return float(max([1.0, *factors.tolist()]))
 
 

@@ -84,7 +84,7 @@ def _bounds(loads: PathLoads, law: PPoly, friction: FloatArray, intervals: _Inte
         bounds[:, :_FORCES] = _widened(upper), _widened(-lower)
     for k, vectors in enumerate(zip(*(one.tcp() for one in frames), strict=True), start=_FORCES):
         upper, lower = _range(frames, list(vectors), h)
-        sizes = np.maximum(np.abs(upper), np.abs(lower))
+        sizes = _widened(np.maximum(np.abs(upper), np.abs(lower)))
         bounds[0, k] = root(total(*(times(one, one) for one in sizes)))
     return rows, bounds
 
