@@ -64,6 +64,8 @@ def test_a_true_motion_is_verified_and_forged_ones_are_not(
     assert moving(lambda section: None) == []
     halved = moving(lambda section: section["proven"].update(jerk=[0.5 * part for part in section["proven"]["jerk"]]))
     assert halved == ["trajectory: jerk stays within its bound and limit at every instant"]
+    weaker = moving(lambda section: section["proven"]["peak"].update(force=[1.0] * 5))
+    assert weaker == ["trajectory: force stays within its bound and limit at every instant"]
     other = moving(lambda section: section["back"]["proven"].update(law_sha256="0" * 64))
     assert other == ["way back: the proof is of this time law"]
     assert "does not state what is proven" in moving(lambda section: section.update(proven="all"))[0]
