@@ -93,10 +93,11 @@ bench-refine: $(DEV)
 	$(BIN)/python -m tests.benchmarks.refining $(ARGS)
 	$(BIN)/python -m tests.benchmarks.refining_motion
 
-# Stage three: grids, lower bound, limited jerk, and what one would use instead: a minute.
+# Stage three: grids, lower bound, limited jerk, and what one would use instead; proofs of 20 random motions: ten minutes.
 .PHONY: bench-retime
 bench-retime: $(DEV) $(VENV)/.bench.ready
 	$(BIN)/python -m tests.benchmarks.retiming $(ARGS)
+	$(BIN)/python -m tests.benchmarks.proving
 
 # Programs that read what is exported, for the tests of exports; LinuxCNC comes with apt-get install linuxcnc-uspace.
 .PHONY: consumers

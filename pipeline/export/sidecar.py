@@ -9,9 +9,11 @@ from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.export.trajectory_columns import POSITIONS, TRAJECTORY_COLUMNS, TrajectoryColumn
 from pipeline.machine.geometry import ACTUATORS, Machine
+from pipeline.retime.quality.interpolation import Interpolation
 from pipeline.retime.quantities import Quantities, both_sides
 from pipeline.retime.result import TrajectorySamples
 from pipeline.retime.usage import Usage
+from pipeline.summary.trajectory import interpolation_section
 
 _CONVENTIONS = (
     "A row per period: row k is at k * period_s, counted from zero.",
@@ -29,11 +31,14 @@ def sidecar(
     samples: TrajectorySamples,
     usage: Usage,
     columns: Iterable[TrajectoryColumn] = TRAJECTORY_COLUMNS,
+    interpolated: Iterable[Interpolation] = (),
 ) -> dict[str, Any]:
     """Describe a sampled trajectory: columns, period, duration, limits and their usage.
 
     Usage is the largest fraction of each limit, a list in the order of the actuators (of the links for their forces),
-    null where there is no limit. All values are plain (dictionaries, lists, texts, numbers), ready for JSON.
+    null where there is no limit. `interpolation` says what a controller makes of the rows by its own polynomials: how
+    far that is from the motion, the parts of the limits between rows, and what jumps at them. All values are plain
+    (dictionaries, lists, texts, numbers), ready for JSON.
     """
     return {
         "name": config.name,
@@ -53,6 +58,7 @@ def sidecar(
             quantity.name: usage.fractions[quantity.name].tolist() if quantity.name in usage.fractions else None
             for quantity in usage.quantities
         },
+        "interpolation": interpolation_section(interpolated),
     }
 
 

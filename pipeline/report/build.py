@@ -25,6 +25,7 @@ from pipeline.report.tables import (
     distances_table,
     drives_table,
     quality_table,
+    rows_table,
     workspace_part,
 )
 from pipeline.report.verdicts import Facts, StageFacts, headline, stage_rows, used_limits, verdicts
@@ -33,6 +34,7 @@ from pipeline.route.metric import step_sizes
 from pipeline.route.result import Route
 from pipeline.stage import Stage
 from pipeline.summary.section import DRIVES, QUALITY
+from pipeline.summary.trajectory import INTERPOLATION
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +107,7 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         provenance=_provenance(run),
         scene=build_scene(machine),
         quality=_quality(run.facts),
+        rows=_rows(timing),
         drives=_drives(timing),
         comparison=_comparison(run, coarse, retime),
         workspace=workspace,
@@ -174,6 +177,12 @@ def _quality(facts: Facts) -> Table | None:
     parts = [facts[stage].section.get(QUALITY) for stage in (Stage.REFINE, Stage.RETIME) if stage in facts]
     known = [part for part in parts if part is not None]
     return quality_table(*known) if len(known) == 2 else None
+
+
+def _rows(timing: StageFacts | None) -> Table | None:
+    """Tabulate what a controller makes of the rows, once the motion is timed."""
+    section = None if timing is None else timing.section.get(INTERPOLATION)
+    return None if section is None else rows_table(section)
 
 
 def _drives(timing: StageFacts | None) -> Table | None:

@@ -193,9 +193,9 @@ class Report:
         The outcome, in one line.
     verdicts, stages, usage
         The summary.
-    quality, drives, comparison, workspace, bounds, distances : Table or None
-        Reversals and least times of the actuators; what the drives feel; coarse against refined; usable workspace;
-        what the certificate proves, also for each pair of axes.
+    quality, rows, drives, comparison, workspace, bounds, distances : Table or None
+        Reversals and least times of the actuators; what a controller makes of the rows; what the drives feel; coarse
+        against refined; usable workspace; what the certificate proves, also for each pair of axes.
     workspace_picture : Picture or None
         The workspace in 3-D.
     route : RoutePart or None
@@ -224,6 +224,7 @@ class Report:
     scene: Scene
     usage: tuple[UsedLimit, ...] = ()
     quality: Table | None = None
+    rows: Table | None = None
     drives: Table | None = None
     comparison: Table | None = None
     workspace: Table | None = None

@@ -52,6 +52,21 @@ def quality_table(path: Section, motion: Section) -> Table:
     return Table(header, tuple(rows), words=(0,), note=f"{note}. Values below 5 % of a limit count as zero.")
 
 
+def rows_table(section: Section) -> Table:
+    """Tabulate what a controller makes of the rows by its own interpolation, the worst of all actuators."""
+    rows = []
+    for method, one in section.items():
+        (jumping, jump), usage = next(iter(one["jump"].items())), one["usage"]
+        uses = (f"{max(usage[name]):.4f}" if name in usage else "−" for name in ("velocity", "acceleration", "jerk"))
+        unit = {"mps": "m/s", "mps2": "m/s²", "mps3": "m/s³"}[jumping.rpartition("_")[2]]
+        rows.append((method, f"{1e6 * max(one['deviation_m']):.3f}", *uses, f"{max(jump):.3g} {unit}"))
+    header = ("interpolation", "deviation, µm", "of velocity", "of acceleration", "of jerk", "jumps at the rows")
+    note = (
+        "Parts of the limits between rows; above one, a controller that interpolates so exceeds what the motion keeps"
+    )
+    return Table(header, tuple(rows), words=(0, 5), note=f"{note}: gantry-tau export --safe slows it down.")
+
+
 def drives_table(section: Section) -> Table:
     """Tabulate what each drive feels from the drives' part of the summary; without masses, amplification alone."""
     masses, gains = section["reflected_mass_kg"], section["amplification_max"]

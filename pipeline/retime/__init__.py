@@ -2,6 +2,7 @@
 
 from pipeline.retime.proof.motion_proof import MotionProof, law_sha256, prove_motion, require_proven
 from pipeline.retime.quality.drives import MotionDrives, measure_drives
+from pipeline.retime.quality.interpolation import Interpolation, interpolations, safe_to_interpolate
 from pipeline.retime.quality.motion_quality import MotionQuality, measure_quality
 from pipeline.retime.quantities import QUANTITIES, Quantity
 from pipeline.retime.result import TimingReport, Trajectory, TrajectorySamples, slowed, stretched
@@ -12,6 +13,7 @@ from pipeline.retime.way_back import time_reversed, way_back
 
 __all__ = [
     "QUANTITIES",
+    "Interpolation",
     "MotionDrives",
     "MotionProof",
     "MotionQuality",
@@ -22,6 +24,7 @@ __all__ = [
     "TrajectoryFigures",
     "TrajectorySamples",
     "Usage",
+    "interpolations",
     "law_sha256",
     "measure_drives",
     "measure_quality",
@@ -31,6 +34,7 @@ __all__ = [
     "require_limits",
     "require_proven",
     "retime_path",
+    "safe_to_interpolate",
     "sample_at",
     "sample_trajectory",
     "slowed",

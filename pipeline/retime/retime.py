@@ -15,6 +15,7 @@ from pipeline.retime.jerk.options import DEFAULTS as JERK_DEFAULTS
 from pipeline.retime.jerk.options import JerkOptions
 from pipeline.retime.own_law import time_by_own_law
 from pipeline.retime.path_dynamics import TABLE_POINTS, PathDynamicsTable, dynamics_table, grid
+from pipeline.retime.proof.load_use import COLUMNS
 from pipeline.retime.proof.motion_proof import prove_motion, require_proven
 from pipeline.retime.quantities import JERK, limited
 from pipeline.retime.result import TimingReport, Trajectory, slowed, stretched
@@ -48,6 +49,8 @@ class TimingOptions:
 
 
 DEFAULTS = TimingOptions()
+_NEAR = 0.9
+"""Measured part of a limit of forces or of the TCP from which on it is proven, too, while time can be stretched."""
 
 
 def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: TimingOptions = DEFAULTS) -> Trajectory:
@@ -79,8 +82,8 @@ def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: T
 def fitted(config: Config, trajectory: Trajectory, table: PathDynamicsTable, backwards: bool = False) -> Trajectory:
     """Stretch time to whole periods, and further where a limit is exceeded at an instant that no program looked at.
 
-    Velocity, acceleration and jerk are proven to be within their limits at every instant, forces and the TCP's motion
-    measured between the points of every program.
+    Velocity, acceleration and jerk are proven to be within their limits at every instant. Forces and the TCP's motion
+    are measured between the points of every program, and proven here only if they are near a limit.
 
     Raises
     ------
@@ -96,11 +99,13 @@ def fitted(config: Config, trajectory: Trajectory, table: PathDynamicsTable, bac
     if usage.largest > ALLOWED_USAGE:
         trajectory = whole_periods(_within_limits(trajectory, usage), period_s)
         require_limits(trajectory, period_s, table, backwards)
+    held = usage.held()
+    loads = max((float(held[name].max()) for name in COLUMNS if name in held), default=0.0) > _NEAR
     # Between samples a limit may be exceeded by the thousandth part that samples are granted.
-    if 1.0 < (stretch := prove_motion(trajectory, jerk=jerk).stretch) < math.inf:
+    if 1.0 < (stretch := prove_motion(trajectory, jerk=jerk, loads=loads).stretch) < math.inf:
         longer = stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * stretch)
         trajectory = whole_periods(longer, period_s)
-    require_proven(trajectory, backwards, jerk=jerk)
+    require_proven(trajectory, backwards, jerk=jerk, loads=loads)
     return trajectory
 
 

@@ -5,10 +5,16 @@ from typing import TYPE_CHECKING
 from pipeline.summary.section import QUALITY, SKIPPED, Section, failed_part
 
 if TYPE_CHECKING:
-    from pipeline.retime import MotionProof, MotionQuality, TimingReport, TrajectoryFigures, Usage
+    from collections.abc import Iterable
+
+    from pipeline.retime import Interpolation, MotionProof, MotionQuality, TimingReport, TrajectoryFigures, Usage
 
 PROVEN = "proven"
 """The key under which a motion says what is proven of it."""
+INTERPOLATION = "interpolation"
+"""The key under which it says what a controller makes of its rows."""
+ROW_LIMIT = 1.001
+"""Part of a limit from which on a controller's own interpolation of the rows is warned of."""
 
 
 def trajectory_section(figures: "TrajectoryFigures") -> Section:
@@ -71,10 +77,23 @@ def proven_part(proof: "MotionProof") -> Section:
     return {
         PROVEN: {
             **proof.fractions,
-            "intervals": proof.use.intervals,
+            **({"peak": dict(proof.peaks)} if proof.peaks else {}),
+            "intervals": proof.intervals,
             "jumps": jumps if proof.jerk_limited else {key: jumps[key] for key in list(jumps)[:2]},
             "law_sha256": proof.law_sha256,
         }
+    }
+
+
+def interpolation_section(interpolated: "Iterable[Interpolation]") -> Section:
+    """Give what a controller makes of the rows, by interpolation and per actuator: the sidecar has the same."""
+    return {
+        one.method: {
+            "deviation_m": one.deviation_m.tolist(),
+            "usage": {name: part.tolist() for name, part in one.usage.items()},
+            "jump": {one.jump[0]: one.jump[1].tolist()},
+        }
+        for one in interpolated
     }
 
 
@@ -94,13 +113,22 @@ def trajectory_words(section: Section) -> str:
     parts = ", ".join(f"{share:.0%} of {name.replace('_', ' ').replace('tcp', 'TCP')}" for name, share in used.items())
     words = f"{section['duration_s']:.2f} s, {section['samples']:,} rows {section['period_s']:g} s apart; up to {parts}"
     if PROVEN in section:
-        names = [name for name in ("velocity", "acceleration", "jerk") if name in section[PROVEN]]
+        names = [name.replace("_", " ").replace("tcp", "TCP") for name in used if name in section[PROVEN]]
         words += f"; {', '.join(names)} proven at every instant"
+    if beyond := [_row_words(method, one["usage"]) for method, one in section.get(INTERPOLATION, {}).items()]:
+        words += "".join(beyond)
     if "gap" in section:
         words += f"; {section['jerk_cost']:+.1%} for jerk, {section['gap']:.2%} above the bound without"
     if failed_part(section):
         words += "; the way back failed"
     return words
+
+
+def _row_words(method: str, usage: Section) -> str:
+    """Say which limit a controller's own interpolation of the rows exceeds most, if any."""
+    name = max(usage, key=lambda name: max(usage[name]))
+    largest = max(usage[name])
+    return f"; rows read by {method} interpolation take {largest:.1%} of {name}" if largest > ROW_LIMIT else ""
 
 
 def _usage(usage: "Usage") -> Section:

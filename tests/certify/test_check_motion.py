@@ -33,7 +33,7 @@ def motion(machine: Machine, true_run: pathlib.Path, own_task: Config) -> Trajec
 @pytest.fixture(scope="module")
 def sections(motion: Trajectory, own_task: Config) -> Data:
     """State what is proven of it and of its way back."""
-    there, back = (proven_part(prove_motion(one)) for one in (motion, way_back(own_task, motion)))
+    there, back = (proven_part(prove_motion(one, loads=True)) for one in (motion, way_back(own_task, motion)))
     return {"trajectory": {"status": "done", **there, "back": {"status": "done", **back}}}
 
 
@@ -64,6 +64,8 @@ def test_a_true_motion_is_verified_and_forged_ones_are_not(
     assert moving(lambda section: None) == []
     halved = moving(lambda section: section["proven"].update(jerk=[0.5 * part for part in section["proven"]["jerk"]]))
     assert halved == ["trajectory: jerk stays within its bound and limit at every instant"]
+    weaker = moving(lambda section: section["proven"]["peak"].update(force=[1.0] * 5))
+    assert weaker == ["trajectory: force stays within its bound and limit at every instant"]
     other = moving(lambda section: section["back"]["proven"].update(law_sha256="0" * 64))
     assert other == ["way back: the proof is of this time law"]
     assert "does not state what is proven" in moving(lambda section: section.update(proven="all"))[0]
@@ -94,8 +96,8 @@ def test_the_configuration_says_whether_accelerations_may_jump(
     from pipeline.artifacts.files import json_bytes
 
     abrupt = of_degree_two(motion, 10.0 * motion.duration_s)
-    everything = {name: [1.0] * 5 for name in ("velocity", "acceleration", "jerk")}
-    stated = {"proven": {**everything, "law_sha256": law_sha256(abrupt)}}
+    everything = {name: [1.0] * 5 for name in ("velocity", "acceleration", "jerk", "force")}
+    stated = {"proven": {**everything, "link_force": [1.0] * 6, "law_sha256": law_sha256(abrupt)}}
     (run / TRAJECTORY_NPZ).write_bytes(npz_bytes(pack_trajectory(abrupt)))
     (run / SUMMARY).write_bytes(json_bytes({"trajectory": {**stated, "back": stated}}))
     assert own_task.retime.jerk

@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from pipeline.arrays import FloatArray
 from pipeline.artifacts.layout import BACK_CSV, SUMMARY, TRAJECTORY_CSV, TRAJECTORY_NPZ
 from pipeline.certify.recheck.time_law import StatedMotion
 from pipeline.errors import UsageError
-from pipeline.machine.geometry import ACTUATORS
+from pipeline.machine.geometry import ACTUATORS, LINKS
 from pipeline.summary.trajectory import PROVEN
 
 _FILES = {
@@ -17,6 +18,12 @@ _FILES = {
     "way back": (BACK_CSV,),
 }
 """Files that a run has only if it has the motion."""
+_SUBJECTS = {name: len(ACTUATORS) for name in ("velocity", "acceleration", "jerk", "force")} | {
+    "link_force": len(LINKS),
+    "tcp_speed": 1,
+    "tcp_acceleration": 1,
+}
+"""How many numbers are stated of every quantity."""
 _ADVICE = "\n  What to change: time the path again: gantry-tau retime CONFIG --force"
 
 
@@ -41,14 +48,18 @@ def stated_motions(folder: pathlib.Path) -> dict[str, StatedMotion | None]:
     return {name: stated.get(name) for name in _FILES if name in driven or name in stated}
 
 
-def _stated(section: dict[str, object]) -> StatedMotion:
-    fractions: dict[str, FloatArray] = {
-        name: _five(section[name]) for name in ("velocity", "acceleration", "jerk") if name in section
-    }
-    return StatedMotion(str(section["law_sha256"]), fractions)
+def _stated(section: dict[str, Any]) -> StatedMotion:
+    return StatedMotion(str(section["law_sha256"]), _numbers(section), _numbers(section.get("peak", {})))
 
 
-def _five(value: object) -> FloatArray:
-    if not (isinstance(value, list) and len(value) == len(ACTUATORS)):
-        raise ValueError(f"expected {len(ACTUATORS)} numbers")
+def _numbers(section: object) -> dict[str, FloatArray]:
+    """Read the numbers of every quantity that a section has."""
+    if not isinstance(section, dict):
+        raise TypeError(f"expected numbers by name, not {section!r}")
+    return {name: _list(section[name], count) for name, count in _SUBJECTS.items() if name in section}
+
+
+def _list(value: object, count: int) -> FloatArray:
+    if not (isinstance(value, list) and len(value) == count):
+        raise ValueError(f"expected {count} numbers")
     return np.array([float(number) for number in value])

@@ -5,7 +5,7 @@ floats, and Taylor coefficients of the composed motion in place of the composed 
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -27,10 +27,14 @@ _LEAST_TRAVEL_M = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class StatedMotion:
-    """What is stated of a motion: the hash of its law, and the parts of the limits it uses, (5,) by name."""
+    """What is stated of a motion: the hash of its law, the parts of the limits it uses, and loads in SI units, by name.
+
+    Of the actuators (5,), of links (6,) or of the TCP (1,).
+    """
 
     law_sha256: str
     fractions: Mapping[str, FloatArray]
+    peaks: Mapping[str, FloatArray] = field(default_factory=dict)
 
 
 def within_limits(name: str) -> str:

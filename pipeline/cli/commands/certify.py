@@ -142,6 +142,7 @@ def _claims(results: "Results", name: str, stated: "StatedMotion | None") -> "li
 
     from pipeline.artifacts.layout import TRAJECTORY_NPZ
     from pipeline.certify.recheck import Claim
+    from pipeline.certify.recheck.loads import verify_loads
     from pipeline.certify.recheck.time_law import verify_time_law
     from pipeline.retime import law_sha256, way_back
 
@@ -159,7 +160,10 @@ def _claims(results: "Results", name: str, stated: "StatedMotion | None") -> "li
     except NoSolutionError as error:
         return unproven(error.reason)
     jerk = results.config.retime.jerk
-    claims = verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated, jerk=jerk)
+    claims = [
+        *verify_time_law(motion.path, motion.time_law, law_sha256(motion), stated, jerk=jerk),
+        *verify_loads(motion.path, motion.time_law, stated),
+    ]
     return [replace(claim, what=f"{name}: {claim.what}") for claim in claims]
 
 

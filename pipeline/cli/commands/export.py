@@ -10,6 +10,7 @@ import typer
 
 from pipeline.cli.console import messages_console
 from pipeline.cli.motions.driven import driven
+from pipeline.cli.motions.rows import interpolated_by_controller
 from pipeline.cli.options import RunArgument
 from pipeline.cli.output import check_output, refuse_same
 from pipeline.errors import UsageError
@@ -43,6 +44,10 @@ def export(
         float | None, typer.Option(metavar="PART", help="Part of the run's speed, above 0, at most 1.")
     ] = None,
     back: Annotated[bool, typer.Option("--back", help="The way back: the same motion, reversed in time.")] = False,
+    safe: Annotated[
+        bool,
+        typer.Option("--safe", help="Slow down until rows keep all limits, by whichever polynomials they are read."),
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option("--output", metavar="FILE", readable=False, help="Where to write to. Default: stdout."),
@@ -83,7 +88,9 @@ def export(
 
     The motion is sampled from the path itself, not interpolated; its duration
     is stretched to the next whole number of periods, so that limits still
-    hold and the last row is the goal at rest.
+    hold and the last row is the goal at rest. What a controller makes of the
+    rows by its own interpolation may exceed limits between them: that is
+    warned of, and --safe slows the motion down until it does not.
     """
     beside = {} if output is None else {suffix: output.with_suffix(suffix) for suffix in kind.beside}
     for path in (output, *beside.values()):
@@ -98,6 +105,7 @@ def export(
     wanted, named = _listed(columns), _listed(names)
     options = ExportOptions(separator, decimals, wanted, length, angle, decimal, named, times, lead_in_s, tolerance_m)
     trajectory, config = driven(run, speed, period_s, back)
+    trajectory = interpolated_by_controller(kind, trajectory, config, safe=safe)
     samples = sample_trajectory(trajectory, config.retime.period_s)
     machine = trajectory.path.machine
     tube = next(iter(open_tubes(run)), None) if TRIP_LIMITS & set(beside) else None
@@ -181,6 +189,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau export results/agder --period 0.004 --output agder_4ms.csv",
             "gantry-tau export results/agder --format csv --period 0.001 | head",
+            "gantry-tau export results/agder --safe --output safe.csv",
             "gantry-tau export results/agder --format ros2 --speed 0.3 --lead-in 2 --output slow.yaml",
             "gantry-tau export results/agder --separator semicolon --decimal comma --columns t_s,q1_m,q2_m",
             "gantry-tau export results/agder --format mjcf --output agder.xml",

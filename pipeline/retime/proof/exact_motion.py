@@ -70,14 +70,19 @@ class ExactMotion:
 
 def exact_motion(trajectory: Trajectory) -> ExactMotion:
     """Convert a trajectory to exact polynomials; balls have the working precision of the caller."""
-    law, path = trajectory.time_law, tuple(pieces(trajectory.path.spline))
+    path = tuple(pieces(trajectory.path.spline))
+    actuators = [[arb_poly([arb(value) for value in q.coeffs()]) for q in piece.polynomials] for piece in path]
+    return ExactMotion(exact_law(trajectory), path, [piece.first for piece in path], actuators)
+
+
+def exact_law(trajectory: Trajectory) -> tuple[LawPiece, ...]:
+    """Convert a time law to exact polynomials."""
+    law = trajectory.time_law
     rows = law.c[::-1].T.tolist()
-    parts = tuple(
+    return tuple(
         LawPiece(begins, exact(ends) - exact(begins), fmpq_poly([exact(value) for value in row]))
         for (begins, ends), row in zip(pairwise(law.x.tolist()), rows, strict=True)
     )
-    actuators = [[arb_poly([arb(value) for value in q.coeffs()]) for q in piece.polynomials] for piece in path]
-    return ExactMotion(parts, path, [piece.first for piece in path], actuators)
 
 
 def about(piece: LawPiece, time: fmpq) -> arb_poly:

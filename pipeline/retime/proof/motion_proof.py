@@ -1,11 +1,11 @@
-"""The proof of a motion: velocity, acceleration and jerk of every actuator are within their limits at every instant.
+"""The proof of a motion: every limit is kept at every instant, by actuators, forces, links and the TCP.
 
 What is proven is of the time law and the splines as they are stored, extended by their own polynomials where rounding
 carries s past an end of the path. Where accelerations jump by design, there is no jerk to be limited.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,6 +18,8 @@ from pipeline.retime.drivable import require_locked_at_rest, require_smooth
 from pipeline.retime.proof.continuity import Jumps, find_jumps, leaves_path
 from pipeline.retime.proof.exact_motion import exact_motion
 from pipeline.retime.proof.kinematic_use import KinematicUse, kinematic_use
+from pipeline.retime.proof.load_use import LoadUse
+from pipeline.retime.proof.motion_loads import prove_loads, require_loads
 from pipeline.retime.quantities import JERK, limits, quantity_named
 from pipeline.retime.result import Trajectory
 
@@ -44,6 +46,8 @@ class MotionProof:
         A time from which on s is not proven to be on the path; None if it is throughout.
     jerk_limited : bool
         Whether jerk has limits that the law keeps.
+    loads : LoadUse or None
+        Forces and the TCP's motion; None where they are not bounded.
     """
 
     law_sha256: str
@@ -51,26 +55,51 @@ class MotionProof:
     jumps: Jumps
     leaves_path_s: float | None
     jerk_limited: bool
+    loads: LoadUse | None = None
 
     @property
     def fractions(self) -> Mapping[str, FloatArray]:
-        """Proven fractions (5,) by the names of the quantities."""
+        """Proven fractions (subjects,) by the names of the quantities that have a limit."""
         rows = zip(NAMES, self.use.proven, strict=True)
-        return {name: row for name, row in rows if name != JERK or self.jerk_limited}
+        found = {name: row for name, row in rows if name != JERK or self.jerk_limited}
+        return found if self.loads is None else found | self.loads.fractions
+
+    @property
+    def peaks(self) -> Mapping[str, FloatArray]:
+        """Proven bounds (subjects,) of forces and the TCP's motion, in SI units, by the names of the quantities."""
+        return {} if self.loads is None else self.loads.peaks
+
+    @property
+    def intervals(self) -> int:
+        """Count the intervals of time that prove it."""
+        return self.use.intervals + (0 if self.loads is None else self.loads.intervals)
 
     @property
     def stretch(self) -> float:
         """Least factor (at least one) by which time has to be stretched for all limits to be proven."""
         powers = np.arange(1, len(NAMES) + 1)
-        return float(max(1.0, *(self.use.proven.max(axis=1) ** (1.0 / powers))))
+        kinematic = float(max(1.0, *(self.use.proven.max(axis=1) ** (1.0 / powers))))
+        return kinematic if self.loads is None else max(kinematic, self.loads.stretch)
+
+
+def prove_motion(trajectory: Trajectory, *, jerk: bool = True, loads: bool = False) -> MotionProof:
+    """Prove which part of its limits a motion uses at most; the proofs of the last motions are kept.
+
+    Without `jerk` it need not be limited, and accelerations may jump (`retime.jerk: off`). With `loads` forces and the
+    motion of the TCP are bounded, too.
+
+    Raises
+    ------
+    NoSolutionError
+        Where loads are limited, and the machine is not proven to be regular.
+    """
+    proof = _prove_rates(trajectory, jerk=jerk)
+    return replace(proof, loads=prove_loads(trajectory)) if loads else proof
 
 
 @lru_cache(maxsize=4)
-def prove_motion(trajectory: Trajectory, *, jerk: bool = True) -> MotionProof:
-    """Prove which part of its kinematic limits a motion uses at most; the proofs of the last motions are kept.
-
-    Without `jerk` it need not be limited, and accelerations may jump (`retime.jerk: off`).
-    """
+def _prove_rates(trajectory: Trajectory, *, jerk: bool) -> MotionProof:
+    """Prove what does not need the pose."""
     allowed = kinematic_limits(trajectory.path.machine, jerk=jerk)
     with working_precision(_BITS):
         motion = exact_motion(trajectory)
@@ -81,7 +110,9 @@ def prove_motion(trajectory: Trajectory, *, jerk: bool = True) -> MotionProof:
     return MotionProof(law_sha256(trajectory), use, jumps, off, bool(np.isfinite(allowed[2]).any()))
 
 
-def require_proven(trajectory: Trajectory, backwards: bool = False, *, jerk: bool = True) -> MotionProof:
+def require_proven(
+    trajectory: Trajectory, backwards: bool = False, *, jerk: bool = True, loads: bool = False
+) -> MotionProof:
     """Prove a motion, and raise where it jumps, moves a locked actuator or may exceed a limit.
 
     Parameters
@@ -90,6 +121,8 @@ def require_proven(trajectory: Trajectory, backwards: bool = False, *, jerk: boo
         The trajectory is the way back: s is reported along the way there.
     jerk : bool
         Jerk is to be limited where the machine limits it; otherwise accelerations may jump.
+    loads : bool
+        Forces and the motion of the TCP have to keep their limits, too.
 
     Raises
     ------
@@ -98,7 +131,7 @@ def require_proven(trajectory: Trajectory, backwards: bool = False, *, jerk: boo
     """
     require_smooth(trajectory.path)
     require_locked_at_rest(trajectory.path)
-    proof = prove_motion(trajectory, jerk=jerk)
+    proof = prove_motion(trajectory, jerk=jerk, loads=loads)
     _refuse_jumps(trajectory, proof)
     order, actuator = np.unravel_index(np.argmax(proof.use.proven), proof.use.proven.shape)
     fraction, attained = (float(part[order, actuator]) for part in (proof.use.proven, proof.use.attained))
@@ -113,6 +146,8 @@ def require_proven(trajectory: Trajectory, backwards: bool = False, *, jerk: boo
             "Ask for a smoother path: fewer refine.coefficients, or more refine.corridor_cells.",
             {"actuator": ACTUATORS[actuator], "limit": quantity.name, "fraction": fraction, "s": s, "t_s": t_s},
         )
+    if proof.loads is not None:
+        require_loads(trajectory, proof.loads, backwards)
     return proof
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.interpolate import PPoly
+from scipy.interpolate import BSpline, PPoly
 
 from pipeline.certify.recheck.time_law import LAW, LOCKED, ON_PATH, SMOOTH, StatedMotion, verify_time_law, within_limits
 from pipeline.machine import Machine
@@ -74,8 +74,21 @@ def test_another_law_is_refused(motion: Trajectory, stated: StatedMotion) -> Non
     law = motion.time_law
     other = replace(motion, time_law=PPoly(np.nextafter(law.c, 9.0), law.x))
     assert _refused(other, stated) == {LAW}
+    later = replace(motion, time_law=PPoly(law.c, np.nextafter(law.x, 9.0 * (law.x > 0.0))))
+    assert _refused(later, stated) == {LAW}
+    spline = motion.path.spline
+    bent = BSpline(np.nextafter(spline.t, 9.0 * ((spline.t > 0.0) & (spline.t < 1.0))), spline.c, spline.k)
+    assert LAW in _refused(replace(motion, path=replace(motion.path, spline=bent)), stated)
     spiked = with_bump(motion, 1.2345, 1e-4, 3e-14)
     assert within_limits("jerk") in _refused(spiked, replace(stated, law_sha256=law_sha256(spiked)))
+
+
+def test_a_law_a_little_too_fast_is_refused(motion: Trajectory, stated: StatedMotion) -> None:
+    """0.15 %, which samples that are granted a thousandth would let pass; whatever is stated of it."""
+    fast = stretched(motion, 0.9985 * motion.duration_s)
+    words = {within_limits(name) for name in RATES}
+    assert words <= _refused(fast, replace(stated, law_sha256=law_sha256(fast)))
+    assert words <= _refused(fast, None)
 
 
 def test_jumps_are_refused(motion: Trajectory, stated: StatedMotion) -> None:

@@ -1,0 +1,1 @@
+"""Loads of a motion in plain floats: along the path, and over time."""
