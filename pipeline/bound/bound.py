@@ -7,7 +7,6 @@ import numpy as np
 from pipeline.bound.chart import build_chart, chart_point, why_no_chart
 from pipeline.bound.evaluate import Evaluator
 from pipeline.bound.flood import Flood, Verdict, flood
-from pipeline.bound.kappa import LARGEST
 from pipeline.bound.theorem import Theorem, apply_theorem
 from pipeline.config import Config
 from pipeline.config.choices import TiltAxis
@@ -18,6 +17,8 @@ from pipeline.route.regions.endpoints import Endpoint
 
 _STEP = 1.1
 """Ratio of one K to the last."""
+_LARGEST = 1e6
+"""Largest K that is tried."""
 STAGE = "bound"
 
 
@@ -99,7 +100,7 @@ def bound_paths(
     left = most_boxes
     if kappa is not None and kappa < at_ends:
         return Bound(theorem, at_ends, kappa, (), None)
-    while K < LARGEST and left > 0 and not (theorem.no_path and kappa is None):
+    while K < _LARGEST and left > 0 and not (theorem.no_path and kappa is None):
         evaluator = build_evaluator(config, machine, ends, K)
         points = [chart_point(evaluator.chart, end) for end in ends]
         found = flood(evaluator, points[0], points[1], left, _saying(monitor, K))
