@@ -1,55 +1,28 @@
 """Tests of what is certain of boxes: poses drawn from them never contradict it."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from pipeline.arrays import FloatArray
 from pipeline.bound.chart import chart_point
 from pipeline.bound.evaluate import Evaluator
 from pipeline.machine.geometry import Machine
 from tests.fuzzing import FACTOR
 
-Place = Callable[[Machine, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
-
-
-def _random_boxes(
-    machine: Machine, place: Place, rng: np.random.Generator, count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Draw boxes (6, n) of many sizes and shapes around poses within reach."""
-    angles = rng.uniform([-0.3, -0.6, -0.52, -0.52], [3.4, 0.9, 0.52, 0.52], (count, 4)).T
-    D = place(machine, angles)[2]
-    reached = (D > 0.0).all(axis=0)
-    s = np.sqrt(D[:, reached]) * rng.choice([-1.0, 1.0], (2, int(reached.sum())))
-    points = np.vstack([angles[:, reached], s])
-    half = 10.0 ** (rng.uniform(-3.0, -0.7, points.shape[1]) + rng.uniform(-0.3, 0.3, points.shape))
-    middle = points + rng.uniform(-1.0, 1.0, points.shape) * half
-    return middle - half, middle + half
-
 
 @pytest.mark.fuzz
 @pytest.mark.parametrize("target", [24.0, 28.0, 40.0, 100.0, 1000.0])
-def test_no_pose_contradicts_a_box(
-    evaluator: Evaluator, reference: tuple[Machine, Any], place: Place, judge: Callable[..., Any], target: float
-):
+def test_no_pose_contradicts_a_box(evaluator: Evaluator, draw: Any, target: float):
     """Poses of the start's sign within the limits have a larger kappa than K in every box that is excluded."""
-    machine, rng, tested = reference[0], np.random.default_rng(int(target)), 0
+    rng, tested = np.random.default_rng(int(target)), 0
     evaluate = Evaluator(evaluator.chart, evaluator.sign, target)
     for _ in range(FACTOR):
-        low, high = _random_boxes(machine, place, rng, 400)
+        low, high = draw.boxes(rng, 400)
         excluded = evaluate(low, high).excluded
-        box = np.repeat(np.flatnonzero(excluded), 60)
-        angles = rng.uniform(low[:4, box], high[:4, box])
-        pose, joints, D = place(machine, angles)
-        for signs in ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)):
-            s = np.sqrt(np.maximum(D, 0.0)) * np.array(signs)[:, None]
-            held = ((D >= 0.0) & (s >= low[4:, box]) & (s <= high[4:, box])).all(axis=0)
-            carts = np.column_stack([joints[:, 0, 0] - s[0], joints[:, 1, 0] - s[1], np.zeros(len(box))])
-            found = judge(machine, pose[held], carts[held])
-            assert not (found.inside & (found.sign == evaluator.sign) & (found.kappa <= target)).any()
-            tested += int(held.sum())
+        count, wrong = draw.poses(rng, low[:, excluded], high[:, excluded], target)
+        assert wrong == 0
+        tested += count
     assert tested > 300 * FACTOR
 
 
