@@ -3,11 +3,14 @@
 Bounds of boxes are whole numbers of a lattice, so that faces are compared exactly.
 """
 
+from functools import partial
+
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.bound.chart import ALPHA, BETA
 from pipeline.bound.evaluate import Evaluator
+from pipeline.parallel import blocks, in_parallel
 
 CELLS = 2**24
 """Cells of the lattice along each coordinate that is not fixed."""
@@ -119,10 +122,11 @@ class Boxes:
         return start + scale * self.low[:, nodes], start + scale * self.high[:, nodes]
 
     def _evaluate(self, nodes: IntArray) -> None:
-        for begin in range(0, len(nodes), _BATCH):
-            some = nodes[begin : begin + _BATCH]
-            found = self._evaluator(*self._bounds(some))
-            self.empty[some], self.middle[some], self.weights[:, some] = found.excluded, found.middle, found.weights
+        parts = [nodes[rows] for rows in blocks(len(nodes), _BATCH)]
+        tasks = [partial(self._evaluator, *self._bounds(some)) for some in parts]
+        found = in_parallel(tasks) if len(tasks) > 1 else (task() for task in tasks)
+        for some, one in zip(parts, found, strict=True):
+            self.empty[some], self.middle[some], self.weights[:, some] = one.excluded, one.middle, one.weights
 
     def _grow(self, more: int) -> None:
         capacity = len(self.axis)

@@ -65,12 +65,12 @@ def flood(
     boxes = Boxes(evaluator)
     _refine(boxes, _FIRST_WIDTH)
     active = np.flatnonzero(~boxes.excluded & (boxes.axis[: boxes.count] < 0))
+    sources = [boxes.holding(point, active) for point in (start, goal)]
     rounds, width = 0, _WIDE
     while True:
         passable = (boxes.widths(active).max(axis=0) <= width) & (boxes.middle[active] <= evaluator.target)
         graph = Graph(active, boxes.edges, boxes.at_edge(active), passable)
-        there = graph.distances(boxes.holding(start, active))
-        back = graph.distances(boxes.holding(goal, active))
+        there, back = (graph.distances(some) for some in sources)
         component = there < FAR
         total = np.where(component & (back < FAR), there + back - ~passable, FAR)
         best = int(total.min(initial=FAR))
@@ -87,7 +87,13 @@ def flood(
         before = boxes.count
         boxes.halve(nodes, _axes(boxes, nodes))
         halves = np.arange(before, boxes.count)
-        active = np.concatenate([active[component & ~chosen], halves[~boxes.excluded[halves]]])
+        halves = halves[~boxes.excluded[halves]]
+        kept = active[component & ~chosen]
+        sources = [
+            boxes.holding(point, np.concatenate([np.intersect1d(some, kept), halves]))
+            for point, some in zip((start, goal), sources, strict=True)
+        ]
+        active = np.concatenate([kept, halves])
         rounds += 1
 
 

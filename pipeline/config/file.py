@@ -81,9 +81,10 @@ def results_folder(name: str) -> Path:
 def config_sha256(config: BaseModel | object) -> str:
     """Hash a configuration (or a part of one) by content, independent of formatting and comments.
 
-    Of a whole one, how results are drawn does not count, nor do the stations of an atlas: results are the same.
+    Of a whole one, how results are drawn does not count, nor do the stations of an atlas and how many boxes bound other
+    paths: results are the same.
     """
-    not_counted = {"figures", "atlas"} if isinstance(config, Config) else set[str]()
+    not_counted = {"figures", "atlas", "bound"} if isinstance(config, Config) else set[str]()
     plain = config.model_dump(mode="json", exclude=not_counted) if isinstance(config, BaseModel) else config
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 

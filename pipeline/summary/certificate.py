@@ -7,6 +7,7 @@ from pipeline.summary.section import SKIPPED, Section
 from pipeline.summary.versions import versions
 
 if TYPE_CHECKING:
+    from pipeline.bound.bound import Bound
     from pipeline.certify.result import Certificate
 
 
@@ -28,6 +29,16 @@ def certificate_section(certificate: "Certificate") -> Section:
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
         **_following_part(certificate),
+        "least_kappa": None,
+        "least_kappa_boxes": None,
+    }
+
+
+def every_path_section(bound: "Bound") -> Section:
+    """Give what kappa is at least, somewhere on every path, and with how many boxes that was proven."""
+    return {
+        "least_kappa": bound.least_kappa,
+        "least_kappa_boxes": sum(attempt.boxes for attempt in bound.attempts),
     }
 
 
@@ -86,6 +97,8 @@ def certificate_words(section: Section) -> str:
     )
     if (following := section.get("following_m")) is not None:
         found += f"; drives may be off by {1e3 * following:.2f} mm at a time"
+    if (least := section.get("least_kappa")) is not None:
+        found += f"; no path can have a largest kappa below {least:.2f}"
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
         f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"

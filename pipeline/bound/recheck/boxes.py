@@ -1,6 +1,7 @@
 """Whether boxes hold no pose within the limits with kappa <= K and the start's sign of det H."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from pipeline.bound.recheck.poses import Assembled, Posed, assemble, pose, stati
 from pipeline.bound.recheck.taylor import Taylor, linear
 from pipeline.machine.clearance import link_pairs
 from pipeline.machine.geometry import Machine
+from pipeline.parallel import blocks, in_parallel
 
 _BATCH = 512
 _DEEPEST = 14
@@ -35,10 +37,8 @@ def verified(claim: Claim, low: FloatArray, high: FloatArray) -> BoolArray:
     owner = np.arange(low.shape[1])
     left = len(owner)
     for depth in range(_DEEPEST + 1):
-        good = np.concatenate(
-            [np.zeros(0, dtype=bool)]
-            + [_verified(claim, low[:, k : k + _BATCH], high[:, k : k + _BATCH]) for k in range(0, len(owner), _BATCH)]
-        )
+        parts = [partial(_verified, claim, low[:, rows], high[:, rows]) for rows in blocks(len(owner), _BATCH)]
+        good = np.concatenate([np.zeros(0, dtype=bool), *in_parallel(parts)])
         low, high, owner = low[:, ~good], high[:, ~good], owner[~good]
         hopeless = len(owner) > _MOST_PARTS * len(result) + _BATCH or (depth > _SHRINKING and len(owner) >= left)
         if not owner.size or depth == _DEEPEST or hopeless:

@@ -1,15 +1,18 @@
 """Make the certificate."""
 
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pipeline.artifacts.results.certificate.stored import certificate_files
+from pipeline.bound.bound import bound_all_paths
 from pipeline.certify import Certificate, certify_path
 from pipeline.config import Config
 from pipeline.config.choices import Proof
 from pipeline.progress import Monitor
+from pipeline.route.regions.endpoints import task_endpoints
 from pipeline.run.product import Product
-from pipeline.summary.certificate import certificate_facts, certificate_section, skipped_certificate
+from pipeline.summary.certificate import certificate_facts, certificate_section, every_path_section, skipped_certificate
 
 if TYPE_CHECKING:
     from pipeline.run.results import Results
@@ -22,7 +25,12 @@ def make_certificate(results: "Results", monitor: Monitor) -> Product:
         return no_certificate()
     began = time.perf_counter()
     certificate = certify_path(config, results.machine, results.refinement.path, monitor)
-    return certificate_product(config, certificate, time.perf_counter() - began)
+    product = certificate_product(config, certificate, time.perf_counter() - began)
+    if not config.bound.boxes:
+        return product
+    ends = task_endpoints(config, results.machine)
+    found = bound_all_paths(config, results.machine, ends, config.bound.boxes, monitor)
+    return replace(product, section={**product.section, **every_path_section(found)})
 
 
 def certificate_product(config: Config, certificate: Certificate, seconds: float) -> Product:
