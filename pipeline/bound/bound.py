@@ -1,5 +1,6 @@
 """The least that kappa has to reach on every path: floods for larger and larger K, as far as boxes last."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,7 +8,6 @@ import numpy as np
 from pipeline.bound.chart import build_chart, chart_point, why_no_chart
 from pipeline.bound.evaluate import Evaluator
 from pipeline.bound.flood import Flood, Verdict, flood
-from pipeline.bound.kappa import LARGEST
 from pipeline.bound.theorem import Theorem, apply_theorem
 from pipeline.config import Config
 from pipeline.config.choices import TiltAxis
@@ -16,8 +16,10 @@ from pipeline.machine.geometry import Machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.regions.endpoints import Endpoint
 
-_STEP = 1.1
-"""Ratio of one K to the last."""
+_FIRST, _STEP = (1.02, 1.05), 1.1
+"""K by the larger kappa of start and goal at first, and the ratio of one K to the last from there on."""
+_LARGEST = 1e6
+"""Largest K that is tried."""
 STAGE = "bound"
 
 
@@ -56,6 +58,11 @@ class Bound:
     attempts: tuple[Attempt, ...]
     flood: Flood | None
 
+    @property
+    def least_kappa(self) -> float:
+        """What kappa is at least, somewhere on every path within the limits."""
+        return max(self.ends_kappa, self.kappa or 0.0)
+
 
 def build_evaluator(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint], kappa: float) -> Evaluator:
     """Make what evaluates boxes of the task's chart.
@@ -65,13 +72,20 @@ def build_evaluator(config: Config, machine: Machine, ends: tuple[Endpoint, Endp
     NoSolutionError
         If the machine has no such chart; says why.
     """
-    if reason := why_no_chart(machine, config.machine.links.l3c.length_m is None):
+    if reason := _why_no_boxes(config, machine):
         raise NoSolutionError(
             STAGE, f"boxes do not cover this machine: {reason}", "the theorem alone is for machines without tilt"
         )
     tilts = (0.0 if axis in config.task.locked_axes else _above(config.task.tilt_max_deg) for axis in TiltAxis)
     rx, rz = tilts
     return Evaluator(build_chart(machine, (rx, rz), ends), ends[0].det_sign, kappa)
+
+
+def bound_all_paths(
+    config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint], most_boxes: int, monitor: Monitor = QUIET
+) -> Bound:
+    """Prove what can be proven with so many boxes; that is what the ends have where boxes do not cover the machine."""
+    return bound_paths(config, machine, ends, None, 0 if _why_no_boxes(config, machine) else most_boxes, monitor)
 
 
 def bound_paths(
@@ -95,11 +109,12 @@ def bound_paths(
     at_ends = max(end.kappa for end in ends)
     attempts: list[Attempt] = []
     proven: tuple[float, Flood] | None = None
-    K = at_ends * _STEP if kappa is None else kappa
     left = most_boxes
     if kappa is not None and kappa < at_ends:
         return Bound(theorem, at_ends, kappa, (), None)
-    while K < LARGEST and left > 0 and not (theorem.no_path and kappa is None):
+    for K in _climbing(at_ends) if kappa is None else (kappa,):
+        if left <= 0 or (theorem.no_path and kappa is None):
+            break
         evaluator = build_evaluator(config, machine, ends, K)
         points = [chart_point(evaluator.chart, end) for end in ends]
         found = flood(evaluator, points[0], points[1], left, _saying(monitor, K))
@@ -107,11 +122,18 @@ def bound_paths(
         if found.verdict is not Verdict.NONE:
             break
         proven = K, found
-        if kappa is not None:
-            break
         left -= found.boxes.count
-        K *= _STEP
     return Bound(theorem, at_ends, proven and proven[0], tuple(attempts), proven and proven[1])
+
+
+def _why_no_boxes(config: Config, machine: Machine) -> str:
+    return why_no_chart(machine, config.machine.links.l3c.length_m is None)
+
+
+def _climbing(kappa: float) -> Iterator[float]:
+    yield from (factor * kappa for factor in _FIRST)
+    while (kappa := kappa * _STEP) < _LARGEST:
+        yield kappa
 
 
 def _saying(monitor: Monitor, K: float) -> Monitor:

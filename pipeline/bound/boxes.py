@@ -3,11 +3,14 @@
 Bounds of boxes are whole numbers of a lattice, so that faces are compared exactly.
 """
 
+from functools import partial
+
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.bound.chart import ALPHA, BETA
 from pipeline.bound.evaluate import Evaluator
+from pipeline.parallel import blocks, in_parallel
 
 CELLS = 2**24
 """Cells of the lattice along each coordinate that is not fixed."""
@@ -25,8 +28,8 @@ class Boxes:
         Bounds on the lattice.
     axis, child : (capacity,)
         The coordinate that was halved, -1 for leaves, and the first child.
-    least, middle, weights : (capacity,), (capacity,), (6, capacity)
-        What `Evaluator` found.
+    empty, middle, weights : (capacity,), (capacity,), (6, capacity)
+        What `Evaluator` found; `excluded` are the empty ones.
     edges : (m, 2)
         Pairs of leaves that are not excluded and have a face in common.
     count : int
@@ -40,7 +43,11 @@ class Boxes:
         self.low = np.zeros((6, 1), dtype=np.int32)
         self.high = np.where(chart.high > chart.low, CELLS, 0).astype(np.int32)[:, None]
         self.axis, self.child = np.full(1, -1, dtype=np.int8), np.full(1, -1, dtype=np.int32)
-        self.least, self.middle, self.weights = np.zeros(1), np.full(1, np.inf), np.ones((6, 1), dtype=np.float32)
+        self.empty, self.middle, self.weights = (
+            np.zeros(1, dtype=bool),
+            np.full(1, np.inf),
+            np.ones((6, 1), dtype=np.float32),
+        )
         self.edges = np.zeros((0, 2), dtype=np.int32)
         self.count = 1
         self._evaluate(np.array([0]))
@@ -48,7 +55,7 @@ class Boxes:
     @property
     def excluded(self) -> BoolArray:
         """Nodes no pose of which is within the limits with kappa up to the target. Shape (count,)."""
-        return np.asarray(self.least[: self.count] >= self._evaluator.target)
+        return self.empty[: self.count]
 
     def widths(self, nodes: IntArray) -> FloatArray:
         """Widths in radians and metres. Shape (6, n)."""
@@ -115,10 +122,11 @@ class Boxes:
         return start + scale * self.low[:, nodes], start + scale * self.high[:, nodes]
 
     def _evaluate(self, nodes: IntArray) -> None:
-        for begin in range(0, len(nodes), _BATCH):
-            some = nodes[begin : begin + _BATCH]
-            found = self._evaluator(*self._bounds(some))
-            self.least[some], self.middle[some], self.weights[:, some] = found.least, found.middle, found.weights
+        parts = [nodes[rows] for rows in blocks(len(nodes), _BATCH)]
+        tasks = [partial(self._evaluator, *self._bounds(some)) for some in parts]
+        found = in_parallel(tasks) if len(tasks) > 1 else (task() for task in tasks)
+        for some, one in zip(parts, found, strict=True):
+            self.empty[some], self.middle[some], self.weights[:, some] = one.excluded, one.middle, one.weights
 
     def _grow(self, more: int) -> None:
         capacity = len(self.axis)
@@ -130,7 +138,7 @@ class Boxes:
             ("high", 0),
             ("axis", -1),
             ("child", -1),
-            ("least", 0),
+            ("empty", 0),
             ("middle", 0),
             ("weights", 0),
         ):

@@ -16,9 +16,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.bound.forms import Form, constant, coordinate, cosine_sine, joined, sum_of
-from pipeline.machine.geometry import ARM_OF_LINK, PRIMARY, TRIANGLE, Machine, link_vectors, rotation_x, rotation_z
+from pipeline.machine.geometry import (
+    ARM_OF_LINK,
+    PRIMARY,
+    TELESCOPES,
+    TRIANGLE,
+    Machine,
+    link_vectors,
+    rotation_x,
+    rotation_z,
+)
 from pipeline.machine.pose import RY
 from pipeline.machine.triangle import on_axis
 from pipeline.route.regions.endpoints import Endpoint
@@ -80,14 +89,38 @@ class Frame:
     across: Form
     D: Form
 
+    def boxes(self, keep: IntArray) -> "Frame":
+        """Select boxes (m,)."""
+        return Frame(*(part.boxes(keep) for part in (self.P, self.u3, self.across, self.D)))
+
 
 @dataclass(frozen=True, eq=False)
 class Links:
-    """Vectors of all links in the frame P (6, 3, n), carts 1 and 2 from cart 3 (2, n), D_k - s_k^2 (2, n)."""
+    """The links of boxes, in the world.
+
+    Attributes
+    ----------
+    v : Form
+        (6, 3, n): A_l - C_l.
+    arms : Form
+        (6, 3, n): from the TCP to A_l, R a_l.
+    squares : Form
+        (2, n): squared lengths of the telescopes.
+    apart : Form
+        (3, n): carts 1 and 2 from cart 3, and cart 1 from cart 2.
+    ties : Form
+        (2, n): D_k - s_k^2.
+    """
 
     v: Form
-    carts: Form
-    mismatch: Form
+    arms: Form
+    squares: Form
+    apart: Form
+    ties: Form
+
+    def boxes(self, keep: IntArray) -> "Links":
+        """Select boxes (m,)."""
+        return Links(*(part.boxes(keep) for part in (self.v, self.arms, self.squares, self.apart, self.ties)))
 
 
 def why_no_chart(machine: Machine, right_angled: bool) -> str:
@@ -154,18 +187,12 @@ def frame(chart: Chart, low: FloatArray, high: FloatArray) -> Frame:
     first = [ca * a + sa * b for a, b in zip(ex, ez, strict=True)]
     third = [ca * b - sa * a for a, b in zip(ex, ez, strict=True)]
     P = joined([joined([first[i], ey[i], third[i]]) for i in range(3)])
-    length = float(chart.machine.lengths_m[PRIMARY[2]])
-    u3 = joined([cb, sb, zero])
-    world = [(first[i] * cb + ey[i] * sb).times(length) for i in range(3)]
+    u3 = joined([first[i] * cb + ey[i] * sb for i in range(3)])
+    link = u3.times(float(chart.machine.lengths_m[PRIMARY[2]]))
     across = []
-    for link in PRIMARY[:2].tolist():
-        arm = chart.joints_m[link] - chart.joints_m[PRIMARY[2]]
-        base = chart.bases_m[link] * [0.0, 1.0, 1.0]
-        parts = [
-            (world[i] + P[i, 0].times(arm[0]) + P[i, 1].times(arm[1]) + P[i, 2].times(arm[2])).plus(-base[i])
-            for i in range(3)
-        ]
-        across.append(joined(parts))
+    for k in PRIMARY[:2].tolist():
+        arm, base = chart.joints_m[k] - chart.joints_m[PRIMARY[2]], chart.bases_m[k] * [0.0, 1.0, 1.0]
+        across.append((link + _turned(P, arm)).plus(-base[:, None]))
     both = _loosened(joined(across), 4.0 * _ROUNDED)
     y, z = both[:, 1], both[:, 2]
     squares = np.repeat(chart.machine.lengths_m[PRIMARY[:2], None] ** 2, n, axis=1)
@@ -174,32 +201,44 @@ def frame(chart: Chart, low: FloatArray, high: FloatArray) -> Frame:
 
 
 def links(chart: Chart, at: Frame, low: FloatArray, high: FloatArray) -> Links:
-    """Evaluate all link vectors of boxes (6, n)."""
-    symbols = _symbols(chart)
-    N, n = len(symbols), low.shape[1]
-    P = at.P
+    """Evaluate all links of boxes (6, n).
+
+    Telescopes are beside links 2a and 3a, of fixed length L: with a and c the sides on platform and cart,
+    |v + R a - c|^2 = L^2 + a^2 + c^2 + 2 v . (R a - c) - 2 c . R a.
+    """
+    symbols, machine = _symbols(chart), chart.machine
+    N = len(symbols)
     s = joined([coordinate(*_middle_half(low[k], high[k]), symbols.get(k), N) for k in (4, 5)])
-    mismatch = at.D - s * s
-    carts = at.across[:, 0] - s
-    third = at.u3.times(float(chart.machine.lengths_m[PRIMARY[2]]))
-    v: dict[int, Form] = {int(PRIMARY[2]): third}
+    v: dict[int, Form] = {int(PRIMARY[2]): at.u3.times(float(machine.lengths_m[PRIMARY[2]]))}
     for k, link in enumerate(PRIMARY[:2].tolist()):
-        # A - C = (A - C_3a) - (C - C_3a), and only the cart's place along X is not constant.
-        arm = (chart.joints_m[link] - chart.joints_m[PRIMARY[2]])[:, None]
-        base = np.repeat(chart.bases_m[link][:, None], n, axis=1)
-        there = joined([carts[k], constant(base[1], N), constant(base[2], N)])
-        back = joined([sum_of([P[i, j] * there[i] for i in range(3)]) for j in range(3)])
-        v[link] = third.plus(arm) - back
-    for link in range(_LINKS):
-        if link not in v:
-            beside = int(PRIMARY[ARM_OF_LINK[link]])
-            arm = (chart.joints_m[link] - chart.joints_m[beside])[:, None]
-            base = chart.machine.cart_offsets_m[link] - chart.machine.cart_offsets_m[beside]
-            back = joined([sum_of([P[i, j].times(base[i]) for i in range(3)]) for j in range(3)])
-            v[link] = v[beside].plus(arm) - back
-    everything = _loosened(joined([v[link] for link in range(_LINKS)]), 8.0 * _ROUNDED)
-    offset = chart.machine.cart_offsets_m[PRIMARY, 0]
-    return Links(everything, carts.plus((offset[2] - offset[:2])[:, None]), mismatch)
+        v[link] = joined([s[k], at.across[k, 1], at.across[k, 2]])
+    squares = []
+    for link in (*TELESCOPES.tolist(), TRIANGLE):
+        beside = int(PRIMARY[ARM_OF_LINK[link]])
+        a = chart.joints_m[link] - chart.joints_m[beside]
+        c = machine.cart_offsets_m[link] - machine.cart_offsets_m[beside]
+        turned = _turned(at.P, a)
+        moved = turned.plus(-c[:, None])
+        v[link] = v[beside] + moved
+        dots = sum_of([v[beside][i] * moved[i] - turned[i].times(c[i]) for i in range(3)])
+        squares.append(dots.times(2.0).plus(machine.lengths_m[beside] ** 2 + a @ a + c @ c))
+    beyond = machine.cart_offsets_m[PRIMARY, 0]
+    carts = (at.across[:, 0] - s).plus((beyond[2] - beyond[:2])[:, None])
+    first, second = PRIMARY[:2].tolist()
+    between = _turned(at.P, chart.joints_m[first] - chart.joints_m[second])[0] - s[0] + s[1]
+    return Links(
+        _loosened(joined([v[link] for link in range(_LINKS)]), 8.0 * _ROUNDED),
+        _loosened(joined([_turned(at.P, joint) for joint in chart.joints_m]), 8.0 * _ROUNDED),
+        _loosened(joined(squares[:2]), 16.0 * _ROUNDED),
+        _loosened(joined([carts[0], carts[1], between.plus(beyond[1] - beyond[0])]), 8.0 * _ROUNDED),
+        at.D - s * s,
+    )
+
+
+def _turned(P: Form, joint: FloatArray) -> Form:
+    """Turn a vector (3,) of the frame into the world; (3, n)."""
+    used = np.flatnonzero(joint).tolist() or [0]
+    return joined([sum_of([P[i, j].times(joint[j]) for j in used]) for i in range(3)])
 
 
 def _symbols(chart: Chart) -> dict[int, int]:
@@ -214,4 +253,4 @@ def _middle_half(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _loosened(form: Form, error: float) -> Form:
     """Allow for constants of the machine that are rounded."""
-    return Form(form.c, form.g, form.e + error, form.size + error)
+    return Form(form.c, form.g, form.q, form.e + error, form.size + error)

@@ -1,14 +1,14 @@
-"""What is certain of a box: that it holds no pose within the limits, or from which kappa on it holds one."""
+"""What is certain of a box: that it holds no pose within the limits with kappa <= K and the start's sign of det H."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
-from pipeline.bound.chart import Chart, frame, links
+from pipeline.bound.chart import Chart, Links, frame, links
 from pipeline.bound.clearance import too_close
-from pipeline.bound.forms import Form, constant, inverse_root, joined, sum_of
-from pipeline.bound.kappa import LARGEST, kappa_bounds, statics
+from pipeline.bound.forms import Form, constant, cross, inverse_root, joined
+from pipeline.bound.kappa import exclude_by_kappa
 from pipeline.machine.geometry import PRIMARY, TELESCOPES, TRIANGLE
 
 _S = (4, 5)
@@ -16,26 +16,26 @@ _S = (4, 5)
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Of n boxes: a lower bound of kappa within the limits, `LARGEST` if no pose of it is; for the search also more.
+    """What was found of n boxes, and for the search what halving them promises.
 
     Attributes
     ----------
-    least : (n,)
-        Every pose of the box has a larger kappa, the other sign of det H, or breaks a limit.
+    excluded : (n,)
+        Every pose of the box has kappa > K, the other sign of det H, or breaks a limit.
     middle : (n,)
         kappa at the centre in floats.
     weights : (6, n)
         How much halving each coordinate promises.
     """
 
-    least: FloatArray
+    excluded: BoolArray
     middle: FloatArray
     weights: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluator:
-    """Evaluates boxes of a chart for the start's sign of det H; `target` is the kappa that matters."""
+    """Evaluates boxes of a chart for the start's sign of det H and kappa up to a target, K."""
 
     chart: Chart
     sign: float
@@ -44,67 +44,58 @@ class Evaluator:
     def __call__(self, low: FloatArray, high: FloatArray) -> Evaluation:
         """Evaluate boxes (6, n)."""
         n = low.shape[1]
-        least, middle = np.full(n, LARGEST), np.full(n, np.inf)
-        weights = high - low
+        excluded, middle, weights = np.ones(n, dtype=bool), np.full(n, np.inf), high - low
         at = frame(self.chart, low, high)
         low, high = _within_reach(low, high, at.D)
         keep = np.flatnonzero((low <= high).all(axis=0))
         if not keep.size:
-            return Evaluation(least, middle, weights)
+            return Evaluation(excluded, middle, weights)
         low, high = low[:, keep], high[:, keep]
-        at = type(at)(*(getattr(at, part).boxes(keep) for part in ("P", "u3", "across", "D")))
-        found = links(self.chart, at, low, high)
-        inside = self._within_limits(found.v, found.carts, found.mismatch)
-        some = np.flatnonzero(inside)
+        found = links(self.chart, at.boxes(keep), low, high)
+        some = np.flatnonzero(self._within_limits(found))
         if not some.size:
-            return Evaluation(least, middle, weights)
-        keep, v, mismatch = keep[some], found.v.boxes(some), found.mismatch.boxes(some)
-        unit = self.chart.machine.characteristic_length_m
-        joints = self.chart.joints_m / unit
-        u, H = statics(v, self.chart.joints_m, self._inverse_lengths(v), unit)
-        kappa = kappa_bounds(u, H, joints, mismatch, self.sign, self.target)
-        least[keep], middle[keep] = kappa.least, kappa.middle
+            return Evaluation(excluded, middle, weights)
+        keep, found = keep[some], found.boxes(some)
+        kappa = exclude_by_kappa(self._statics(found), found.ties, self.sign, self.target)
+        excluded[keep], middle[keep] = kappa.excluded, kappa.middle
         widths = high[:, some] - low[:, some]
         spread = self.target * 0.125 * widths**2
         spread[self.chart.free] += kappa.spread
         weights[:, keep] = np.where(widths > 0.0, spread, 0.0)
-        return Evaluation(least, middle, weights)
+        return Evaluation(excluded, middle, weights)
 
-    def _within_limits(self, v: Form, carts: Form, mismatch: Form) -> BoolArray:
+    def _within_limits(self, found: Links) -> BoolArray:
         machine = self.chart.machine
-        inside: BoolArray = np.asarray(((mismatch.lower <= 0.0) & (mismatch.upper >= 0.0)).all(axis=0))
+        inside: BoolArray = np.asarray(((found.ties.lower <= 0.0) & (found.ties.upper >= 0.0)).all(axis=0))
         travel = machine.travel_m
-        apart = [(carts[0], 0, 2), (carts[1], 1, 2), (carts[0] - carts[1], 0, 1)]
-        for form, i, j in apart:
+        for k, (i, j) in enumerate(((0, 2), (1, 2), (0, 1))):
+            form = found.apart[k]
             inside &= (form.upper >= travel[i, 0] - travel[j, 1]) & (form.lower <= travel[i, 1] - travel[j, 0])
-        for link, (shortest, longest) in zip(TELESCOPES.tolist(), machine.strokes_m.tolist(), strict=True):
-            square = _square(v[link])
+        for k, (shortest, longest) in enumerate(machine.strokes_m.tolist()):
+            square = found.squares[k]
             inside &= (square.upper >= shortest**2 * (1.0 - 1e-12)) & (square.lower <= longest**2 * (1.0 + 1e-12))
-        if machine.link_link_m > 0.0:
-            some = np.flatnonzero(inside)
-            if some.size:
-                inside[some[too_close(machine, self.chart.joints_m, v.boxes(some))]] = False
+        some = np.flatnonzero(inside) if machine.link_link_m > 0.0 else np.zeros(0, dtype=int)
+        if some.size:
+            inside[some[too_close(machine, found.arms.boxes(some), found.v.boxes(some))]] = False
         return inside
 
-    def _inverse_lengths(self, v: Form) -> Form:
-        machine, n = self.chart.machine, v.c.shape[-1]
+    def _statics(self, found: Links) -> Form:
+        """Compute H as columns [u_l ; A'_l x u_l / L], (6 links, 6 rows, n)."""
+        inverse = self._inverse_lengths(found.squares)
+        u = found.v * inverse.expanded
+        moment = cross(found.arms, u).times(1.0 / self.chart.machine.characteristic_length_m)
+        return joined([*(u[:, i] for i in range(3)), *(moment[:, i] for i in range(3))], axis=1)
+
+    def _inverse_lengths(self, squares: Form) -> Form:
+        machine, n = self.chart.machine, squares.c.shape[-1]
+        side = self.chart.joints_m[TRIANGLE] - self.chart.joints_m[PRIMARY[2]]
         lengths = machine.lengths_m.copy()
-        lengths[TRIANGLE] = np.hypot(
-            lengths[PRIMARY[2]], np.linalg.norm(self.chart.joints_m[TRIANGLE] - self.chart.joints_m[PRIMARY[2]])
-        )
-        telescopes = dict(zip(TELESCOPES.tolist(), machine.strokes_m.tolist(), strict=True))
-        parts = []
-        for link in range(len(lengths)):
-            if link in telescopes:
-                shortest, longest = telescopes[link]
-                parts.append(inverse_root(_square(v[link]), shortest**2, longest**2))
-            else:
-                parts.append(constant(np.full(n, 1.0 / lengths[link]), len(v.g), 1e-15 / lengths[link]))
+        lengths[TRIANGLE] = np.hypot(lengths[PRIMARY[2]], np.linalg.norm(side))
+        parts = [constant(np.full(n, 1.0 / length), len(squares.g), 1e-15 / length) for length in lengths.tolist()]
+        for k, link in enumerate(TELESCOPES.tolist()):
+            shortest, longest = machine.strokes_m[k].tolist()
+            parts[link] = inverse_root(squares[k], shortest**2, longest**2)
         return joined(parts)
-
-
-def _square(v: Form) -> Form:
-    return sum_of([v[i] * v[i] for i in range(3)])
 
 
 def _within_reach(low: FloatArray, high: FloatArray, D: Form) -> tuple[FloatArray, FloatArray]:

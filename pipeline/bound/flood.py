@@ -11,7 +11,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from pipeline.arrays import BoolArray, FloatArray, IntArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.bound.boxes import Boxes
 from pipeline.bound.evaluate import Evaluator
 from pipeline.bound.graph import FAR, Graph
@@ -19,8 +19,9 @@ from pipeline.progress import QUIET, Monitor
 
 _FIRST_WIDTH = 1.2
 """Boxes are halved to this width first of all, in radians or metres."""
-_SMALL = 0.06
-"""Boxes of this width with kappa <= K in their middle are taken for passable by the search, not by proofs."""
+_WIDE, _SMALL = 2.0, 0.06
+"""Boxes with kappa <= K in their middle are taken for passable by the search, not by proofs: at first also wide ones,
+and smaller and smaller ones whenever those join start and goal."""
 _ASPECT = 4.0
 
 
@@ -64,15 +65,18 @@ def flood(
     boxes = Boxes(evaluator)
     _refine(boxes, _FIRST_WIDTH)
     active = np.flatnonzero(~boxes.excluded & (boxes.axis[: boxes.count] < 0))
-    rounds = 0
+    sources = [boxes.holding(point, active) for point in (start, goal)]
+    rounds, width = 0, _WIDE
     while True:
-        passable = _passable(boxes, active, evaluator.target)
+        passable = (boxes.widths(active).max(axis=0) <= width) & (boxes.middle[active] <= evaluator.target)
         graph = Graph(active, boxes.edges, boxes.at_edge(active), passable)
-        there = graph.distances(boxes.holding(start, active))
-        back = graph.distances(boxes.holding(goal, active))
+        there, back = (graph.distances(some) for some in sources)
         component = there < FAR
         total = np.where(component & (back < FAR), there + back - ~passable, FAR)
         best = int(total.min(initial=FAR))
+        if best == 0 and width > _SMALL:
+            width *= 0.5
+            continue
         if best in (0, FAR):
             return Flood(Verdict.OPEN if best == 0 else Verdict.NONE, boxes, active[component], rounds, start)
         chosen = ~passable & (total == best)
@@ -83,7 +87,13 @@ def flood(
         before = boxes.count
         boxes.halve(nodes, _axes(boxes, nodes))
         halves = np.arange(before, boxes.count)
-        active = np.concatenate([active[component & ~chosen], halves[~boxes.excluded[halves]]])
+        halves = halves[~boxes.excluded[halves]]
+        kept = active[component & ~chosen]
+        sources = [
+            boxes.holding(point, np.concatenate([np.intersect1d(some, kept), halves]))
+            for point, some in zip((start, goal), sources, strict=True)
+        ]
+        active = np.concatenate([kept, halves])
         rounds += 1
 
 
@@ -97,10 +107,6 @@ def _refine(boxes: Boxes, width: float) -> None:
         before = boxes.count
         boxes.halve(leaves, boxes.widths(leaves).argmax(axis=0))
         leaves = np.arange(before, boxes.count)
-
-
-def _passable(boxes: Boxes, nodes: IntArray, target: float) -> BoolArray:
-    return np.asarray((boxes.widths(nodes).max(axis=0) <= _SMALL) & (boxes.middle[nodes] <= target))
 
 
 def _axes(boxes: Boxes, nodes: IntArray) -> IntArray:

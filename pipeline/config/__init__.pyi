@@ -61,6 +61,9 @@ from .section import (
 from .section import (
     Section as Section,
 )
+from .stages.bound import (
+    BoundConfig as BoundConfig,
+)
 from .stages.certify import (
     CertifyConfig as CertifyConfig,
 )

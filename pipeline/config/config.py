@@ -10,6 +10,7 @@ from pipeline.config.drives import DrivesConfig
 from pipeline.config.export import ExportConfig
 from pipeline.config.machine.machine import MachineConfig
 from pipeline.config.section import MOST_NAME, NAME_PATTERN, Section, wrong
+from pipeline.config.stages.bound import BoundConfig
 from pipeline.config.stages.certify import CertifyConfig
 from pipeline.config.stages.figures import FiguresConfig
 from pipeline.config.stages.refine import RefineConfig
@@ -29,6 +30,7 @@ class Config(Section):
     route: RouteConfig
     refine: RefineConfig = Field(default_factory=lambda: RefineConfig())
     certify: CertifyConfig = Field(default_factory=lambda: CertifyConfig())
+    bound: BoundConfig = Field(default_factory=lambda: BoundConfig())
     retime: RetimeConfig = Field(default_factory=lambda: RetimeConfig())
     figures: FiguresConfig = Field(default_factory=lambda: FiguresConfig())
     export: ExportConfig = Field(default_factory=lambda: ExportConfig())

@@ -78,14 +78,15 @@ def results_folder(name: str) -> Path:
     return _RESULTS / os.fsdecode(name.encode())
 
 
-NOT_COUNTED = frozenset({"figures", "atlas"})
+NOT_COUNTED = frozenset({"figures", "atlas", "bound"})
 """Sections that do not count in the hash of a whole configuration."""
 
 
 def config_sha256(config: BaseModel | object) -> str:
     """Hash a configuration (or a part of one) by content, independent of formatting and comments.
 
-    Of a whole one, how results are drawn does not count, nor do the stations of an atlas: results are the same.
+    Of a whole one, how results are drawn does not count, nor do the stations of an atlas and how many boxes bound other
+    paths: results are the same.
     """
     not_counted = NOT_COUNTED if isinstance(config, Config) else frozenset[str]()
     plain = config.model_dump(mode="json", exclude=set(not_counted)) if isinstance(config, BaseModel) else config

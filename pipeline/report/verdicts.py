@@ -138,6 +138,8 @@ def _certificate(section: Mapping[str, Any]) -> Verdict:
     distance = section["min_distance_bound_m"]
     axes = "" if distance is None else f"; link axes at least {1e3 * distance:.1f} mm apart"
     detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{axes}."
+    if (least := section.get("least_kappa")) is not None:
+        detail += f" No path within the limits can do with less than {least:.2f}."
     return Verdict("Certificate", "Certified", detail, "good")
 
 

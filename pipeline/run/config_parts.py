@@ -26,8 +26,8 @@ Part = dict[str, Any]
 
 
 def whole_config(config: Config) -> Part:
-    """Give all keys of a run; those of an atlas are not."""
-    return config.model_dump(mode="json", exclude={"atlas"})
+    """Give all keys of a run; those of an atlas are not, and those of the bound only if it is asked for."""
+    return config.model_dump(mode="json", exclude={"atlas"} if config.bound.boxes else {"atlas", "bound"})
 
 
 def regions_part(config: Config) -> Part:
@@ -76,12 +76,14 @@ def refine_part(config: Config) -> Part:
 def certify_part(config: Config) -> Part:
     """Give the keys that the certificate depends on."""
     not_read = () if config.certify.what in (Proof.TOLERANCES, Proof.FOLLOWING) else _TOLERANCES_ONLY
-    return {**refine_part(config), "certify": _without(whole_config(config)["certify"], *not_read)}
+    whole = whole_config(config)
+    bound = {"bound": whole["bound"]} if "bound" in whole else {}
+    return {**refine_part(config), "certify": _without(whole["certify"], *not_read), **bound}
 
 
 def retime_part(config: Config) -> Part:
     """Give the keys that the trajectory, and what it quotes, depends on."""
-    return _without(whole_config(config), "figures")
+    return _without(whole_config(config), "figures", "bound")
 
 
 def with_proof(config: Config, what: Proof) -> Config:

@@ -10,6 +10,7 @@ from pipeline.summary.versions import versions
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from pipeline.bound.bound import Bound
     from pipeline.certify.result import Certificate, Tolerance
 
 
@@ -32,6 +33,16 @@ def certificate_section(certificate: "Certificate") -> Section:
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
         **_following_part(certificate),
         **pose_error_part(None),
+        "least_kappa": None,
+        "least_kappa_boxes": None,
+    }
+
+
+def every_path_section(bound: "Bound") -> Section:
+    """Give what kappa is at least, somewhere on every path, and with how many boxes that was proven."""
+    return {
+        "least_kappa": bound.least_kappa,
+        "least_kappa_boxes": sum(attempt.boxes for attempt in bound.attempts),
     }
 
 
@@ -105,6 +116,8 @@ def certificate_words(section: Section) -> str:
             f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances within their limits, and by "
             f"{1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
         )
+    if (least := section.get("least_kappa")) is not None:
+        found += f"; no path can have a largest kappa below {least:.2f}"
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
         f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}{pose_error_words(section)}"

@@ -65,6 +65,55 @@ def place() -> Callable[[Machine, FloatArray], tuple[FloatArray, FloatArray, Flo
     return compute
 
 
+@dataclass(frozen=True, eq=False)
+class Draw:
+    """Draws boxes of the reference machine's chart, and poses from boxes, for a sign of det H."""
+
+    machine: Machine
+    place: Callable[[Machine, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+    judge: Callable[[Machine, FloatArray, FloatArray], Poses]
+    sign: float
+
+    def boxes(self, rng: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
+        """Draw boxes (6, n) of many sizes and shapes around poses within reach."""
+        angles = rng.uniform([-0.3, -0.6, -0.52, -0.52], [3.4, 0.9, 0.52, 0.52], (count, 4)).T
+        D = self.place(self.machine, angles)[2]
+        reached = (D > 0.0).all(axis=0)
+        s = np.sqrt(D[:, reached]) * rng.choice([-1.0, 1.0], (2, int(reached.sum())))
+        points = np.vstack([angles[:, reached], s])
+        half = 10.0 ** (rng.uniform(-3.0, -0.7, points.shape[1]) + rng.uniform(-0.3, 0.3, points.shape))
+        middle = points + rng.uniform(-1.0, 1.0, points.shape) * half
+        return middle - half, middle + half
+
+    def poses(self, rng: np.random.Generator, low: FloatArray, high: FloatArray, kappa: float) -> tuple[int, int]:
+        """Draw 60 poses from each box (6, n), in all working modes: how many it holds, and how many it must not.
+
+        These are within the limits, of the wanted sign, and of a kappa up to the given one.
+        """
+        box = np.repeat(np.arange(low.shape[1]), 60)
+        angles = rng.uniform(low[:4, box], high[:4, box])
+        pose, joints, D = self.place(self.machine, angles)
+        tested = wrong = 0
+        for signs in ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)):
+            s = np.sqrt(np.maximum(D, 0.0)) * np.array(signs)[:, None]
+            held = ((D >= 0.0) & (s >= low[4:, box]) & (s <= high[4:, box])).all(axis=0)
+            carts = np.column_stack([joints[:, 0, 0] - s[0], joints[:, 1, 0] - s[1], np.zeros(len(box))])
+            found = self.judge(self.machine, pose[held], carts[held])
+            wrong += int((found.inside & (found.sign == self.sign) & (found.kappa <= kappa)).sum())
+            tested += int(held.sum())
+        return tested, wrong
+
+
+@pytest.fixture(scope="session")
+def draw(
+    reference: tuple[Machine, tuple[Endpoint, Endpoint]],
+    place: Callable[[Machine, FloatArray], tuple[FloatArray, FloatArray, FloatArray]],
+    judge: Callable[[Machine, FloatArray, FloatArray], Poses],
+) -> Draw:
+    """Give what draws boxes and poses of the reference machine, for the sign of the start."""
+    return Draw(reference[0], place, judge, reference[1][0].det_sign)
+
+
 @pytest.fixture(scope="session")
 def judge() -> Callable[[Machine, FloatArray, FloatArray], Poses]:
     """Give a function that checks poses (n, 6) with carts (n, 3) by the rest of the code."""

@@ -14,14 +14,13 @@ class _Anything(Evaluator):
 
     def __call__(self, low: FloatArray, high: FloatArray) -> Evaluation:
         n = low.shape[1]
-        least = np.where(np.random.default_rng(n).random(n) < 0.2, 1e7, 0.0)
-        return Evaluation(least, np.full(n, 5.0), high - low)
+        return Evaluation(np.random.default_rng(n).random(n) < 0.2, np.full(n, 5.0), high - low)
 
 
 def _halved(evaluator: Evaluator) -> Boxes:
     rng = np.random.default_rng(1)
     boxes = Boxes(_Anything(evaluator.chart, evaluator.sign, evaluator.target))
-    boxes.least[0] = 0.0
+    boxes.empty[0] = False
     for _ in range(7):
         leaves = np.flatnonzero((boxes.axis[: boxes.count] < 0) & ~boxes.excluded)
         some = leaves[rng.random(len(leaves)) < 0.9]
@@ -56,7 +55,7 @@ def test_edges_are_the_common_faces(evaluator: Evaluator):
 def test_points_are_held_by_all_leaves_around_them(evaluator: Evaluator):
     """A point on a common face is held by both boxes."""
     boxes = Boxes(_Anything(evaluator.chart, evaluator.sign, evaluator.target))
-    boxes.least[0] = 0.0
+    boxes.empty[0] = False
     boxes.halve(np.array([0]), np.array([0]))
     middle = 0.5 * (evaluator.chart.low + evaluator.chart.high)
     assert boxes.holding(middle, np.array([1, 2])).tolist() == [1, 2]

@@ -9,22 +9,25 @@ import pytest
 
 from pipeline.arrays import FloatArray
 from pipeline.bound.chart import Chart, build_chart, chart_point, frame, links, why_no_chart
+from pipeline.bound.forms import pairs
 from pipeline.config import Config
-from pipeline.machine.geometry import Machine, build_machine, link_vectors, rotation
+from pipeline.machine.geometry import TELESCOPES, Machine, build_machine, link_vectors, platform_arms
 from pipeline.route.regions.endpoints import task_endpoints
 
 
 def test_link_vectors_are_those_of_the_pose(chart: Chart, reference: tuple[Machine, Any]):
-    """At start and goal, in opposite working modes, all six vectors agree in the platform's frame up to its turn."""
+    """At start and goal, in opposite working modes, all vectors, arms, lengths and carts are those of the machine."""
     machine, ends = reference
     for end in ends:
         point = chart_point(chart, end)[:, None]
         at = frame(chart, point, point)
         found = links(chart, at, point, point)
-        world = at.P.c[..., 0] @ found.v.c[..., 0].T
-        assert pytest.approx(link_vectors(machine, end.pose, end.q_m[:3]), abs=1e-12) == world.T
-        assert found.carts.c[:, 0] == pytest.approx(end.q_m[:2] - end.q_m[2], abs=1e-12)
-        assert found.mismatch.c[:, 0] == pytest.approx(0.0, abs=1e-12)
+        v, q = link_vectors(machine, end.pose, end.q_m[:3]), end.q_m
+        assert found.v.c[..., 0] == pytest.approx(v, abs=1e-12)
+        assert found.arms.c[..., 0] == pytest.approx(platform_arms(machine, end.pose), abs=1e-12)
+        assert found.squares.c[:, 0] == pytest.approx((v[TELESCOPES] ** 2).sum(axis=1), abs=1e-12)
+        assert found.apart.c[:, 0] == pytest.approx([q[0] - q[2], q[1] - q[2], q[0] - q[1]], abs=1e-12)
+        assert found.ties.c[:, 0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_every_pose_is_enclosed(
@@ -46,11 +49,17 @@ def test_every_pose_is_enclosed(
     found = links(chart, at, middle - half, middle + half)
     carts = np.column_stack([joints[:, 0, 0] - s[0], joints[:, 1, 0] - s[1], np.zeros(len(pose))])
     v = link_vectors(machine, pose, carts)
-    Q = rotation(pose[:, 3], np.zeros(len(pose)), pose[:, 5])
-    P = Q @ rotation(np.zeros(len(pose)), -angles[0], np.zeros(len(pose)))
-    true = np.einsum("nij,nli->ljn", P, v)
-    assert (np.abs(true - found.v.c) <= found.v.radius + 1e-12).all()
-    assert ((found.mismatch.lower <= 0.0) & (found.mismatch.upper >= 0.0)).all()
+    x = np.divide(point - middle, half)
+    i, j = pairs(6)
+    for form, true in (
+        (found.v, v.transpose(1, 2, 0)),
+        (found.arms, platform_arms(machine, pose).transpose(1, 2, 0)),
+        (found.squares, (v[:, TELESCOPES] ** 2).sum(axis=2).T),
+        (found.apart, np.stack([carts[:, 0], carts[:, 1], carts[:, 0] - carts[:, 1]])),
+    ):
+        near = form.c + np.einsum("k...n,kn->...n", form.g, x) + np.einsum("k...n,kn->...n", form.q, x[i] * x[j])
+        assert (np.abs(true - near) <= form.e + 1e-12).all()
+    assert ((found.ties.lower <= 0.0) & (found.ties.upper >= 0.0)).all()
 
 
 def test_fixed_tilts_have_no_coordinate(reference: tuple[Machine, Any]):

@@ -1,17 +1,29 @@
-"""Tests of affine forms: what they stand for is never outside."""
+"""Tests of quadratic forms: what they stand for is never outside."""
 
 import numpy as np
 import pytest
 from flint import arb
 
-from pipeline.bound.forms import Form, constant, coordinate, cosine_sine, inverse_root, joined, sum_of
+from pipeline.bound.forms import (
+    Form,
+    constant,
+    coordinate,
+    cosine_sine,
+    cross,
+    inverse_root,
+    joined,
+    linear,
+    pairs,
+    sum_of,
+)
 
 BOXES = 300
 
 
 def _values(form: Form, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Bounds of a form at given coordinates (N, n)."""
-    middle = form.c + (form.g * x).sum(axis=0)
+    i, j = pairs(len(x))
+    middle = form.c + (form.g * x).sum(axis=0) + (form.q * x[i] * x[j]).sum(axis=0)
     return middle - form.e - 1e-14, middle + form.e + 1e-14
 
 
@@ -54,13 +66,30 @@ def test_inverse_roots_hold_where_they_are_wanted(drawn: tuple[np.ndarray, np.nd
     assert (1.0 / np.sqrt(value[wanted]) <= high[wanted]).all()
 
 
-def test_errors_are_of_second_order():
-    """Halving a box quarters what is not linear."""
+def test_errors_are_of_third_order():
+    """Halving a box leaves an eighth of what is not quadratic."""
     errors = []
     for half in (0.02, 0.01):
         p, q = (coordinate(np.array([0.7]), np.array([half]), k, 2) for k in range(2))
-        errors.append(float((p * q).e[0]))
-    assert errors[1] == pytest.approx(errors[0] / 4.0, rel=1e-3)
+        cosine, sine = cosine_sine(np.array([0.4]), np.array([half]), 1, 2)
+        errors.append(float((inverse_root((p * q).plus(1.0), 0.5, 2.0) * (p * sine - cosine)).e[0]))
+    assert errors[1] == pytest.approx(errors[0] / 8.0, rel=0.05)
+
+
+def test_squares_count_to_one_side_only():
+    """A square is no less than zero, and a bound of its negative no more; mixed products count to both sides."""
+    p, q = (linear(np.zeros(1), np.eye(2)[:, k, None]) for k in range(2))
+    square, mixed = p * p, p * q
+    assert (square.lower[0], square.upper[0]) == pytest.approx((0.0, 1.0), abs=1e-12)
+    assert (mixed.lower[0], mixed.upper[0]) == pytest.approx((-1.0, 1.0), abs=1e-12)
+
+
+def test_cross_products_are_those_of_the_vectors():
+    """Of constants, that of numpy."""
+    a, b = np.random.default_rng(1).normal(size=(2, 4, 3, 5))
+    found = cross(constant(a, 2), constant(b, 2))
+    assert found.c == pytest.approx(np.cross(a, b, axis=1))
+    assert found.g.shape == (2, 4, 3, 5)
 
 
 def test_sines_of_the_library_are_as_good_as_assumed():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
+from pipeline.config.file import config_sha256
 from pipeline.machine import Machine
 from pipeline.run.config_parts import regions_part
 from pipeline.run.stage_specs import SPECS, spec_of
@@ -145,6 +146,14 @@ def test_directions_count_for_the_route_with_an_approach_only(fast_config: Confi
         assert part(ahead) == part(fast_config)
         assert part(straight) != part(ahead)
         assert part(change(straight, refine__start_direction=(0.0, 0.0, 1.0))) != part(straight)
+
+
+def test_bounding_all_paths_costs_a_new_certificate_only(fast_config: Config, change: Change) -> None:
+    """The bound of all paths is part of the certificate, and of what draws it, only where it is asked for."""
+    asked = change(fast_config, bound__boxes=1000)
+    changed = [spec.stage for spec in SPECS if spec.config_part(asked) != spec.config_part(fast_config)]
+    assert changed == [Stage.CERTIFY, Stage.FIGURES]
+    assert config_sha256(asked) == config_sha256(fast_config)
 
 
 def test_without_force_limits_masses_do_not_count(fast_config: Config, change: Change) -> None:

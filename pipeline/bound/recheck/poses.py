@@ -1,4 +1,4 @@
-"""The machine at the poses of a box, in the world's frame: link vectors, carts, and H, as Taylor forms.
+"""The machine at the poses of a box: arms, link vectors, carts, and H, as Taylor polynomials.
 
 Poses are p = C_3a + L_3 Q (cos(beta) cos(alpha), sin(beta), cos(beta) sin(alpha)) - R a_3a with R = Q Ry(psi - alpha),
 Q = Rx Rz: everything else is the definition of the machine, A_l = p + R a_l and C_l on its cart.
@@ -8,122 +8,117 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.arrays import FloatArray
-from pipeline.bound.recheck.taylor import Taylor, coordinate, cosine_sine, inverse_root, known
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, exactly
+from pipeline.arrays import FloatArray, IntArray
+from pipeline.bound.recheck.taylor import Taylor, coordinate, cosine_sine, inverse_root, known, stack
 from pipeline.machine.geometry import ARM_OF_LINK, PRIMARY, TELESCOPES, TRIANGLE, Machine
 
-Vector = list[Taylor]
-_U = 2.0**-52
+_S = (4, 5)
+_LINKS = len(ARM_OF_LINK)
 
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """Arms R a_l and joints A_l from C_3a, for all links, and D_1, D_2, of boxes given by middles and half widths."""
+    """Arms R a_l (6, 3, n), link 3a (3, n), A_1 and A_2a from C_3a (2, 3, n), D_k (2, n); symbols of coordinates."""
 
-    middle: FloatArray
-    half: FloatArray
-    arms: list[Vector]
-    joints: list[Vector]
-    D: list[Taylor]
+    symbols: dict[int, int]
+    arms: Taylor
+    third: Taylor
+    joints: Taylor
+    D: Taylor
+
+    def at(self, boxes: IntArray) -> "Posed":
+        """Select boxes (m,)."""
+        return Posed(self.symbols, *(part.at(boxes) for part in (self.arms, self.third, self.joints, self.D)))
 
 
 def pose(machine: Machine, middle: FloatArray, half: FloatArray) -> Posed:
-    """Place the platform for boxes (6, n); s_1 and s_2 play no role."""
-    (ca, sa), (cb, sb), (cx, sx), (cz, sz) = (cosine_sine(k, middle, half) for k in range(4))
-    zero = known(exactly(0.0), half)
-    Q = [[cz, sz * -1.0, zero], [cx * sz, cx * cz, sx * -1.0], [sx * sz, sx * cz, cx]]
+    """Place the platform for boxes of middles and half widths (6, n), whatever s_1 and s_2."""
+    symbols = {int(k): symbol for symbol, k in enumerate(np.flatnonzero((half > 0.0).any(axis=1)))}
+    N, n = len(symbols), half.shape[1]
+    (ca, sa), (cb, sb), (cx, sx), (cz, sz) = (cosine_sine(symbols.get(k), middle[k], half[k], N) for k in range(4))
+    zero = known(np.zeros(n), N)
+    first = stack([cz, cx * sz, sx * sz])
+    second = stack([sz.scaled(-1.0), cx * cz, sx * cz])
+    third = stack([zero, sx.scaled(-1.0), cx])
     w = machine.platform_points_m[TRIANGLE] - machine.platform_points_m[PRIMARY[2]]
     long = np.hypot(w[0], w[2])
-    cp, sp = (_rounded(machine.triangle_sign * x / long) for x in (w[2], -w[0]))
-    cy, sy = ca * cp + sa * sp, ca * sp - sa * cp
-    arms = []
-    for a in machine.platform_points_m.tolist():
-        turned = [cy * a[0] + sy * a[2], known(exactly(a[1]), half), cy * a[2] - sy * a[0]]
-        arms.append(_times(Q, turned))
-    length = float(machine.lengths_m[PRIMARY[2]])
-    third = [part * length for part in _times(Q, [cb * ca, sb, cb * sa])]
-    joints = [[t + x - y for t, x, y in zip(third, arm, arms[PRIMARY[2]], strict=True)] for arm in arms]
-    D = []
-    for link in PRIMARY[:2].tolist():
-        y, z = (joints[link][i] - known(_base(machine, link, i), half) for i in (1, 2))
-        D.append(known(_rounded(float(machine.lengths_m[link]) ** 2), half) - y * y - z * z)
-    return Posed(middle, half, arms, joints, D)
+    cp, sp = (float(machine.triangle_sign * x / long) for x in (w[2], -w[0]))
+    cy, sy = ca.scaled(cp) + sa.scaled(sp), ca.scaled(sp) - sa.scaled(cp)
+    along, across = stack([first, third]), second
+    R = stack(
+        [
+            along[0] * cy.expanded() - along[1] * sy.expanded(),
+            across,
+            along[0] * sy.expanded() + along[1] * cy.expanded(),
+        ]
+    )
+    arms = R.mapped(machine.platform_points_m)
+    link = along[0] * (cb * ca).expanded() + across * sb.expanded() + along[1] * (cb * sa).expanded()
+    link = link.scaled(float(machine.lengths_m[PRIMARY[2]]))
+    joints = stack([link + arms[k] - arms[PRIMARY[2]] for k in PRIMARY[:2].tolist()])
+    reach = joints.shifted(-_bases(machine)[PRIMARY[:2], :, None] * [[0.0], [1.0], [1.0]])
+    squares = np.repeat(machine.lengths_m[PRIMARY[:2], None] ** 2, n, axis=1)
+    D = known(squares, N) - reach[:, 1] * reach[:, 1] - reach[:, 2] * reach[:, 2]
+    return Posed(symbols, arms, link, joints, D)
 
 
 @dataclass(frozen=True, eq=False)
 class Assembled:
-    """Vectors of all links, carts 1 and 2 from cart 3, and D_k - s_k^2."""
+    """Vectors (6, 3, n), squared telescopes (2, n), carts 1 and 2 from cart 3 (2, n), and D_k - s_k^2 (2, n)."""
 
-    vectors: list[Vector]
-    carts: list[Taylor]
-    mismatch: list[Taylor]
-
-
-def assemble(machine: Machine, at: Posed) -> Assembled:
-    """Place the carts: v_k = (s_k, ...) for links 1 and 2a, and that of arm 3 is where it is."""
-    half, offsets = at.half, machine.cart_offsets_m
-    s = [coordinate(4 + k, at.middle, half) for k in range(2)]
-    third = float(offsets[PRIMARY[2], 0])
-    carts = [
-        at.joints[link][0] - s[k] + known(_rounded(third - float(offsets[link, 0])), half)
-        for k, link in enumerate(PRIMARY[:2].tolist())
-    ]
-    carts.append(known(exactly(0.0), half))
-    vectors = []
-    for link, joint in enumerate(at.joints):
-        arm = int(ARM_OF_LINK[link])
-        x = joint[0] - carts[arm] - known(_rounded(float(offsets[link, 0]) - third), half)
-        vectors.append([x, *(joint[i] - known(_base(machine, link, i), half) for i in (1, 2))])
-    return Assembled(vectors, carts[:2], [D - each * each for D, each in zip(at.D, s, strict=True)])
+    vectors: Taylor
+    squares: Taylor
+    carts: Taylor
+    ties: Taylor
 
 
-def square(v: Vector) -> Taylor:
-    """Compute |v|^2."""
-    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+def assemble(machine: Machine, at: Posed, middle: FloatArray, half: FloatArray) -> Assembled:
+    """Place the carts of boxes of s_1 and s_2: A_k - C_k = (s_k, ...), and that of arm 3 is where it is.
+
+    Telescopes are beside a link v of known length: |v + d|^2 = |v|^2 + 2 v . d + d^2, d = R a - c, d^2 = a^2 + c^2
+    - 2 c . R a.
+    """
+    N, bases = len(at.symbols), _bases(machine)
+    s = stack([coordinate(at.symbols.get(k), middle[k], half[k], N) for k in _S])
+    reach = at.joints.shifted(-bases[PRIMARY[:2], :, None] * [[0.0], [1.0], [1.0]])
+    vectors: dict[int, Taylor] = {int(PRIMARY[2]): at.third}
+    for k, link in enumerate(PRIMARY[:2].tolist()):
+        vectors[link] = stack([s[k], reach[k, 1], reach[k, 2]])
+    squares = []
+    for link in (*TELESCOPES.tolist(), TRIANGLE):
+        beside = int(PRIMARY[ARM_OF_LINK[link]])
+        a = machine.platform_points_m[link] - machine.platform_points_m[beside]
+        c = machine.cart_offsets_m[link] - machine.cart_offsets_m[beside]
+        turned = at.arms[link] - at.arms[beside]
+        d = turned.shifted(-c[:, None])
+        vectors[link] = vectors[beside] + d
+        twice = vectors[beside] * d - turned.scaled(c[:, None])
+        known_part = machine.lengths_m[beside] ** 2 + a @ a + c @ c
+        squares.append((twice[0] + twice[1] + twice[2]).scaled(2.0).shifted(known_part))
+    carts = stack([at.joints[k, 0] - s[k] for k in range(2)]).shifted(-bases[PRIMARY[:2], 0, None])
+    v = stack([vectors[link] for link in range(_LINKS)])
+    return Assembled(v, stack(squares[:2]), carts, at.D - s * s)
 
 
-def statics(machine: Machine, at: Posed, found: Assembled) -> list[Vector]:
-    """Compute the columns [u_l ; A'_l x u_l / L] of H, six entries each."""
-    shortest = dict(zip(TELESCOPES.tolist(), machine.strokes_m[:, 0].tolist(), strict=True))
+def statics(machine: Machine, at: Posed, found: Assembled) -> Taylor:
+    """Compute the columns [u_l ; A'_l x u_l / L] of H, (6 rows, 6 links, n)."""
+    n = found.squares.value.shape[-1]
     lengths = machine.lengths_m.copy()
     side = machine.platform_points_m[TRIANGLE] - machine.platform_points_m[PRIMARY[2]]
     lengths[TRIANGLE] = np.hypot(lengths[PRIMARY[2]], np.linalg.norm(side))
-    unit = _rounded(1.0 / machine.characteristic_length_m)
-    columns = []
-    for link, v in enumerate(found.vectors):
-        if link in shortest:
-            by = inverse_root(square(v), 0.25 * shortest[link] ** 2)
-            u = [part * by for part in v]
-        else:
-            u = [part * _rounded(1.0 / float(lengths[link])) for part in v]
-        a = at.arms[link]
-        moment = [
-            (a[1] * u[2] - a[2] * u[1]) * unit,
-            (a[2] * u[0] - a[0] * u[2]) * unit,
-            (a[0] * u[1] - a[1] * u[0]) * unit,
-        ]
-        columns.append([*u, *moment])
-    return columns
+    inverse = [known(np.full(n, 1.0 / length), len(at.symbols)) for length in lengths]
+    for k, link in enumerate(TELESCOPES.tolist()):
+        shortest, longest = machine.strokes_m[k] ** 2
+        inverse[link] = inverse_root(found.squares[k], shortest * (1.0 - 1e-12), longest * (1.0 + 1e-12))
+    u = found.vectors * stack(inverse).expanded()
+    a = at.arms
+    moments = [a[:, i] * u[:, j] - a[:, j] * u[:, i] for i, j in ((1, 2), (2, 0), (0, 1))]
+    unit = 1.0 / machine.characteristic_length_m
+    return stack([*(u[:, i] for i in range(3)), *(moment.scaled(unit) for moment in moments)])
 
 
-def _times(M: list[Vector], v: Vector) -> Vector:
-    return [row[0] * v[0] + row[1] * v[1] + row[2] * v[2] for row in M]
-
-
-def _base(machine: Machine, link: int, axis: int) -> Enclosure:
-    """Place C_l from C_3a across the rails, y or z."""
-    third = int(PRIMARY[2])
-    rails = machine.rails_m[ARM_OF_LINK]
-    parts = (
-        rails[link, axis - 1],
-        -rails[third, axis - 1],
-        machine.cart_offsets_m[link, axis],
-        -machine.cart_offsets_m[third, axis],
-    )
-    return Enclosure(np.asarray(sum(parts), dtype=float), np.asarray(4.0 * _U * np.abs(parts).sum()))
-
-
-def _rounded(value: float) -> Enclosure:
-    """Enclose what was computed with a few roundings."""
-    return Enclosure(np.asarray(value, dtype=float), np.asarray(8.0 * _U * abs(value)))
+def _bases(machine: Machine) -> FloatArray:
+    """Place C_l from C_3a (6, 3), along the rails from the origin of their carts."""
+    rails = np.column_stack([np.zeros(len(machine.rails_m)), machine.rails_m])
+    places = machine.cart_offsets_m + rails[ARM_OF_LINK]
+    return np.asarray(places - places[PRIMARY[2]])

@@ -1,0 +1,27 @@
+"""The certificate in the summary."""
+
+from typing import Any
+
+from pipeline.bound.bound import bound_all_paths
+from pipeline.config import Config
+from pipeline.machine import Machine
+from pipeline.route.regions.endpoints import task_endpoints
+from pipeline.summary.certificate import certificate_words, every_path_section
+
+CERTIFIED: dict[str, Any] = {
+    "verdict": "certified",
+    "boxes": 80,
+    "kappa_bound": 27.345,
+    "min_distance_bound_m": 0.03,
+    "tolerance_m": None,
+}
+
+
+def test_what_no_path_can_do_is_said_where_it_is_known(quick_config: Config, machine: Machine) -> None:
+    """Beside the proven largest kappa of the path stands what every path has; of other runs nothing is said."""
+    assert "no path" not in certificate_words({**CERTIFIED, "least_kappa": None})
+    section = every_path_section(bound_all_paths(quick_config, machine, task_endpoints(quick_config, machine), 1000))
+    assert section["least_kappa_boxes"] <= 1000
+    words = certificate_words({**CERTIFIED, **section})
+    assert "kappa at most 27.3" in words
+    assert "no path can have a largest kappa below 23.14" in words
