@@ -63,12 +63,14 @@ def pose_error(
 ) -> None:
     """Prove how far the tool may be off, all along the path of a run, for errors of drives and geometry.
 
-    Errors that are not given are those of certify.pose_error in the run's
-    configuration, with which a run writes pose_error.csv itself. Errors of
-    drives may vary with time; only what is off the path counts, not that all
-    drives are late together. With --accuracy-mm the tool is to be as accurate:
-    found are the errors that all drives alike, drives with equal shares of the
-    error, and each drive alone may have, beside those of the geometry.
+    Without --drives-mm, --lengths-mm and --coordinates-mm the errors are
+    those of certify.pose_error in the run's configuration, with which a run
+    writes pose_error.csv itself. Errors of drives may vary with time; only
+    what is off the path counts, not that all drives are late together.
+
+    With --accuracy-mm, find how far drives may be off for a tool that
+    accurate, beside errors of the geometry: all drives alike, drives with
+    equal shares of the tool's error, and each drive alone.
     """
     check_output(output, run)
     check_picture(picture, run)
