@@ -45,7 +45,7 @@ def proven_tubes(chains: Sequence[ProvenChain]) -> tuple[ProvenTube, ...]:
     Of several chains of a kind the widest tube is taken: each is proven. There may be one of them, or none.
     """
     found = [
-        ProvenTube(np.array(chain.uncertainty.actuator_m), bool(getattr(chain, "within_limits", False)))
+        ProvenTube(np.array(chain.uncertainty.actuator_m), chain.within_limits)
         for chain in sorted(filter(_alike, chains), key=lambda chain: chain.uncertainty.actuator_m[0])
     ]
     kept, broken = ([tube for tube in found if tube.within_limits is kind][-1:] for kind in (True, False))
@@ -55,4 +55,4 @@ def proven_tubes(chains: Sequence[ProvenChain]) -> tuple[ProvenTube, ...]:
 def _alike(chain: ProvenChain) -> bool:
     """Check whether a chain is of all actuators off alike, and nothing else, the same for all s."""
     errors = set(chain.uncertainty.actuator_m)
-    return len(errors) == 1 and errors != {0.0} and getattr(chain, "profile_m", None) is None
+    return len(errors) == 1 and errors != {0.0} and chain.profile_m is None
