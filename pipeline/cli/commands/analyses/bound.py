@@ -71,9 +71,10 @@ def bound(
     else:
         _show(loaded, found)
         if path_kappa is not None:
+            above = path_kappa / found.least_kappa - 1.0
             results_console().print(
-                f"{run}: the certified path has kappa up to {path_kappa:.4g}, {path_kappa / found.least_kappa - 1.0:.0%} above "
-                "what is proven of all paths.",
+                f"{run}: the certified path has kappa up to {path_kappa:.4g}, {above:.0%} above what is proven of all "
+                "paths.",
                 soft_wrap=True,
             )
     if kappa is not None and found.kappa is None and not found.theorem.no_path:
