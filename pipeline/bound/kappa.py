@@ -60,7 +60,8 @@ def exclude_by_kappa(H: Form, ties: Form, sign: float, K: float) -> KappaTest:
     multipliers = [_multipliers(one, ties, K) for one in (upper, lower)]
     with np.errstate(invalid="ignore", over="ignore"):
         t = upper.t - np.abs(upper.t_by).sum(axis=0) - quadratic_upper(-upper.t_q, len(H.g)) - upper.missed
-        inside = t**2 - (K * column.R * _UP) ** 2
+        # A root loses digits near zero: what is below it is rounded down first.
+        inside = t**2 / _UP - (K * column.R * _UP) ** 2
         more = np.where((inside > 0.0) & (t > 0.0), t - np.sqrt(np.maximum(inside, 0.0)), np.inf)
         here, there = (_value(one, ties, m, K) for one, m in zip((upper, lower), multipliers, strict=True))
         excluded = here + K * column.third * _UP < 0.0

@@ -13,7 +13,7 @@ from pipeline.machine.clearance import link_pairs
 from pipeline.machine.geometry import Machine
 from pipeline.parallel import blocks, in_parallel
 
-_BATCH = 512
+_BATCH = 1024
 _DEEPEST = 14
 """How often a box that is not verified as a whole is halved."""
 _SHRINKING = 6

@@ -29,7 +29,7 @@ def excluded(H: Taylor, ties: Taylor, sign: float, K: float) -> BoolArray:
             found.append(_least_on_ties(slope, bend, ties) + value + _ROUNDED * (K + 1.0) * at.size * r.long)
         toward, away = found
         # Where |r| is at most K^-1 sqrt(t^2 - ...), the first five entries of r cost this much.
-        root = np.sqrt(t**2 - (K * r.rest * _UP) ** 2)
+        root = np.sqrt(t**2 / _UP - (K * r.rest * _UP) ** 2)
         cost = np.where((t > 0.0) & np.isfinite(root), t - root, np.inf)
         signed = r.regular & (toward + K * r.corner * _UP < 0.0)
         near = r.regular & (toward + cost < 0.0) & (K * np.hypot(r.rest, r.corner) * _UP < t)

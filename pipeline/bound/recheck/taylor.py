@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, exactly
-from pipeline.certify.recheck.arithmetic.jets import TERMS, sine_cosine
+from pipeline.certify.recheck.arithmetic.jets import sine_cosine_of_values
 
 _EPS = 2.0**-46
 """More than all roundings of one operation of fewer than 60 terms, relative to their magnitudes."""
@@ -169,9 +169,7 @@ def coordinate(symbol: int | None, middle: FloatArray, half: FloatArray, N: int)
 
 def cosine_sine(symbol: int | None, middle: FloatArray, half: FloatArray, N: int) -> tuple[Taylor, Taylor]:
     """Compute cosine and sine of a coordinate: power series of half the angle, and third derivatives of at most 1."""
-    series = np.zeros((TERMS, *middle.shape))
-    series[0] = 0.5 * middle
-    s, c = (part[0] for part in sine_cosine(exactly(series)))
+    s, c = sine_cosine_of_values(exactly(0.5 * middle))
     double = exactly(np.full_like(middle, 2.0))
     sine, cosine = double * s * c, exactly(np.ones_like(middle)) - double * s * s
     return _circular(cosine, -sine.mid, symbol, half, N), _circular(sine, cosine.mid, symbol, half, N)
@@ -184,7 +182,7 @@ def _circular(f: Enclosure, by: FloatArray, symbol: int | None, half: FloatArray
         slope[symbol], bend[symbol, symbol] = by * half, -0.5 * f.mid * half**2
         # Of the slope, and of the bend, enclosures are wider than zero, too: by less than 1e-13.
         rest = rest + half**3 / 6.0 + 1e-13 * (half + half**2)
-        mass = mass + half + half**2
+        mass = mass + half + half**2 + half**3
     return Taylor(f.mid, slope, bend, rest * _UP + _EPS * mass, mass)
 
 

@@ -25,7 +25,7 @@ def product(multiply: Callable[[Enclosure, Enclosure], Enclosure], a: Enclosure,
 
 def sine_cosine(angle: Enclosure) -> tuple[Enclosure, Enclosure]:
     """Compute sine and cosine of a series: n s_n = sum k a_k c_(n-k), n c_n = -sum k a_k s_(n-k)."""
-    first = _sine_cosine(angle[0])
+    first = sine_cosine_of_values(angle[0])
     sine, cosine = [first[0]], [first[1]]
     for n in range(1, TERMS):
         s, c = None, None
@@ -41,7 +41,7 @@ def sine_cosine(angle: Enclosure) -> tuple[Enclosure, Enclosure]:
     return stacked(sine), stacked(cosine)
 
 
-def _sine_cosine(x: Enclosure) -> tuple[Enclosure, Enclosure]:
+def sine_cosine_of_values(x: Enclosure) -> tuple[Enclosure, Enclosure]:
     """Evaluate Taylor series at zero for angles up to four; |sin(m + d) - sin m| <= |d cos m| + d^2 / 2.
 
     The remainder of a series is at most its first omitted term. For larger angles the bound is one.
