@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from typing_extensions import deprecated
@@ -19,6 +19,7 @@ from pipeline.export.formats import (
     Separator,
     Times,
 )
+from pipeline.machine.actuator_space.controller_units import ControllerUnits
 from pipeline.machine.geometry import Machine
 from pipeline.retime.result import TrajectorySamples
 
@@ -109,6 +110,8 @@ class ExportRequest:
         The machine, for formats that describe it or its passive joints.
     jerk_mps3 : (n, 5) or None
         Jerk from each instant on; None where accelerations jump.
+    units : ControllerUnits or None
+        What the controller's positions are; None: those of the geometry, in which all that is here is given.
     """
 
     samples: TrajectorySamples
@@ -117,6 +120,14 @@ class ExportRequest:
     options: ExportOptions = ExportOptions()  # frozen
     machine: Machine | None = None
     jerk_mps3: FloatArray | None = None
+    units: ControllerUnits | None = None
+
+    def for_controller(self) -> "ExportRequest":
+        """Give the same request with the motion in the units of the controller."""
+        if self.units is None:
+            return self
+        jerk = None if self.jerk_mps3 is None else self.units.rates_to_controller(self.jerk_mps3)
+        return replace(self, samples=self.samples.for_controller(self.units), jerk_mps3=jerk, units=None)
 
     def needed_decimals(self, unit_m: float = 1.0) -> int:
         """Count the decimals needed for positions in a unit of length, 0.001 for millimetres."""

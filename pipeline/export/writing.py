@@ -16,12 +16,16 @@ from pipeline.retime.result import TrajectorySamples
 def export_files(kind: Format, request: ExportRequest) -> dict[str, bytes]:
     """Write a trajectory in a format: the content of its files by suffix, "" for the file itself.
 
+    Positions are the controller's, but for formats that show the machine itself.
+
     Raises
     ------
     UsageError
         When the options cannot be met or are another format's, or the format cannot hold the motion or the machine.
     """
     request.options.require_for(kind)
+    if not kind.shows_the_machine:
+        request = request.for_controller()
     contents = {suffix: _function(writer)(request) for suffix, writer in {"": kind.writer, **kind.beside}.items()}
     return {suffix: one.encode() if isinstance(one, str) else bytes(one) for suffix, one in contents.items()}
 

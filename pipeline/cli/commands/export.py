@@ -87,6 +87,7 @@ def export(
     for suffix, path in beside.items():
         refuse_same(output, path, f"--output and the {suffix} file beside it")
     from pipeline.export import ExportOptions, ExportRequest, export_files
+    from pipeline.machine.actuator_space.controller_units import controller_units
     from pipeline.retime import sample_trajectory
 
     wanted, named = _listed(columns), _listed(names)
@@ -97,7 +98,13 @@ def export(
     files = export_files(
         kind,
         ExportRequest(
-            samples, machine.acceleration_mps2, config.export.joint_names, options, machine, _jerk(trajectory, samples)
+            samples,
+            machine.acceleration_mps2,
+            config.export.joint_names,
+            options,
+            machine,
+            _jerk(trajectory, samples),
+            controller_units(config.machine),
         ),
     )
     _write(kind, files, output, beside)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from pipeline.artifacts.results.trajectory import back_files, trajectory_files
 from pipeline.errors import NoSolutionError
 from pipeline.export import sidecar
+from pipeline.machine.actuator_space.controller_units import controller_units
 from pipeline.machine.geometry import ACTUATORS
 from pipeline.progress import Monitor
 from pipeline.retime import (
@@ -48,9 +49,12 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     """Keep a trajectory, and make the files and the summary of it and of its way back, or say why there is none."""
     results.keep(Stage.RETIME, trajectory)
     config, machine = results.config, results.machine
+    units = controller_units(config.machine)
     samples = sample_trajectory(trajectory, config.retime.period_s)
     figures = measure_trajectory(trajectory, samples)
-    files = trajectory_files(trajectory, samples, sidecar(config, machine, samples, figures.usage))
+    files = trajectory_files(
+        trajectory, samples.for_controller(units), sidecar(config, machine, samples, figures.usage)
+    )
     section = trajectory_section(figures) | quality_part(measure_quality(trajectory, config.retime.speed))
     section |= drives_part(measure_drives(whole_periods(trajectory, config.retime.period_s)), ACTUATORS)
     section |= proven_part(prove_motion(trajectory, jerk=config.retime.jerk))
@@ -58,7 +62,7 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
         return Product(files, {**section, **without_part("back", failure_section(back.reason, back.advice))})
     samples = sample_trajectory(back, config.retime.period_s)
     figures = measure_trajectory(back, samples)
-    files |= back_files(machine, samples, sidecar(config, machine, samples, figures.usage))
+    files |= back_files(machine, samples.for_controller(units), sidecar(config, machine, samples, figures.usage))
     return Product(
         files, {**section, "back": back_section(figures) | proven_part(prove_motion(back, jerk=config.retime.jerk))}
     )
