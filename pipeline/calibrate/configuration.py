@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.calibrate.model.model import Model
+from pipeline.calibrate.model.parameters import FIXED
 from pipeline.calibrate.yaml_edit import with_values
 from pipeline.config import Config
 from pipeline.config.file import parse_config
@@ -52,25 +53,31 @@ def _unfit(why: str) -> UsageError:
 
 
 def calibrated_keys(config: Config, model: Model) -> dict[str | int, Any]:
-    """Give the keys of a configuration that say what a calibrated machine is."""
+    """Give the keys of a configuration that change where a calibrated machine is written into it."""
     links: dict[str | int, Any] = {}
     for index, link in enumerate(LINKS):
         links[f"l{link}"] = {
             "platform_point_m": _rounded(model.platform_points_m[index]),
             "cart_offset_m": _rounded(model.cart_offsets_m[index]),
         }
-        if np.isfinite(model.lengths_m[index]):
+        if index in FIXED:
             links[f"l{link}"]["length_m"] = _rounded(model.lengths_m[index])
-    rails = {arm: {"y_m": _rounded(y), "z_m": _rounded(z)} for arm, (y, z) in enumerate(model.rails_m)}
-    actuators = {
-        name: {"zero_m": _rounded(model.zeros_m[k]), "scale": _rounded(model.scales[k])}
-        for k, name in enumerate(ACTUATORS)
+    machine: dict[str | int, Any] = {
+        "rails": {arm: {"y_m": _rounded(y), "z_m": _rounded(z)} for arm, (y, z) in enumerate(model.rails_m)},
+        "links": links,
+        "actuators": {
+            name: {"zero_m": _rounded(model.zeros_m[k]), "scale": _rounded(model.scales[k])}
+            for k, name in enumerate(ACTUATORS)
+        },
     }
-    machine: dict[str | int, Any] = {"rails": rails, "links": links, "actuators": actuators}
     apart = _shared_joints(config, model)
     if apart > config.machine.clearance.shared_joint_m:
         machine["clearance"] = {"shared_joint_m": float(np.ceil(1e3 * apart) / 1e3)}
-    return {"machine": machine}
+    changed: dict[str | int, Any] = _changed(config.model_dump(mode="json"), {"machine": machine})
+    # A right angle between 3a and the platform side gives 3c its length, but not the length it has.
+    is_right_angled = config.machine.links.l3c.length_m is None
+    derived = {"machine": {"links": {"l3c": {"length_m": links["l3c"]["length_m"]}}}}
+    return {} if is_right_angled and changed == derived else changed
 
 
 def _shared_joints(config: Config, model: Model) -> float:
@@ -92,6 +99,14 @@ def _shared_joints(config: Config, model: Model) -> float:
 
 def _rounded(value: FloatArray | float) -> Any:
     return (np.round(value, _DECIMALS) + 0.0).tolist()
+
+
+def _changed(data: Any, keys: Any) -> Any:
+    """Leave out keys whose values are those of the configuration."""
+    inner = {key: _changed(data[key], value) if isinstance(value, dict) else value for key, value in keys.items()}
+    return {
+        key: value for key, value in inner.items() if value != {} and (isinstance(value, dict) or value != data[key])
+    }
 
 
 def _merged(data: Any, changes: Any) -> Any:

@@ -114,9 +114,7 @@ def _unexplained(calibration: Calibration) -> str:
         if _probability(robust) > _UNLIKELY:
             places = [problem.poses.place(int(row)) for row in np.flatnonzero(rejected.any(axis=1))]
             shown = "; ".join(places[:5]) + (f" and {len(places) - 5} more" if len(places) > 5 else "")
-            return (
-                f"{said} {rejected.sum()} points are outliers ({shown}).\n  What to change: --robust leaves them out."
-            )
+            return f"{said} {rejected.sum()} points are outliers ({shown}).\n  What to change: --robust rejects them."
     for kind in (one for one in CHOICES if one not in calibration.setting.fit):
         wider = replace(problem, is_fitted=problem.is_fitted | problem.model.parameters.is_fitted((kind,)))
         other = identify(wider)

@@ -1,6 +1,7 @@
 """Values put into a YAML text where they belong, all else left as it is: comments, order, spelling of numbers."""
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import yaml
@@ -22,9 +23,11 @@ def with_values(text: str, values: Tree) -> str:
     Raises
     ------
     ValueError
-        When the text has no section at its top, or something else where a section is to be.
+        When the text has no section at its top, something else where a section is to be, or one part in several places.
     """
-    edits = sorted(_edits(yaml.compose(text, Loader=yaml.SafeLoader), values, text), reverse=True)
+    edits = sorted(set(_edits(yaml.compose(text, Loader=yaml.SafeLoader), values, text)), reverse=True)
+    if any(earlier.end > later.start for later, earlier in pairwise(edits)):
+        raise ValueError("a part of the file is used in several places (by an anchor, & and *)")
     for start, end, new in edits:
         text = text[:start] + new + text[end:]
     return text
@@ -49,8 +52,15 @@ def _edits(node: Any, values: Tree, text: str) -> Iterator[_Edit]:
 def _edit_of(node: Any, value: Any, text: str) -> Iterator[_Edit]:
     if isinstance(value, Mapping):
         yield from _edits(node, value, text)
+    elif isinstance(value, list) and isinstance(node, yaml.SequenceNode) and len(value) == len(node.value):
+        for part, one in zip(node.value, value, strict=True):
+            yield from _edit_of(part, one, text)
+    elif not isinstance(node, yaml.ScalarNode) and not node.flow_style:
+        raise ValueError("expected a value, not a section or list")
     else:
-        yield _Edit(node.start_mark.index, node.end_mark.index, _inline(value))
+        start, end = node.start_mark.index, node.end_mark.index
+        if yaml.safe_load(text[start:end]) != value:
+            yield _Edit(start, end, _inline(value) if end > start else f" {_inline(value)}")
 
 
 def _addition(node: Any, new: Tree, text: str) -> _Edit:
@@ -77,5 +87,5 @@ def _last_index(node: Any) -> int:
 
 
 def _inline(value: Any) -> str:
-    plain = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=_WIDTH)
-    return plain.removesuffix("\n").removesuffix("\n...")
+    # Within a list, as within braces, texts are quoted that would not have to be elsewhere.
+    return yaml.safe_dump([value], default_flow_style=True, sort_keys=False, width=_WIDTH)[1:-2]

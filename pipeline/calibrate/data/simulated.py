@@ -70,9 +70,22 @@ class StaticSetting:
 
 @dataclass(frozen=True, eq=False)
 class SimulatedPoses:
-    """What was measured, of which machine, and which points (n, reflectors) are outliers."""
+    """A simulated measurement, and the truth behind it.
+
+    Attributes
+    ----------
+    poses : StaticPoses
+        What was measured.
+    configured_pose : (n, 6)
+        Where the configured machine would be.
+    truth : Model
+        The machine that was measured, in the frame of the tracker.
+    is_outlier : (n, reflectors)
+        Points that are far off.
+    """
 
     poses: StaticPoses
+    configured_pose: FloatArray
     truth: Model
     is_outlier: BoolArray
 
@@ -101,7 +114,7 @@ def simulate_static(config: Config, reflectors_m: FloatArray, setting: StaticSet
         )
     seen = positions(truth, closed)
     seen, is_outlier = with_outliers(seen + noise.normal(0.0, setting.noise_m, seen.shape), setting.outliers, noise)
-    return SimulatedPoses(StaticPoses(q, seen), truth, is_outlier)
+    return SimulatedPoses(StaticPoses(q, seen), where.pose, truth, is_outlier)
 
 
 def static_columns(poses: StaticPoses) -> dict[str, FloatArray]:

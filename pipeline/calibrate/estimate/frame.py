@@ -38,13 +38,10 @@ def fit_frame(points_m: FloatArray, seen_m: FloatArray, mirrored: bool = False) 
 
 
 def fit_frame_robustly(points_m: FloatArray, seen_m: FloatArray, mirrored: bool = False) -> Frame:
-    """Fit a frame to the points that agree on one: those within a few medians of it."""
-    kept = np.ones(len(points_m), dtype=bool)
-    for _ in range(_ROUNDS):
-        rotation, translation, _ = fit_frame(points_m[kept], seen_m[kept], mirrored)
+    """Fit a frame to the points that agree on one: the nearer half again and again, then all within a few medians."""
+    miss = fit_frame(points_m, seen_m, mirrored).miss_m
+    for part in (*[1.0] * _ROUNDS, _TRIMMED):
+        near = miss <= part * np.median(miss)
+        rotation, translation, _ = fit_frame(points_m[near], seen_m[near], mirrored)
         miss = np.linalg.norm(points_m @ rotation.T + translation - seen_m, axis=1)
-        near = miss <= _TRIMMED * np.median(miss)
-        if (near == kept).all():
-            break
-        kept = near
     return Frame(rotation, translation, miss)

@@ -15,12 +15,11 @@ from pipeline.cli.motions.reflector_options import (
     reflector_places,
 )
 from pipeline.cli.options import ConfigArgument
-from pipeline.cli.output import check_output, refuse_same, text_table
+from pipeline.cli.output import check_facts, refuse_same, text_table
 from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
     from pipeline.calibrate import Calibration, Setting, Verdict
-    from pipeline.config import Config
     from pipeline.measured import Account
 
 _NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
@@ -30,7 +29,7 @@ _NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
 def calibrate(
     config_file: ConfigArgument,
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="CSV files with measured static poses.")],
-    first: FirstReflector,
+    first: FirstReflector = None,
     second: SecondReflector = None,
     third: ThirdReflector = None,
     output: Annotated[
@@ -87,7 +86,7 @@ def calibrate(
     find out whether they are parallel, but not be written.
     """
     from pipeline.calibrate import calibrate as identify
-    from pipeline.calibrate import judge, read_poses
+    from pipeline.calibrate import calibrated_yaml, judge, read_poses
     from pipeline.config.file import load_config
 
     setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
@@ -104,8 +103,12 @@ def calibrate(
     if not verdict.accepted:
         reason, advice = "\n  ".join(verdict.reasons).rsplit("\n  What to change: ", 1)
         raise NoSolutionError("calibrate", reason, advice)
-    if output is not None and beside is not None:
-        _write(config_file, config, calibration, output, beside, data)
+    if output is not None:
+        names = ", ".join(sorted({file.name for file in files}))
+        text = calibrated_yaml(
+            config_file.read_text(), config, calibration.identification.model, f"Calibrated by gantry-tau from {names}."
+        )
+        _write(text, output, beside, data)
 
 
 def _setting(
@@ -157,13 +160,10 @@ def _check_files(output: Path | None, config_file: Path, files: list[Path], sett
             "--output goes without directions in --fit: rails that are not parallel cannot be written into a "
             "configuration.\n  What to change: leave out one of the two."
         )
-    beside = output.with_suffix(".json")
-    check_output(output)
-    check_output(beside)
+    beside = check_facts(output, lambda facts: "covariance" in facts and "parameters" in facts)
     for other in (config_file, *files):
         refuse_same(output, other, "--output and a file that is read")
         refuse_same(beside, other, "the file beside --output and a file that is read")
-    refuse_same(output, beside, "--output and the file beside it")
     return beside
 
 
@@ -194,19 +194,17 @@ def _show(calibration: "Calibration", verdict: "Verdict", data: dict[str, Any] |
     )
 
 
-def _write(
-    config_file: Path, config: "Config", calibration: "Calibration", output: Path, beside: Path, data: dict[str, Any]
-) -> None:
-    from pipeline.artifacts import json_bytes
+def _write(text: str, output: Path, beside: Path | None, data: dict[str, Any]) -> None:
+    """Write the configuration, and beside it, if there is such a file, everything about it."""
+    from pipeline.artifacts import json_bytes, write_whole
     from pipeline.artifacts.output import write_output
-    from pipeline.calibrate import calibrated_yaml
 
-    names = ", ".join(sorted({Path(one["file"]).name for one in data["files"]}))
-    heading = f"Calibrated by gantry-tau from {names}."
-    text = calibrated_yaml(config_file.read_text(), config, calibration.identification.model, heading)
-    write_output(beside, json_bytes(data))
+    said = f"{output}: the calibrated machine"
+    if beside is not None:
+        write_whole(beside, json_bytes(data))
+        said += f"; {beside}: everything about it"
     write_output(output, text.encode())
-    messages_console().print(f"{output}: the calibrated machine; {beside}: everything about it", soft_wrap=True)
+    messages_console().print(said, soft_wrap=True)
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

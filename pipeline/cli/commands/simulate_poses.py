@@ -20,7 +20,7 @@ from pipeline.cli.options import ConfigArgument
 
 def simulate_poses(
     config_file: ConfigArgument,
-    first: FirstReflector,
+    first: FirstReflector = None,
     second: SecondReflector = None,
     third: ThirdReflector = None,
     output: Annotated[
