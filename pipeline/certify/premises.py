@@ -2,6 +2,7 @@
 
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
+from pipeline.config.machine.links import SHARED_JOINT_M
 from pipeline.limits import KINDS
 
 
@@ -11,6 +12,9 @@ def premises_sha256(config: Config) -> str:
     These are the configured values, not numbers computed from them, so that every processor finds the same hash.
     """
     machine = config.machine.model_dump(mode="json")
+    if config.machine.clearance.shared_joint_m == SHARED_JOINT_M:
+        # Certificates of versions without this key stay valid.
+        del machine["clearance"]["shared_joint_m"]
     task = config.task.model_dump(mode="json")
     limits: dict[str, object] = {}
     for kind in KINDS:

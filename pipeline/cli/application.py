@@ -12,6 +12,7 @@ from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
 from pipeline.cli.commands import (
+    calibrate,
     certify,
     check,
     export,
@@ -21,6 +22,7 @@ from pipeline.cli.commands import (
     run,
     show,
     simulate,
+    simulate_poses,
     tune,
 )
 from pipeline.cli.commands.analyses import atlas, bound, compare, pose_error, study, tradeoff, workspace
@@ -213,6 +215,8 @@ _GROUPS = (
     pose_error,
     study,
     measured,
+    simulate_poses,
+    calibrate,
     simulate,
     tune,
 )

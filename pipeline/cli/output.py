@@ -1,21 +1,25 @@
 """Results as a command was asked for them: tables, files and pictures."""
 
 import io
+import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
 from pipeline.errors import UsageError
+from pipeline.regular_file import read_regular_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PICTURES = ("png", "pdf", "svg")
 """Endings of pictures, without the dot."""
+_FACTS = ".json"
+_MOST_FACTS_BYTES = 2**24
 
 
 def text_table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = (0,)) -> Table:
@@ -56,6 +60,41 @@ def check_output(output: Path | None, run: Path | None = None, option: str = "--
     for folder in target.parents:
         if _is_result(target.relative_to(folder).as_posix(), folder):
             raise UsageError(f"{output} is a result of the run in {folder}, and not overwritten: give another {option}")
+
+
+def check_facts(output: Path, belongs: Callable[[dict[str, Any]], bool], run: Path | None = None) -> Path | None:
+    """Check where output goes; give the name of the file beside it that says how it was made, if there is one.
+
+    Raises
+    ------
+    UsageError
+        When the output must not be written, see `check_output`, has the ending of such a file, or one is there already
+        that does not belong to output of this kind.
+    """
+    from pipeline.artifacts.output import is_written_through
+
+    check_output(output, run)
+    if is_written_through(output):
+        return None
+    if output.suffix == _FACTS:
+        raise UsageError(
+            f"--output {output}: a {_FACTS} file beside the output says how it was made: give another ending"
+        )
+    facts = output.with_suffix(_FACTS)
+    if os.path.lexists(facts) and not _is_of_output(facts, belongs):
+        raise UsageError(
+            f"--output {output}: {facts} would say how the output was made, but is there already, and says something "
+            "else: give another name"
+        )
+    return facts
+
+
+def _is_of_output(facts: Path, belongs: Callable[[dict[str, Any]], bool]) -> bool:
+    try:
+        value = {} if facts.is_symlink() else json.loads(read_regular_file(facts, _MOST_FACTS_BYTES))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(value, dict) and belongs(value)
 
 
 def _is_result(name: str, folder: Path) -> bool:

@@ -51,6 +51,11 @@ class Format(StrEnum):
         row.writer, row.reader, row.options, row.beside = writer, reader, options, beside or {}
         return row
 
+    @property
+    def shows_the_machine(self) -> bool:
+        """Whether it describes the machine, or moves such a description: written from the geometry as it is."""
+        return self in (Format.MCAP, Format.MJCF, Format.URDF)
+
     CSV = (
         "csv",
         "trajectory_csv.format_trajectory_csv",

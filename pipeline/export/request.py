@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +20,7 @@ from pipeline.export.formats import (
     Separator,
     Times,
 )
+from pipeline.machine.actuator_space.controller_units import ControllerUnits
 from pipeline.machine.geometry import Machine
 from pipeline.retime.result import TrajectorySamples
 
@@ -117,6 +118,8 @@ class ExportRequest:
         How far actuators may be off the path, for formats with trip limits; None if that is not proven.
     deviation_m : (5,) or None
         How far what is driven between the rows is off the motion; None where controllers drive the rows alone.
+    units : ControllerUnits or None
+        What the controller's positions are; None: those of the geometry, in which all that is here is given.
     """
 
     samples: TrajectorySamples
@@ -127,6 +130,21 @@ class ExportRequest:
     jerk_mps3: FloatArray | None = None
     tube: "ProvenTube | None" = None
     deviation_m: FloatArray | None = None
+    units: ControllerUnits | None = None
+
+    def for_controller(self) -> "ExportRequest":
+        """Give the same request with the motion in the units of the controller."""
+        if self.units is None:
+            return self
+        units, tube = self.units, self.tube
+        return replace(
+            self,
+            samples=self.samples.for_controller(units),
+            jerk_mps3=None if self.jerk_mps3 is None else units.rates_to_controller(self.jerk_mps3),
+            tube=None if tube is None else replace(tube, errors_m=units.rates_to_controller(tube.errors_m)),
+            deviation_m=None if self.deviation_m is None else units.rates_to_controller(self.deviation_m),
+            units=None,
+        )
 
     def needed_decimals(self, unit_m: float = 1.0) -> int:
         """Count the decimals needed for positions in a unit of length, 0.001 for millimetres."""

@@ -8,6 +8,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.export.trajectory_columns import POSITIONS, TRAJECTORY_COLUMNS, TrajectoryColumn
+from pipeline.machine.actuator_space.controller_units import ControllerUnits, controller_units
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.retime.quality.interpolation import Interpolation
 from pipeline.retime.quantities import Quantities, both_sides
@@ -21,6 +22,8 @@ _CONVENTIONS = (
     "The last row is the goal at rest, at duration_s: velocities and accelerations are zero.",
     "Positions and velocities are continuous; accelerations are, too, where jerk is limited, and jump elsewhere.",
     "SI units; angles in radians; actuators in the order c1, c2, c3 (carts), l2b, l3b (telescopes).",
+    "Positions q of actuators, and their limits, are the controller's; in the geometry of the machine, that of poses, "
+    "they are middle_m + zero_m + scale (q - middle_m), with the values of `controller`.",
     "Comma separated, decimal points, LF line ends, one header line.",
 )
 
@@ -40,6 +43,7 @@ def sidecar(
     far that is from the motion, the parts of the limits between rows, and what jumps at them. All values are plain
     (dictionaries, lists, texts, numbers), ready for JSON.
     """
+    units = controller_units(config.machine)
     return {
         "name": config.name,
         "config_sha256": config_sha256(config),
@@ -48,7 +52,13 @@ def sidecar(
         "samples": len(samples),
         "conventions": list(_CONVENTIONS),
         "columns": [{"name": row.name, "unit": row.unit, "meaning": row.meaning} for row in columns],
-        "limits": _limits(machine, usage.quantities),
+        "limits": _limits(machine, usage.quantities, units),
+        "controller": {
+            actuator: {"middle_m": middle, "zero_m": zero, "scale": scale}
+            for actuator, middle, zero, scale in zip(
+                ACTUATORS, units.middles_m.tolist(), units.zeros_m.tolist(), units.scales.tolist(), strict=True
+            )
+        },
         "shared_limits": {
             quantity.key: _limit(quantity.limit(machine), 0)
             for quantity in usage.quantities
@@ -62,21 +72,20 @@ def sidecar(
     }
 
 
-def _limits(machine: Machine, quantities: Quantities) -> dict[str, dict[str, Any]]:
+def _limits(machine: Machine, quantities: Quantities, units: ControllerUnits) -> dict[str, dict[str, Any]]:
     """List the limits of each actuator: positions (travel or stroke) and quantities of its motion; null: no limit.
 
     A force limit that depends on the sign is {"push": ..., "pull": ...}.
     """
     own = {quantity.key: quantity.limit(machine) for quantity in quantities if quantity.subjects == ACTUATORS}
+    positions = units.to_controller(machine.actuator_limits_m.T).T.tolist()
     return {
         actuator: {
             "column": column,
-            "position_m": position,
+            "position_m": positions[k],
             **{key: _limit(limit, k) for key, limit in own.items()},
         }
-        for k, (actuator, column, position) in enumerate(
-            zip(ACTUATORS, POSITIONS, machine.actuator_limits_m.tolist(), strict=True)
-        )
+        for k, (actuator, column) in enumerate(zip(ACTUATORS, POSITIONS, strict=True))
     }
 
 

@@ -16,7 +16,8 @@ from pipeline.retime.result import TrajectorySamples
 def export_files(kind: Format, request: ExportRequest) -> dict[str, bytes]:
     """Write a trajectory in a format: the content of its files by suffix, "" for the file itself.
 
-    Files that belong beside it are left out where there is nothing to say in them.
+    Files that belong beside it are left out where there is nothing to say in them. Positions are the controller's, but
+    for formats that show the machine itself.
 
     Raises
     ------
@@ -24,6 +25,8 @@ def export_files(kind: Format, request: ExportRequest) -> dict[str, bytes]:
         When the options cannot be met or are another format's, or the format cannot hold the motion or the machine.
     """
     request.options.require_for(kind)
+    if not kind.shows_the_machine:
+        request = request.for_controller()
     contents = {suffix: _function(writer)(request) for suffix, writer in {"": kind.writer, **kind.beside}.items()}
     return {
         suffix: one.encode() if isinstance(one, str) else bytes(one)

@@ -22,10 +22,9 @@ def link_pairs(machine: Machine) -> list[tuple[int, int]]:
 
 
 def _share_joint(machine: Machine, a: int, b: int) -> bool:
-    same_cart_joint = ARM_OF_LINK[a] == ARM_OF_LINK[b] and np.array_equal(
-        machine.cart_offsets_m[a], machine.cart_offsets_m[b]
-    )
-    return same_cart_joint or np.array_equal(machine.platform_points_m[a], machine.platform_points_m[b])
+    """Tell whether two links meet on a cart or the platform, as a calibrated machine says it: nearly in one point."""
+    ends = [machine.platform_points_m] + ([machine.cart_offsets_m] if ARM_OF_LINK[a] == ARM_OF_LINK[b] else [])
+    return any(np.linalg.norm(points[a] - points[b]) <= machine.shared_joint_m for points in ends)
 
 
 def link_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:

@@ -51,6 +51,8 @@ class Machine:
         What moments are divided by in the statics matrix.
     link_link_m, link_rail_m : float
         Least distance between axes; `link_rail_m` is NaN when rails are not checked.
+    shared_joint_m : float
+        How far apart the joints of two links may be that count as one.
     velocity_mps, acceleration_mps2, jerk_mps3 : (5,)
         Limits of the actuators; infinite where there is none.
     force_n : (2, 5)
@@ -79,6 +81,7 @@ class Machine:
     velocity_mps: FloatArray
     acceleration_mps2: FloatArray
     characteristic_length_m: float = 1.0
+    shared_joint_m: float = 0.0
     jerk_mps3: FloatArray = field(default_factory=lambda: np.full(5, np.inf))
     force_n: FloatArray = field(default_factory=lambda: np.full((2, 5), np.inf))
     link_force_n: FloatArray | float = np.inf
@@ -138,6 +141,7 @@ def build_machine(config: MachineConfig) -> Machine:
         triangle_sign=-1.0 if config.triangle_branch == "negative" else 1.0,
         link_link_m=config.clearance.link_link_m,
         link_rail_m=np.nan if rail_distance is None else rail_distance,
+        shared_joint_m=config.clearance.shared_joint_m,
         velocity_mps=np.array([limit.velocity_mps for limit in limits]),
         characteristic_length_m=config.characteristic_length_m,
         acceleration_mps2=np.array([limit.acceleration_mps2 for limit in limits]),

@@ -137,7 +137,7 @@ def closure_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> Flo
     vectors = link_vectors(machine, pose, q_m[..., :3])
     u = vectors / np.sqrt(dot(vectors, vectors))[..., None]
     moments = cross(platform_arms(machine, pose), u)
-    return np.concatenate([u, moments @ _rotation_axes(pose)], axis=-1)
+    return np.concatenate([u, moments @ rotation_axes(pose)], axis=-1)
 
 
 def pose_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
@@ -160,7 +160,8 @@ def solve_rates(by_pose: FloatArray) -> FloatArray:
     return np.linalg.solve(by_pose, -by_q).astype(float, copy=False)
 
 
-def _rotation_axes(pose: FloatArray) -> FloatArray:
+def rotation_axes(pose: FloatArray) -> FloatArray:
+    """Give the axes e_x, y_platform and Rx e_z that rx, ry and rz turn about, as columns. Shape (..., 3, 3)."""
     Rx = rotation_x(pose[..., 3])
     axis_x = np.broadcast_to([1.0, 0.0, 0.0], (*pose.shape[:-1], 3))
     axis_y = (Rx @ rotation_z(pose[..., 5]))[..., 1]

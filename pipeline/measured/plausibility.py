@@ -5,7 +5,8 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.measured.rows import RowError
 
-_LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "micrometres": 1e6, "inches": 1.0 / 0.0254}
+LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "micrometres": 1e6, "inches": 1.0 / 0.0254}
+"""Other units of length, by what a value in metres is multiplied with."""
 _ANGLES = {"degrees": 180.0 / np.pi, "milliradians": 1e3}
 _LIKE = 0.1
 """Largest relative difference from a factor between units."""
@@ -32,7 +33,7 @@ def require_units(names: tuple[str, ...], measured: FloatArray, expected: FloatA
         if not large.any():
             continue
         ratio = float(np.median(values[large] / wanted[large]))
-        for other, factor in (_LENGTHS if unit == "m" else _ANGLES).items():
+        for other, factor in (LENGTHS if unit == "m" else _ANGLES).items():
             if abs(ratio / factor - 1.0) < _LIKE:
                 found.setdefault((other, factor), []).append(name)
     if found:

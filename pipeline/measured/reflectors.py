@@ -40,15 +40,26 @@ class Reflectors:
     noise_m: float
 
     def __post_init__(self) -> None:
-        require_array("points_m", self.points_m, (2, 3))
-        for number, point in enumerate(np.asarray(self.points_m), 1):
-            if np.abs(point).max() > _FARTHEST_M:
-                raise ArgumentError(
-                    f"reflector {number} is at {_text(point)} m, farther than {_FARTHEST_M:g} m from the TCP.\n"
-                    "  What to change: give metres; these look like millimetres."
-                )
+        require_places(require_array("points_m", self.points_m, (2, 3)))
         if require_number("noise_m", self.noise_m, least=0.0) != 0.0:
             require_number("noise_m", self.noise_m, least=_LEAST_NOISE_M)
+
+
+def require_places(points_m: FloatArray) -> FloatArray:
+    """Return places of reflectors in the platform frame (n, 3), which have to be near enough to be in metres.
+
+    Raises
+    ------
+    ArgumentError
+        When one is farther away than any platform is large.
+    """
+    for number, point in enumerate(np.asarray(points_m), 1):
+        if np.abs(point).max() > _FARTHEST_M:
+            raise ArgumentError(
+                f"reflector {number} is at {_text(point)} m, farther than {_FARTHEST_M:g} m from the TCP.\n"
+                "  What to change: give metres; these look like millimetres."
+            )
+    return points_m
 
 
 def reflector_positions(points_m: FloatArray, pose: FloatArray) -> FloatArray:

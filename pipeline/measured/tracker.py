@@ -2,12 +2,16 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from pipeline.arguments import require_array, require_number, require_one_length, require_whole
-from pipeline.arrays import FloatArray
+from pipeline.arrays import BoolArray, FloatArray
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import forward_kinematics
 from pipeline.measured.perturbed import generators, perturbed
 from pipeline.measured.reflectors import Reflectors, reflector_positions
+
+_OUTLIER_M = 0.05
 
 
 @dataclass(frozen=True)
@@ -21,18 +25,23 @@ class SimulationSetting:
         link and of the zero of every telescope; independent, drawn once.
     seed : int
         The same seed gives the same measurement.
+    outliers : float
+        Part of the points that are 50 mm off.
 
     Raises
     ------
     ArgumentError
-        When the standard deviation is negative or not finite, or the seed negative or not a whole number.
+        When the standard deviation is negative or not finite, the seed negative or not a whole number, or outliers are
+        more than half.
     """
 
     geometry_std_m: float = 2e-4
     seed: int = 0
+    outliers: float = 0.0
 
     def __post_init__(self) -> None:
         require_number("geometry_std_m", self.geometry_std_m, least=0.0)
+        require_number("outliers", self.outliers, least=0.0, largest=0.5)
         require_whole("seed", self.seed, 0, 2**53)
 
 
@@ -57,4 +66,14 @@ def simulate_measurement(
     q = q_m.copy()
     q[:, 3:] += zeros_m
     positions = reflector_positions(reflectors.points_m, forward_kinematics(real, q, commanded))
-    return positions + noise.normal(0.0, reflectors.noise_m, positions.shape)
+    return with_outliers(positions + noise.normal(0.0, reflectors.noise_m, positions.shape), setting.outliers, noise)[0]
+
+
+def with_outliers(positions_m: FloatArray, part: float, random: np.random.Generator) -> tuple[FloatArray, BoolArray]:
+    """Put a part of points (n, k, 3) 50 mm away, in any direction; tell which, (n, k). None: nothing is drawn."""
+    if part == 0.0:
+        return positions_m, np.zeros(positions_m.shape[:2], dtype=bool)
+    away = random.normal(size=positions_m.shape)
+    away *= _OUTLIER_M / np.linalg.norm(away, axis=2, keepdims=True)
+    is_outlier = random.random(positions_m.shape[:2]) < part
+    return positions_m + np.where(is_outlier[..., None], away, 0.0), is_outlier

@@ -8,6 +8,7 @@ from scipy.interpolate import PPoly
 from pipeline.arguments import require_array, require_number, require_whole
 from pipeline.arrays import FloatArray
 from pipeline.errors import ArgumentError
+from pipeline.machine.actuator_space.controller_units import ControllerUnits
 from pipeline.refine.result import Path
 
 _MOST_DERIVATIVE = 10
@@ -238,3 +239,12 @@ class TrajectorySamples:
     def duration_s(self) -> float:
         """Time of the last row."""
         return float(self.t_s[-1])
+
+    def for_controller(self, units: ControllerUnits) -> "TrajectorySamples":
+        """Give the same samples with actuators in the units of the controller."""
+        return replace(
+            self,
+            q_m=units.to_controller(self.q_m),
+            qd_mps=units.rates_to_controller(self.qd_mps),
+            qdd_mps2=units.rates_to_controller(self.qdd_mps2),
+        )

@@ -14,6 +14,8 @@ from pipeline.config.choices import PathObjective, Proof, RouteObjective
 
 _OF_MOTION = ("limits", "dynamics")
 """Parts of the machine of which stages one and two read what holds it, and no more."""
+_OF_CONTROLLER = ("actuators",)
+"""Parts of the machine that only files for controllers are written with."""
 _TOLERANCES_ONLY = ("tolerance_resolution", "monte_carlo_samples")
 """Keys of the proof that only the search for tolerances reads."""
 
@@ -67,7 +69,11 @@ def refine_part(config: Config) -> Part:
     part, whole = route_part(config), whole_config(config)
     limits = whole["machine"]["limits"]
     if config.refine.objective == PathObjective.TIME:
-        part = {**part, "machine": whole["machine"], "retime": _only("jerk", whole["retime"])}
+        part = {
+            **part,
+            "machine": _without(whole["machine"], *_OF_CONTROLLER),
+            "retime": _only("jerk", whole["retime"]),
+        }
     elif config.refine.smoothness > 0.0:
         part["machine"] = _joined(part["machine"], {"limits": _only("velocity_mps", limits)})
     return {**part, "refine": whole["refine"]}
@@ -103,7 +109,7 @@ def _of_refine(config: Config) -> Part:
 
 
 def _machine_part(config: Config) -> Part:
-    machine = _without(whole_config(config)["machine"], *_OF_MOTION)
+    machine = _without(whole_config(config)["machine"], *_OF_MOTION, *_OF_CONTROLLER)
     return {**machine, **config.machine.holding()}
 
 

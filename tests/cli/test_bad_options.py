@@ -34,7 +34,7 @@ def test_the_commands_have_such_options() -> None:
 def test_numbers_are_finite(command: str, option: str, count: int, value: str) -> None:
     """No bound stops a NaN, so that all options refuse it before anything else happens."""
     given = [value, *["0"] * (count - 1)]
-    arguments = ["x", "y"] if command == "measured" else ["x"]
+    arguments = ["x", "y"] if command in ("measured", "calibrate") else ["x"]
     result = invoke(command, *arguments, option, *given)
     assert result.exit_code == 2
     assert option in result.stderr
@@ -114,6 +114,22 @@ WRONG: tuple[tuple[tuple[Any, ...], str], ...] = (
     (("simulate-measurement", "out", "--seed", "-1"), "--seed"),
     (("simulate-measurement", "out", "--seed", "1.5"), "--seed"),
     (("simulate-measurement", "out", "--output", "x.json"), "x.json"),
+    (("simulate-measurement", "out", "--outliers", "0.6"), "--outliers"),
+    (("simulate-measurement", "out", "--clock", "2"), "--clock"),
+    (("simulate-poses", "c.yaml"), "--reflector-1"),
+    (("simulate-poses", "c.yaml", "--reflector-1", "0", "100", "50"), "millimetres"),
+    (("simulate-poses", "c.yaml", "--reflector-1", "0", "0", "0", "--reflector-3", "0", "1", "0"), "--reflector-2"),
+    (("simulate-poses", "c.yaml", "--reflector-1", "0", "0", "0", "--poses", "0"), "--poses"),
+    (("calibrate", "c.yaml"), "FILE"),
+    (("calibrate", "c.yaml", "seen.csv"), "--reflector-1"),
+    (("calibrate", "c.yaml", "none.csv", "--reflector-1", "0", "0", "0"), "none.csv"),
+    (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--fit", "rails,masses"), "masses"),
+    (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--fit", ","), "--fit"),
+    (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--prior", "masses=1e-4"), "--prior"),
+    (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--prior", "0"), "--prior"),
+    (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--hold-out", "1"), "--hold-out"),
+    (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--output", "c.yaml"), "c.yaml"),
+    (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--output", "x.json"), "x.json"),
     (("tradeoff", "c.yaml", "--weights", ""), "--weights"),
     (("tradeoff", "c.yaml", "--weights", "3,fast"), "--weights"),
     (("tradeoff", "c.yaml", "--weights", "3,0"), "--weights"),

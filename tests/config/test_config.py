@@ -213,7 +213,7 @@ def test_a_rule_between_keys_names_the_key_to_look_at(data: dict[str, Any], mess
         (
             "machine",
             "is missing; allowed is a section with the keys rails, links, triangle_branch, characteristic_length_m, "
-            "clearance, limits, dynamics",
+            "clearance, limits, dynamics, actuators",
         ),
     ],
 )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
-from pipeline.config.file import config_sha256
+from pipeline.config.file import config_sha256, parse_config
 from pipeline.export import sidecar, trajectory_columns
 from pipeline.machine import Machine
 from pipeline.machine.geometry import ACTUATORS
@@ -93,6 +93,19 @@ def test_limits_are_the_machine_s(described: dict, machine: Machine) -> None:
     }
     assert described["shared_limits"] == {"link_force_n": 2000.0, "tcp_speed_mps": None, "tcp_acceleration_mps2": None}
     assert [limit["velocity_mps"] for limit in described["limits"].values()] == machine.velocity_mps.tolist()
+
+
+def test_positions_are_the_controller_s(agder_config: Config, machine: Machine, samples: TrajectorySamples) -> None:
+    """Limits of positions are in its units, and what these are in the geometry is listed beside."""
+    data = agder_config.model_dump(mode="json")
+    data["machine"]["actuators"]["l2b"] = {"zero_m": 3e-4, "scale": 1.001}
+    described = sidecar(parse_config(data), machine, samples, Usage({}))
+    least, largest = described["limits"]["l2b"]["position_m"]
+    given = described["controller"]["l2b"]
+    assert given == {"middle_m": pytest.approx(1.1), "zero_m": 3e-4, "scale": 1.001}
+    for q, limit in ((least, 0.95), (largest, 1.25)):
+        assert given["middle_m"] + given["zero_m"] + given["scale"] * (q - given["middle_m"]) == pytest.approx(limit)
+    assert described["controller"]["c1"] == {"middle_m": pytest.approx(1.05, abs=0.2), "zero_m": 0.0, "scale": 1.0}
 
 
 def test_push_and_pull_are_listed_where_they_differ(

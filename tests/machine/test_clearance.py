@@ -92,6 +92,15 @@ def test_pairs_leave_out_links_that_share_a_joint(machine: Machine):
     assert pairs - meeting == {("1", "2a")}
 
 
+@pytest.mark.parametrize(("apart_m", "shared"), [(1e-6, True), (2e-3, True), (2.1e-3, False)])
+def test_joints_that_are_nearly_one_are_shared(machine: Machine, apart_m: float, shared: bool):
+    """A calibrated machine has the joints of 3a and 3c a little apart; within the stated distance they are one."""
+    offsets_m = machine.cart_offsets_m.copy()
+    offsets_m[5, 0] += apart_m
+    assert machine.shared_joint_m == 2e-3
+    assert ((3, 5) not in link_pairs(replace(machine, cart_offsets_m=offsets_m))) is shared
+
+
 def test_rail_pairs_leave_out_the_own_rail(machine: Machine):
     """Every link has the rails of the two other arms."""
     pairs = rail_pairs(machine)

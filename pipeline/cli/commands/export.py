@@ -99,6 +99,7 @@ def export(
         refuse_same(output, path, f"--output and the {suffix} file beside it")
     from pipeline.export import ExportOptions, ExportRequest, export_files
     from pipeline.export.deviation import quintic_deviation
+    from pipeline.machine.actuator_space.controller_units import controller_units
     from pipeline.retime import sample_trajectory, whole_periods
     from pipeline.run.reading import open_tubes
 
@@ -116,7 +117,8 @@ def export(
         options,
         machine,
         _jerk(trajectory, samples),
-        tube,
+        tube=tube,
+        units=controller_units(config.machine),
     )
     if tube is not None and TRIP_YAML in beside:
         request = replace(request, deviation_m=quintic_deviation(whole_periods(trajectory, samples.period_s), samples))

@@ -106,6 +106,13 @@ def simulate_measurement(
     noise_m: _Noise = _NOISE_M,
     geometry_m: GeometryOption = 2e-4,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the random numbers.")] = 0,
+    outliers: Annotated[
+        float, typer.Option("--outliers", metavar="PART", min=0.0, max=0.5, help="Part of the points 50 mm off.")
+    ] = 0.0,
+    clock_s: Annotated[
+        float,
+        typer.Option("--clock", metavar="S", min=-1.0, max=1.0, help="By how much the times of the tracker are late."),
+    ] = 0.0,
     speed: DrivenSpeed = None,
     period_s: DrivenPeriod = None,
     back: DrivenBack = False,
@@ -115,18 +122,24 @@ def simulate_measurement(
     Joints, rails, lengths and zeros of telescopes have random errors, drawn
     once; every coordinate of every reflector has noise. The same seed gives
     the same file, with one row per period. Its actuators are exactly where
-    they are commanded: what drives and controllers add is `simulate`.
+    they are commanded: what drives and controllers add is `simulate`. Poses
+    at which the machine stands still are `simulate-poses`.
     """
     from pipeline.export.csv import format_csv
     from pipeline.measured import SimulationSetting, measurement_columns
     from pipeline.measured import simulate_measurement as simulate
-    from pipeline.retime import sample_trajectory
+    from pipeline.retime import sample_trajectory, whole_periods
 
     beside = None if output is None else check_simulated(output, run)
-    reflectors, setting = _reflectors(first, second, noise_m), SimulationSetting(geometry_m, seed)
+    reflectors, setting = _reflectors(first, second, noise_m), SimulationSetting(geometry_m, seed, outliers)
     trajectory, config = driven(run, speed, period_s, back)
     samples = sample_trajectory(trajectory, config.retime.period_s)
-    positions = simulate(trajectory.path.machine, samples.q_m, samples.pose, reflectors, setting)
+    q_m, pose = samples.q_m, samples.pose
+    if clock_s != 0.0:
+        driven_at = whole_periods(trajectory, config.retime.period_s)
+        then = (samples.t_s - clock_s).clip(0.0, samples.duration_s)
+        q_m, pose = driven_at.q(then), driven_at.pose(then)
+    positions = simulate(trajectory.path.machine, q_m, pose, reflectors, setting)
     text = format_csv(measurement_columns(samples.t_s, positions))
     if output is None:
         typer.echo(text, nl=False)
@@ -136,6 +149,7 @@ def simulate_measurement(
         "speed": 1.0 if speed is None else speed,
         "period_s": config.retime.period_s,
         "back": back,
+        "clock_s": clock_s,
         "reflectors": reflectors,
         "setting": setting,
     }

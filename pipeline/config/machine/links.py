@@ -6,6 +6,9 @@ from pydantic import Field, model_validator
 
 from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, require_ordered
 
+SHARED_JOINT_M = 0.002
+"""How far apart joints of two links are that count as one, by default: more than a calibration moves them."""
+
 
 class RailConfig(Section):
     """A rail parallel to X and the travel of its cart."""
@@ -75,4 +78,10 @@ class ClearanceConfig(Section):
     link_link_m: float = Field(ge=0.0, le=1.0, description="between any two links that share no joint")
     link_rail_m: float | None = Field(
         None, ge=0.0, le=1.0, description="between a link and another arm's rail; null: not checked"
+    )
+    shared_joint_m: float = Field(
+        SHARED_JOINT_M,
+        ge=0.0,
+        le=0.05,
+        description="joints of two links that are at most so far apart are one joint; 0: only in one point",
     )

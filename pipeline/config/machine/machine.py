@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from pipeline.config.choices import TriangleBranch
+from pipeline.config.machine.actuators import ActuatorsConfig
 from pipeline.config.machine.limits import LimitsConfig
 from pipeline.config.machine.links import ClearanceConfig, LinksConfig, RailConfig
 from pipeline.config.machine.masses import DynamicsConfig
@@ -29,6 +30,11 @@ class MachineConfig(Section):
     limits: LimitsConfig
     dynamics: DynamicsConfig | None = Field(
         None, description="masses, for forces and their limits; null: no forces, and no limits of forces either"
+    )
+    actuators: ActuatorsConfig = Field(
+        default_factory=lambda: ActuatorsConfig(),
+        description="what the controller's positions q are in this geometry: middle of the range + zero_m + scale (q - "
+        "middle); files for controllers are written with it, planning is not concerned",
     )
 
     def holding(self) -> dict[str, object]:

@@ -65,7 +65,7 @@ def format_mcap(request: ExportRequest) -> bytes:
     """
     bag = io.BytesIO()
     writer = _library("mcap_ros2.writer").Writer(bag)
-    trajectory = joint_trajectory(request)
+    trajectory = joint_trajectory(request.for_controller())
     for point in trajectory["points"]:
         point["effort"] = []
     schema = writer.register_msgdef("trajectory_msgs/msg/JointTrajectory", _TRAJECTORY)

@@ -3,8 +3,8 @@
 import csv
 from array import array
 from collections import Counter, defaultdict
-from collections.abc import Iterator
-from math import inf, isinf
+from collections.abc import Collection, Iterator
+from math import inf, isinf, isnan, nan
 from operator import itemgetter
 
 from pipeline.measured.reading.account import SEPARATORS, Skipped
@@ -28,10 +28,11 @@ _NOT_A_ROW = "remove the line if it is not a row, or put # before it."
 
 
 class Rows:
-    """Rows below a header, read one line at a time."""
+    """Rows below a header, read one line at a time; in columns `may_have_gaps` a gap is a NaN."""
 
-    def __init__(self, file: str, header: Header) -> None:
+    def __init__(self, file: str, header: Header, may_have_gaps: Collection[str] = ()) -> None:
         self.header = header
+        self.may_have_gaps = frozenset(may_have_gaps)
         self.problems = Problems(file)
         self.decimal = DecimalMark()
         self.values, self.lines = array("d"), array("q")
@@ -146,7 +147,7 @@ class Rows:
                 self.lines.append(number)
                 return
         texts = list(self._texts(cells))
-        if all(NUMBER.fullmatch(text) for _, text in texts):
+        if all(NUMBER.fullmatch(text) or (name in self.may_have_gaps and is_gap(text)) for name, text in texts):
             self._add_numbers(number, texts)
         elif all(text.casefold() == name for name, text in texts):
             what = "the header again: are these two measurements?"
@@ -155,9 +156,10 @@ class Rows:
             self._add_others(number, texts)
 
     def _add_numbers(self, number: int, texts: list[tuple[str, str]]) -> None:
-        values = [float(text.replace(",", ".")) for _, text in texts]
+        values = [nan if is_gap(text) else float(text.replace(",", ".")) for _, text in texts]
         for (name, text), value in zip(texts, values, strict=True):
-            self.decimal.see(number, name, text)
+            if not isnan(value):
+                self.decimal.see(number, name, text)
             if isinf(value):
                 self.problems.add(number, f"{shown(text)} is too large.", "give numbers in SI units.", name)
         self.values.extend(values)

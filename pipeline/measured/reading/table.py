@@ -1,6 +1,6 @@
 """Columns of numbers from the bytes of a file, with an account of its lines."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,19 +15,20 @@ from pipeline.measured.reading.rows import Rows
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Columns (n,) by the names that were asked for, finite, and how they were read."""
+    """Columns (n,) by the names that were asked for, finite or NaN where gaps may be, and how they were read."""
 
     columns: Mapping[str, FloatArray]
     account: Account
 
 
-def read_table(data: bytes, file: str, choices: Choices) -> Table:
+def read_table(data: bytes, file: str, choices: Choices, gaps: Collection[str] = ()) -> Table:
     """Read the columns of the first choice of names that the header has; `file` is the name for messages.
 
     The header is the first line that names them all, in any order and case, among others, which are ignored. Values are
     separated as there, by commas, semicolons or tabs, and may be quoted; decimals have a point or a comma throughout.
     Lines above the header, of units that agree with the names, without values, and of comment are skipped, and rows
-    with a gap in one of the columns. Everything else that is not a row of finite numbers is refused.
+    with a gap in one of the columns, but for columns that may have `gaps`: there it is a NaN. Everything else that is
+    not a row of finite numbers is refused.
 
     Raises
     ------
@@ -36,7 +37,7 @@ def read_table(data: bytes, file: str, choices: Choices) -> Table:
     """
     lines, encoding = decode_lines(data, file)
     header = find_header(lines, choices, file)
-    rows = Rows(file, header)
+    rows = Rows(file, header, gaps)
     rows.add_above(lines[: header.line_index])
     for index in range(header.line_index + 1, len(lines)):
         rows.add(index + 1, lines[index])

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from pipeline.artifacts.results.trajectory import back_files, trajectory_files
 from pipeline.errors import NoSolutionError
 from pipeline.export import sidecar
+from pipeline.machine.actuator_space.controller_units import controller_units
 from pipeline.machine.geometry import ACTUATORS
 from pipeline.progress import Monitor
 from pipeline.retime import (
@@ -64,11 +65,12 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     """Keep a trajectory, and make the files and the summary of it and of its way back, or say why there is none."""
     results.keep(Stage.RETIME, trajectory)
     config, machine = results.config, results.machine
+    units = controller_units(config.machine)
     samples = sample_trajectory(trajectory, config.retime.period_s)
     figures = measure_trajectory(trajectory, samples)
     rows = interpolations(whole_periods(trajectory, config.retime.period_s), samples, jerk=config.retime.jerk)
     described = sidecar(config, machine, samples, figures.usage, interpolated=rows)
-    files = trajectory_files(trajectory, samples, described)
+    files = trajectory_files(trajectory, samples.for_controller(units), described)
     section = trajectory_section(figures) | quality_part(measure_quality(trajectory, config.retime.speed))
     section |= drives_part(measure_drives(whole_periods(trajectory, config.retime.period_s)), ACTUATORS)
     section |= {INTERPOLATION: interpolation_section(rows)}
@@ -78,7 +80,8 @@ def trajectory_product(results: "Results", trajectory: Trajectory, back: Traject
     samples = sample_trajectory(back, config.retime.period_s)
     figures = measure_trajectory(back, samples)
     rows = interpolations(whole_periods(back, config.retime.period_s), samples, jerk=config.retime.jerk)
-    files |= back_files(machine, samples, sidecar(config, machine, samples, figures.usage, interpolated=rows))
+    described = sidecar(config, machine, samples, figures.usage, interpolated=rows)
+    files |= back_files(machine, samples.for_controller(units), described)
     proven = proven_part(prove_motion(back, jerk=config.retime.jerk, loads=True))
     return Product(
         files, {**section, "back": back_section(figures) | {INTERPOLATION: interpolation_section(rows)} | proven}

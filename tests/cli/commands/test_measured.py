@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.cli.calls import invoke as call
@@ -100,6 +101,29 @@ def test_a_wrong_machine_shows() -> None:
     assert max(row["standardised_rms"] for row in errors("seen.csv", "--noise", 1e-6).values()) > 10.0
 
 
+def test_a_late_clock_is_an_error_of_its_own() -> None:
+    """Times that are 10 ms late measure where the machine was then, early ones where it will be: opposite errors."""
+    exact = ("simulate-measurement", "out", "--geometry", 0, "--noise", 0, "--output", "seen.csv")
+    assert call(*exact, "--clock", 0.01).exit_code == 0
+    late = errors("seen.csv", "--noise", 0)
+    assert call(*exact, "--clock", -0.01).exit_code == 0
+    early = errors("seen.csv", "--noise", 0)
+    assert late["z"]["largest"] == pytest.approx(-early["z"]["largest"], rel=0.2)
+    assert abs(late["z"]["largest"]) > 1e-5
+
+
+def test_a_part_of_the_points_is_50_mm_off() -> None:
+    """Outliers are as many as asked, and the other points are as they were."""
+    exact = ("simulate-measurement", "out", "--geometry", 0, "--noise", 0)
+    clean, spoilt = (
+        np.loadtxt(call(*exact, *options).stdout.splitlines(), delimiter=",", skiprows=1)[:, 1:].reshape(-1, 3)
+        for options in ((), ("--outliers", 0.2))
+    )
+    off = np.linalg.norm(spoilt - clean, axis=1)
+    np.testing.assert_allclose(off[off > 0.0], 0.05, atol=1e-9)
+    assert abs((off > 0.0).mean() - 0.2) < 0.1
+
+
 def test_a_file_says_how_it_was_made() -> None:
     """Beside a simulated measurement there is a file that says that it is one, with seed, errors and reflectors."""
     call("simulate-measurement", "out", "--seed", 4, "--output", "seen.csv")
@@ -107,7 +131,7 @@ def test_a_file_says_how_it_was_made() -> None:
     assert facts["simulated"] is True
     assert facts["speed"] == 1.0
     assert facts["period_s"] > 0.0
-    assert facts["setting"] == {"geometry_std_m": 2e-4, "seed": 4}
+    assert facts["setting"] == {"geometry_std_m": 2e-4, "seed": 4, "outliers": 0.0}
     assert facts["reflectors"]["noise_m"] == 5e-5
 
 

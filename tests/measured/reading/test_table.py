@@ -290,3 +290,13 @@ def test_the_locale_does_not_matter(tmp_path: Path) -> None:
     command = [sys.executable, "-c", script, str(file)]
     result = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert result.stdout.split() == ["-6.5", "UTF-8"]
+
+
+@pytest.mark.parametrize("gap", GAPS)
+def test_columns_that_may_have_gaps_hold_nan_there(gap: str):
+    """A gap is a NaN in a column that may have one, and skips the row in any other; the decimal mark is not its."""
+    lines = ["q;x1_m;x2_m", f"1,5;{gap};3,5", f"{gap};5,25;6,5", "7,5;8,5;9,5"]
+    table = read_table("\n".join(lines).encode(), "seen.csv", [("q", "x1_m", "x2_m")], ("x1_m", "x2_m"))
+    np.testing.assert_array_equal(np.column_stack(list(table.columns.values())), [[1.5, np.nan, 3.5], [7.5, 8.5, 9.5]])
+    assert accounted(table.account) == [1, 2, 3, 4]
+    assert table.account.gap_count == 1

@@ -12,7 +12,8 @@ from pipeline.arrays import BoolArray, FloatArray
 from pipeline.machine import MODES, InverseSolution, Machine, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import cart_joints, platform_arms, rotation
 from pipeline.machine.kinematics import closure_residual
-from pipeline.machine.triangle import _root_search, dependent_angle, on_axis, third_discriminant
+from pipeline.machine.triangle import dependent_angle, on_axis, third_discriminant
+from pipeline.machine.triangle.search import root_search
 
 seeds = st.integers(0, 2**32 - 1)
 off_axis_kinds = st.sampled_from(["off axis", "general"])
@@ -72,7 +73,7 @@ def test_root_search_agrees_with_the_closed_form(draw_machine: Callable, draw_co
     controlled, modes = draw_controlled(seed, 100)
     signs = np.where(modes % 2, 1.0, -1.0)
     assert on_axis(machine)
-    searched = _root_search(machine, controlled, signs)
+    searched = root_search(machine, controlled, signs)
     np.testing.assert_allclose(searched, dependent_angle(machine, controlled, signs), atol=1e-9)
 
 

@@ -1,0 +1,22 @@
+"""From a tracker's measurements of static poses to the machine as it is, and how sure that is."""
+
+from pipeline.calibrate.calibration import Calibration, Check, Setting, calibrate
+from pipeline.calibrate.configuration import calibrated_yaml
+from pipeline.calibrate.data.poses import StaticPoses
+from pipeline.calibrate.data.reading import read_poses
+from pipeline.calibrate.data.simulated import StaticSetting, simulate_static
+from pipeline.calibrate.verdict import Verdict, judge
+
+__all__ = [
+    "Calibration",
+    "Check",
+    "Setting",
+    "StaticPoses",
+    "StaticSetting",
+    "Verdict",
+    "calibrate",
+    "calibrated_yaml",
+    "judge",
+    "read_poses",
+    "simulate_static",
+]

@@ -1,0 +1,1 @@
+"""Measured static poses: from files, at random, and simulated."""

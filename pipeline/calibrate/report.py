@@ -1,0 +1,112 @@
+"""A calibration as text and as plain data: every parameter, errors, and what the convention of gauges is."""
+
+from typing import Any
+
+import numpy as np
+
+from pipeline.calibrate.calibration import Calibration, Check
+from pipeline.calibrate.model.parameters import TRACKER
+from pipeline.calibrate.verdict import Verdict, measured_modes
+from pipeline.config.file import config_sha256
+
+FROM_DATA, FROM_PRIOR, NOT_FITTED = "from the data", "from the prior", "not fitted"
+ERROR_HEADER = ("poses", "points", "outliers", "configured mm", "calibrated mm", "predicted mm")
+PARAMETER_HEADER = ("parameter", "unit", "configured", "change", "deviation", "known to", "")
+GAUGES = (
+    "Changes of the machine that change nothing that is seen are settled by what was known beforehand: rails, zeros of "
+    "carts and offsets of their joints share what only their sum says; the frames of machine and platform are those of "
+    "the configuration and of the reflectors. Deviations of single parameters contain this freedom."
+)
+_UM = {"m": ("um", 1e6), "1": ("ppm", 1e6), "rad": ("urad", 1e6)}
+
+
+def sources(calibration: Calibration) -> list[str]:
+    """Say of every parameter where its value is from: the data, where they halve the variance that was known."""
+    found = calibration.identification
+    told = found.std**2 <= 0.5 * found.problem.prior_std**2
+    return [
+        NOT_FITTED if not fitted else FROM_DATA if known else FROM_PRIOR
+        for fitted, known in zip(found.problem.is_fitted, told, strict=True)
+    ]
+
+
+def error_cells(calibration: Calibration) -> list[tuple[str, ...]]:
+    """Format the errors of fitted poses and of those held out, under `ERROR_HEADER`: rms distances of points."""
+    rows = [_error_row("fitted", calibration.fitted)]
+    if calibration.held_out is not None:
+        rows.append(_error_row("held out", calibration.held_out))
+    return rows
+
+
+def _error_row(name: str, check: Check) -> tuple[str, ...]:
+    millimetres = (f"{1e3 * value:.4f}" for value in (check.before_m, check.after_m, check.predicted_m))
+    return (name, f"{check.points:,}", f"{check.rejected:,}", *millimetres)
+
+
+def parameter_cells(calibration: Calibration) -> list[tuple[str, ...]]:
+    """Format the parameters that were fitted, but the tracker's, under `PARAMETER_HEADER`."""
+    found = calibration.identification
+    parameters, configured, origins = found.model.parameters, found.problem.model.values(), sources(calibration)
+    rows: list[tuple[str, ...]] = []
+    for k, name in enumerate(parameters.names[: parameters.slice(TRACKER).start]):
+        if not found.problem.is_fitted[k]:
+            continue
+        unit, scale = _UM[parameters.units[k]]
+        deviations = (f"{scale * value:.1f}" for value in (found.std[k], found.problem.prior_std[k]))
+        rows.append((name, unit, f"{configured[k]:.6f}", f"{scale * found.theta[k]:+.1f}", *deviations, origins[k]))
+    return rows
+
+
+def calibration_data(calibration: Calibration, verdict: Verdict, files: list[dict[str, Any]]) -> dict[str, Any]:
+    """Give all of a calibration as plain data, in SI units."""
+    found, setting = calibration.identification, calibration.setting
+    problem, parameters = found.problem, found.model.parameters
+    rows = zip(
+        *(parameters.names, parameters.units, problem.model.values(), found.theta, found.std, problem.prior_std),
+        sources(calibration),
+        strict=True,
+    )
+    keys = ("name", "unit", "configured", "change", "std", "prior_std", "source")
+    return {
+        "config_sha256": config_sha256(calibration.config),
+        "files": files,
+        "setting": {
+            "noise_m": setting.noise_m,
+            "fit": list(setting.fit),
+            "prior": dict(setting.prior),
+            "robust": setting.robust,
+            "hold_out": setting.hold_out,
+            "reflectors_m": problem.model.reflectors_m,
+        },
+        "accepted": verdict.accepted,
+        "reasons": list(verdict.reasons),
+        "chi2": verdict.chi2,
+        "degrees_of_freedom": verdict.freedom,
+        "probability": verdict.probability,
+        "directions": {
+            "fitted": verdict.directions,
+            "gauges": verdict.gauges,
+            "seen": verdict.rank,
+            "from_data": verdict.from_data,
+            "singular_values": np.linalg.svd(found.jacobian, compute_uv=False),
+        },
+        "gauge_convention": GAUGES,
+        "errors": {"fitted": _check_data(calibration.fitted), "held_out": _check_data(calibration.held_out)},
+        "poses": len(problem.poses),
+        "modes": measured_modes(found),
+        "rejected": [
+            {"place": problem.poses.place(int(row)), "reflector": int(reflector) + 1}
+            for row, reflector in np.argwhere(calibration.rejected)
+        ],
+        "tracker": {"rotation": found.model.rotation, "translation_m": found.model.translation_m},
+        "evaluations": found.evaluations,
+        "parameters": [dict(zip(keys, row, strict=True)) for row in rows],
+        "covariance": found.covariance,
+    }
+
+
+def _check_data(check: Check | None) -> dict[str, Any] | None:
+    if check is None:
+        return None
+    names = ("points", "rejected", "before_m", "after_m", "predicted_m")
+    return {name: getattr(check, name) for name in names}

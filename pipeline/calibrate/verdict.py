@@ -1,0 +1,153 @@
+"""Whether a calibration may be believed, and if not, what is most likely wrong.
+
+The least value of the fit is distributed as chi-square if the model, the noise and what was known beforehand are right.
+Where it is too large, models that would explain it are tried: outliers, kinds of parameters that were not fitted.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from pipeline.calibrate.calibration import Calibration
+from pipeline.calibrate.identify import Identification, identify
+from pipeline.calibrate.model.gauges import fitted_gauges, rank
+from pipeline.calibrate.model.parameters import CHOICES, DIRECTIONS, Kind
+from pipeline.calibrate.robust import identify_robustly
+from pipeline.machine.geometry import PRIMARY, rotation
+from pipeline.machine.working_modes import mode_names
+
+_UNLIKELY = 1e-3
+"""Probability below which a chi-square means that something is wrong."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a calibration may be believed.
+
+    Attributes
+    ----------
+    accepted : bool
+        The data determine the machine, and a machine of this model explains them.
+    reasons : tuple of str
+        Why not, with what to do.
+    chi2, freedom : float, int
+        The least value of the fit, and its mean if all is right.
+    probability : float
+        How often it would be as large by chance.
+    directions, gauges, rank, from_data : int
+        Directions in which the machine may change; that change nothing that is seen; that change what was seen; of
+        which the data say more than was known.
+    """
+
+    accepted: bool
+    reasons: tuple[str, ...]
+    chi2: float
+    freedom: int
+    probability: float
+    directions: int
+    gauges: int
+    rank: int
+    from_data: int
+
+
+def judge(calibration: Calibration) -> Verdict:
+    """Judge a calibration by rank and chi-square."""
+    found = calibration.identification
+    problem = found.problem
+    directions = int(problem.is_fitted.sum())
+    gauges = len(fitted_gauges(problem.model, problem.is_fitted))
+    reached = rank(problem.data_jacobian(np.zeros_like(found.theta), problem.guess))
+    reasons = []
+    if reached < directions - gauges:
+        reasons.append(_too_few(found, reached, directions - gauges))
+    probability = _probability(found)
+    if probability < _UNLIKELY:
+        reasons.append(_unexplained(calibration))
+    singular = np.linalg.svd(found.jacobian, compute_uv=False)
+    return Verdict(
+        accepted=not reasons,
+        reasons=tuple(reasons),
+        chi2=found.chi2,
+        freedom=found.freedom,
+        probability=probability,
+        directions=directions,
+        gauges=gauges,
+        rank=reached,
+        from_data=int(np.count_nonzero(singular > 1.0)),
+    )
+
+
+def measured_modes(found: Identification) -> dict[str, int]:
+    """Count poses by the working mode they were measured in."""
+    joints = found.model.cart_joints(found.problem.poses.q_m)
+    R = rotation(*found.pose[:, 3:].T)
+    points = found.pose[:, None, :3] + found.model.platform_points_m @ np.swapaxes(R, 1, 2)
+    modes = np.where(joints[:, PRIMARY, 0] < points[:, PRIMARY, 0], -1.0, 1.0)
+    names, counts = np.unique(mode_names(modes), return_counts=True)
+    return dict(zip(names.tolist(), counts.tolist(), strict=True))
+
+
+def _probability(found: Identification) -> float:
+    return float(chi2.sf(found.chi2, found.freedom))
+
+
+def _too_few(found: Identification, reached: int, needed: int) -> str:
+    modes = ", ".join(f"{count} {name}" for name, count in measured_modes(found).items())
+    return (
+        f"the poses determine {reached} of the {needed} directions that measurements can tell.\n"
+        f"  What to change: measure more poses, differently tilted and in more working modes (there are {modes}), or "
+        "fit less (--fit)."
+    )
+
+
+def _unexplained(calibration: Calibration) -> str:
+    """Say what explains the data better than the machine that was fitted."""
+    found = calibration.identification
+    problem = found.problem
+    said = (
+        f"no machine explains the measurement: chi-square is {found.chi2:,.0f}, expected are {found.freedom:,} "
+        f"(by chance so large once in {_once(_probability(found))})."
+    )
+    if not calibration.setting.robust:
+        robust, rejected = identify_robustly(problem)
+        if _probability(robust) > _UNLIKELY:
+            places = [problem.poses.place(int(row)) for row in np.flatnonzero(rejected.any(axis=1))]
+            shown = "; ".join(places[:5]) + (f" and {len(places) - 5} more" if len(places) > 5 else "")
+            return f"{said} {rejected.sum()} points are outliers ({shown}).\n  What to change: --robust rejects them."
+    for kind in (one for one in CHOICES if one not in calibration.setting.fit):
+        wider = replace(problem, is_fitted=problem.is_fitted | problem.model.parameters.is_fitted((kind,)))
+        other = identify(wider)
+        if _probability(other) > _UNLIKELY:
+            return f"{said} {_explained_by(kind, other)}"
+    if found.data_chi2 < chi2.isf(_UNLIKELY, found.data_freedom):
+        return (
+            f"{said} The machine is farther from the configuration than was thought beforehand.\n"
+            "  What to change: give larger deviations (--prior, --reflector-std)."
+        )
+    noise = problem.noise_m * np.sqrt(found.data_chi2 / found.data_freedom)
+    return (
+        f"{said} Residuals are those of a noise of {1e6 * noise:.0f} um, instead of {1e6 * problem.noise_m:.0f} um.\n"
+        "  What to change: give the noise as it is (--noise); --robust if some points are wrong; check that the "
+        "machine stood still, and that q1_m to q5_m are what its encoders showed."
+    )
+
+
+def _explained_by(key: str, found: Identification) -> str:
+    if key != DIRECTIONS.key:
+        return f"With {key} fitted, one does.\n  What to change: add {key} to --fit."
+    slopes = found.model.directions_rad
+    listed = ", ".join(f"rail {arm + 1} ({1e3 * y:+.3f}, {1e3 * z:+.3f})" for arm, (y, z) in enumerate(slopes))
+    return (
+        f"Rails that are not parallel do: slopes along Y and Z in mrad are {listed}, each within "
+        f"{1e3 * _std(found, DIRECTIONS):.3f}.\n"
+        "  What to change: align the rails; the configuration of a machine has parallel ones."
+    )
+
+
+def _std(found: Identification, kind: Kind) -> float:
+    return float(found.model.parameters.of(kind, found.std).max())
+
+
+def _once(probability: float) -> str:
+    return f"{1.0 / probability:,.0f}" if probability > 1e-9 else "more than 1,000,000,000"

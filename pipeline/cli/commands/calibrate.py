@@ -1,0 +1,220 @@
+"""The command that corrects the configuration of a machine by what a tracker saw of it."""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pipeline.cli.console import messages_console, results_console
+from pipeline.cli.motions.reflector_options import (
+    FirstReflector,
+    SecondReflector,
+    ThirdReflector,
+    reflector_places,
+)
+from pipeline.cli.options import ConfigArgument
+from pipeline.cli.output import check_facts, refuse_same, text_table
+from pipeline.errors import NoSolutionError, UsageError
+
+if TYPE_CHECKING:
+    from pipeline.calibrate import Calibration, Setting, Verdict
+    from pipeline.measured import Account
+
+_NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
+"""Kinds of parameters that a prior deviation without a kind is for: lengths."""
+
+
+def calibrate(
+    config_file: ConfigArgument,
+    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="CSV files with measured static poses.")],
+    first: FirstReflector = None,
+    second: SecondReflector = None,
+    third: ThirdReflector = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", metavar="FILE", readable=False, help="Where to write the calibrated configuration to."
+        ),
+    ] = None,
+    noise_m: Annotated[
+        float,
+        typer.Option(
+            "--noise", metavar="M", min=1e-9, max=0.1, help="Standard deviation of each coordinate in metres."
+        ),
+    ] = 5e-5,
+    prior: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--prior",
+            metavar="[KIND=]STD",
+            help="Standard deviation of what is known beforehand: of lengths in metres, or of one kind of parameter.",
+        ),
+    ] = None,
+    reflector_std_m: Annotated[
+        float | None,
+        typer.Option("--reflector-std", metavar="M", min=1e-9, max=0.1, help="The same for the places of reflectors."),
+    ] = None,
+    fit: Annotated[
+        str | None,
+        typer.Option(
+            "--fit", metavar="KINDS", help="What may change, separated by commas. Default: all but directions."
+        ),
+    ] = None,
+    robust: Annotated[bool, typer.Option("--robust", help="Find points that are wrong, and leave them out.")] = False,
+    hold_out: Annotated[
+        float,
+        typer.Option(
+            "--hold-out", metavar="PART", min=0.0, max=0.9, help="Part of the poses that only checks the result."
+        ),
+    ] = 0.0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON with everything, covariance included.")] = False,
+) -> None:
+    """Correct the configuration of a machine by what a tracker saw of it, and say how sure that is.
+
+    Files have a row per pose at which the machine stood still: what its
+    encoders showed (q1_m to q5_m), and where reflectors on the platform were
+    seen (x1_m, y1_m, z1_m; x2_m ...), empty where one was not, in whatever
+    frame the tracker has. Kinds of parameters are platform, offsets, rails,
+    lengths, zeros, scales, directions, reflectors.
+
+    --output gets the configuration with all else, comments included, as it
+    is, and beside it a file .json with everything. Exits with 1, and writes
+    nothing, if the poses do not determine the machine or no machine explains
+    them; the reason says what does. Directions of rails can be fitted to
+    find out whether they are parallel, but not be written.
+    """
+    from pipeline.calibrate import calibrate as identify
+    from pipeline.calibrate import calibrated_yaml, judge, read_poses
+    from pipeline.config.file import load_config
+
+    setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
+    beside = _check_files(output, config_file, files, setting)
+    reflectors_m = reflector_places(first, second, third)
+    config = load_config(config_file)
+    poses, accounts = read_poses(files, len(reflectors_m))
+    for account in accounts:
+        messages_console().print(account.message(), soft_wrap=True)
+    calibration = identify(config, reflectors_m, poses, setting)
+    verdict = judge(calibration)
+    data = _data(calibration, verdict, accounts)
+    _show(calibration, verdict, data if as_json else None)
+    if not verdict.accepted:
+        reason, advice = "\n  ".join(verdict.reasons).rsplit("\n  What to change: ", 1)
+        raise NoSolutionError("calibrate", reason, advice)
+    if output is not None:
+        names = ", ".join(sorted({file.name for file in files}))
+        text = calibrated_yaml(
+            config_file.read_text(), config, calibration.identification.model, f"Calibrated by gantry-tau from {names}."
+        )
+        _write(text, output, beside, data)
+
+
+def _setting(
+    noise_m: float, prior: dict[str, float], fit: tuple[str, ...] | None, robust: bool, hold_out: float
+) -> "Setting":
+    from pipeline.calibrate import Setting
+    from pipeline.calibrate.model.parameters import USUAL
+
+    return Setting(noise_m, USUAL if fit is None else fit, prior, robust, hold_out)
+
+
+def _kinds(text: str | None) -> tuple[str, ...] | None:
+    from pipeline.calibrate.model.parameters import CHOICES
+
+    if text is None:
+        return None
+    kinds = tuple(part.strip() for part in text.split(",") if part.strip())
+    if unknown := [kind for kind in kinds if kind not in CHOICES]:
+        raise UsageError(f"--fit: there is no {', '.join(unknown)}; choose from {', '.join(CHOICES)}")
+    if not kinds:
+        raise UsageError(f"--fit names nothing; choose from {', '.join(CHOICES)}")
+    return kinds
+
+
+def _priors(given: list[str] | None, reflector_std_m: float | None) -> dict[str, float]:
+    from pipeline.calibrate.model.parameters import CHOICES
+
+    found: dict[str, float] = {}
+    for text in sorted(given or [], key=lambda one: "=" in one):
+        kind, _, number = text.rpartition("=")
+        try:
+            std = float(number)
+        except ValueError:
+            std = 0.0
+        if not 1e-9 <= std <= 0.1 or (kind and kind not in CHOICES):
+            raise UsageError(
+                f"--prior {text}: expected a number from 1e-9 to 0.1, or KIND=NUMBER, KIND one of {', '.join(CHOICES)}"
+            )
+        found |= dict.fromkeys([kind] if kind else _NUMBERS, std)
+    return found if reflector_std_m is None else {**found, "reflectors": reflector_std_m}
+
+
+def _check_files(output: Path | None, config_file: Path, files: list[Path], setting: "Setting") -> Path | None:
+    """Check where results go, before anything is computed; give the name of the file beside the configuration."""
+    if output is None:
+        return None
+    if "directions" in setting.fit:
+        raise UsageError(
+            "--output goes without directions in --fit: rails that are not parallel cannot be written into a "
+            "configuration.\n  What to change: leave out one of the two."
+        )
+    beside = check_facts(output, lambda facts: "covariance" in facts and "parameters" in facts)
+    for other in (config_file, *files):
+        refuse_same(output, other, "--output and a file that is read")
+        refuse_same(beside, other, "the file beside --output and a file that is read")
+    return beside
+
+
+def _data(calibration: "Calibration", verdict: "Verdict", accounts: "list[Account]") -> dict[str, Any]:
+    from pipeline.calibrate.report import calibration_data
+
+    files = [
+        {"file": one.file, "sha256": hashlib.sha256(Path(one.file).read_bytes()).hexdigest(), **one.as_json()}
+        for one in accounts
+    ]
+    return calibration_data(calibration, verdict, files)
+
+
+def _show(calibration: "Calibration", verdict: "Verdict", data: dict[str, Any] | None) -> None:
+    from pipeline.artifacts import json_bytes
+    from pipeline.calibrate.report import ERROR_HEADER, PARAMETER_HEADER, error_cells, parameter_cells
+
+    if data is not None:
+        typer.echo(json_bytes(data), nl=False)
+        return
+    console = results_console()
+    console.print(text_table("parameters", PARAMETER_HEADER, parameter_cells(calibration), (0, 1, 6)))
+    console.print(text_table("distances of points, root mean square", ERROR_HEADER, error_cells(calibration)))
+    console.print(
+        f"chi-square {verdict.chi2:,.1f}, expected {verdict.freedom:,}; {verdict.directions} parameters, of whose "
+        f"directions {verdict.gauges} change nothing that is seen, and {verdict.from_data} are from the data",
+        soft_wrap=True,
+    )
+
+
+def _write(text: str, output: Path, beside: Path | None, data: dict[str, Any]) -> None:
+    """Write the configuration, and beside it, if there is such a file, everything about it."""
+    from pipeline.artifacts import json_bytes, write_whole
+    from pipeline.artifacts.output import write_output
+
+    said = f"{output}: the calibrated machine"
+    if beside is not None:
+        write_whole(beside, json_bytes(data))
+        said += f"; {beside}: everything about it"
+    write_output(output, text.encode())
+    messages_console().print(said, soft_wrap=True)
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        calibrate,
+        (
+            "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --output real.yaml",
+            "gantry-tau calibrate cell.yaml day1.csv day2.csv --reflector-1 0 .1 .05 --robust --hold-out 0.2",
+            "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --prior 0.0005 --prior scales=0.0002",
+        ),
+    ),
+)
+"""The command with its examples."""

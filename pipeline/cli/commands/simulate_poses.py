@@ -1,0 +1,96 @@
+"""The command that simulates what a calibration is made from: static poses, as a tracker sees them."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.cli.console import messages_console
+from pipeline.cli.motions.driven import GeometryOption
+from pipeline.cli.motions.reflector_options import (
+    FirstReflector,
+    SecondReflector,
+    ThirdReflector,
+    reflector_places,
+)
+from pipeline.cli.motions.simulated_file import check_simulated, write_simulated, written_beside
+from pipeline.cli.options import ConfigArgument
+
+
+def simulate_poses(
+    config_file: ConfigArgument,
+    first: FirstReflector = None,
+    second: SecondReflector = None,
+    third: ThirdReflector = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", metavar="FILE", readable=False, help="Where to write to. Default: stdout."),
+    ] = None,
+    poses: Annotated[int, typer.Option("--poses", metavar="N", min=1, max=10_000, help="Number of poses.")] = 40,
+    noise_m: Annotated[
+        float,
+        typer.Option("--noise", metavar="M", min=0.0, max=0.1, help="Standard deviation of each coordinate in metres."),
+    ] = 5e-5,
+    geometry_m: GeometryOption = 2e-4,
+    scales: Annotated[
+        float, typer.Option("--scales", metavar="STD", min=0.0, max=0.01, help="Standard deviation of encoder scales.")
+    ] = 1e-4,
+    rails_rad: Annotated[
+        float,
+        typer.Option("--rails", metavar="RAD", min=0.0, max=0.01, help="Standard deviation of the slopes of rails."),
+    ] = 0.0,
+    outliers: Annotated[
+        float, typer.Option("--outliers", metavar="PART", min=0.0, max=0.5, help="Part of the points 50 mm off.")
+    ] = 0.0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the random numbers.")] = 0,
+) -> None:
+    """Simulate what a tracker sees of a slightly inaccurate machine that stands still at many poses.
+
+    Joints, rails, lengths, reflectors, and zeros and scales of encoders have
+    random errors, drawn once; the tracker stands somewhere. Poses are in all
+    working modes, with a kappa of at most 25, on the side of the Type-II
+    singularities where the start of the task is. The file is one that
+    `calibrate` reads.
+    """
+    from pipeline.calibrate import StaticSetting, simulate_static
+    from pipeline.calibrate.data.simulated import static_columns
+    from pipeline.config.file import load_config
+    from pipeline.export.csv import format_csv
+
+    beside = None if output is None else check_simulated(output, config_file)
+    reflectors_m = reflector_places(first, second, third)
+    setting = StaticSetting(poses, geometry_m, scales, rails_rad, noise_m, outliers, seed)
+    simulated = simulate_static(load_config(config_file), reflectors_m, setting)
+    text = format_csv(static_columns(simulated.poses))
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    truth = simulated.truth
+    write_simulated(
+        output,
+        beside,
+        text,
+        {
+            "config": str(config_file),
+            "reflectors_m": reflectors_m,
+            "setting": setting,
+            "truth": dict(zip(truth.parameters.names, truth.values(), strict=True)),
+            "tracker": {"rotation": truth.rotation, "translation_m": truth.translation_m},
+            "outliers": simulated.is_outlier,
+        },
+    )
+    what = f"{output}: {len(simulated.poses):,} poses of a simulated measurement"
+    messages_console().print(what + written_beside(beside), soft_wrap=True)
+
+
+COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
+    (
+        simulate_poses,
+        (
+            "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --output poses.csv",
+            "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --outliers 0.02 --rails 0.0001 > poses.csv",
+        ),
+    ),
+)
+"""The command with its examples."""

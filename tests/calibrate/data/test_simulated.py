@@ -1,0 +1,36 @@
+"""Simulated measurements of static poses."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from pipeline.calibrate.model.forward import close, positions
+from pipeline.calibrate.model.parameters import DIRECTIONS, SCALES, TRACKER
+from tests.calibrate.conftest import Seen
+
+
+def test_points_are_those_of_the_true_machine_and_noise(see: Callable[..., Seen]):
+    """Without noise they are exactly where the true machine has them; noise and outliers have their sizes."""
+    exact = see(2, poses=30, noise_m=0.0).simulated
+    where = positions(exact.truth, close(exact.truth, exact.poses.q_m, exact.configured_pose))
+    np.testing.assert_allclose(exact.poses.seen_m, where, atol=1e-14)
+    noisy = see(2, poses=300, noise_m=1e-4, outliers=0.1).simulated
+    where = positions(noisy.truth, close(noisy.truth, noisy.poses.q_m, noisy.configured_pose))
+    off = noisy.poses.seen_m - where
+    assert abs(off[~noisy.is_outlier].std() / 1e-4 - 1.0) < 0.06
+    assert abs(noisy.is_outlier.mean() - 0.1) < 0.04
+    np.testing.assert_allclose(np.linalg.norm(off[noisy.is_outlier], axis=1), 0.05, atol=1e-3)
+
+
+def test_the_machine_is_off_as_asked(see: Callable[..., Seen]):
+    """Deviations have their sizes by kind, rails are parallel unless asked otherwise, and seeds repeat."""
+    seen = see(2, poses=5, geometry_std_m=1e-3, scale_std=1e-5, seed=9)
+    parameters = seen.configured.parameters
+    theta = seen.simulated.truth.values() - seen.configured.values()
+    assert not parameters.of(DIRECTIONS, theta).any()
+    assert 3e-6 < parameters.of(SCALES, theta).std() < 3e-5
+    rest = np.delete(theta, np.r_[parameters.slice(SCALES), parameters.slice(DIRECTIONS), parameters.slice(TRACKER)])
+    assert 0.7e-3 < rest.std() < 1.4e-3
+    again = see(2, poses=5, geometry_std_m=1e-3, scale_std=1e-5, seed=9)
+    np.testing.assert_array_equal(again.simulated.poses.seen_m, seen.simulated.poses.seen_m)
+    assert parameters.of(DIRECTIONS, see(2, poses=5, direction_std_rad=1e-4).simulated.truth.values()).all()

@@ -1,0 +1,111 @@
+"""The commands that simulate static poses, and calibrate from them."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import Result
+
+from pipeline.config.file import load_config
+from tests.cli.calls import invoke as call
+from tests.conftest import CONFIGS
+
+REFLECTORS = ("--reflector-1", 0, 0.1, 0.05, "--reflector-2", 0, 0.4, 0.05)
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work in a folder with a configuration."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(CONFIGS / "quick.yaml", "cell.yaml")
+
+
+def simulate(*options: object) -> None:
+    """Simulate poses into poses.csv."""
+    result = call("simulate-poses", "cell.yaml", *REFLECTORS, "--output", "poses.csv", *options)
+    assert result.exit_code == 0, result.output
+
+
+def calibrate(*options: object) -> Result:
+    """Calibrate from poses.csv."""
+    return call("calibrate", "cell.yaml", "poses.csv", *REFLECTORS, *options)
+
+
+def test_from_poses_to_a_calibrated_configuration() -> None:
+    """The new configuration is that of the simulated machine within its deviations, with all that JSON says of it."""
+    simulate("--poses", 60)
+    result = calibrate("--hold-out", 0.25, "--output", "real.yaml")
+    assert result.exit_code == 0, result.output
+    assert "from the data" in result.stdout
+    assert "held out" in result.stdout
+    said, truth = json.loads(Path("real.json").read_text()), json.loads(Path("poses.json").read_text())["truth"]
+    rows = said["parameters"]
+    assert len(rows) == len(said["covariance"]) == 74
+    off = [
+        (row["configured"] + row["change"] - truth[row["name"]]) / row["std"]
+        for row in rows
+        if row["std"] > 0.0 and not row["name"].startswith("tracker")
+    ]
+    assert np.abs(off).max() < 4.5
+    new = load_config("real.yaml").machine
+    by_name = {row["name"]: row["configured"] + row["change"] for row in rows}
+    assert new.links.l2a.length_m == pytest.approx(by_name["length 2a"], abs=1e-9)
+    assert new.actuators.l3b.zero_m == pytest.approx(by_name["zero l3b"], abs=1e-9)
+    assert new.rails[1].z_m == pytest.approx(by_name["rail 2 z"], abs=1e-9)
+    assert said["errors"]["held_out"]["after_m"] < 0.3 * said["errors"]["held_out"]["before_m"]
+    assert said["files"][0]["rows"] == 60
+    again = calibrate("--hold-out", 0.25, "--output", "real.yaml", "--json")
+    assert json.loads(again.stdout) == said
+
+
+def test_what_is_refused_writes_nothing() -> None:
+    """Exit code 1, the reason and what to change, and no file; outliers are left out if asked."""
+    simulate("--outliers", 0.05)
+    result = calibrate("--output", "real.yaml")
+    assert result.exit_code == 1
+    assert "points are outliers (poses.csv, line" in result.stderr
+    assert "What to change: --robust" in result.stderr
+    assert not Path("real.yaml").exists()
+    assert not Path("real.json").exists()
+    robust = calibrate("--robust", "--output", "real.yaml")
+    assert robust.exit_code == 0
+    rejected = json.loads(Path("real.json").read_text())["rejected"]
+    assert len(rejected) == sum(map(sum, json.loads(Path("poses.json").read_text())["outliers"])) > 0
+
+
+def test_rails_are_told_and_not_written() -> None:
+    """Slopes are found with directions in --fit, for which there is no output; without, they are the reason."""
+    simulate("--rails", 0.0004)
+    assert "Rails that are not parallel do" in calibrate().stderr
+    every = (
+        "--fit",
+        "platform,offsets,rails,lengths,zeros,scales,directions,reflectors",
+        "--prior",
+        "directions=0.001",
+    )
+    result = calibrate(*every)
+    assert result.exit_code == 0, result.stderr
+    assert "direction of rail 3 z" in result.stdout
+    refused = calibrate(*every, "--output", "real.yaml")
+    assert refused.exit_code == 2
+    assert "directions" in refused.stderr
+
+
+def test_a_file_beside_that_says_something_else_is_kept() -> None:
+    """As beside every output."""
+    simulate()
+    Path("real.json").write_text("{}")
+    result = calibrate("--output", "real.yaml")
+    assert (result.exit_code, "real.json" in result.stderr) == (2, True)
+    assert Path("real.json").read_text() == "{}"
+    assert not Path("real.yaml").exists()
+
+
+def test_poses_go_to_stdout_without_a_file() -> None:
+    """The same table, and no file that says how it was made."""
+    simulate("--poses", 5)
+    result = call("simulate-poses", "cell.yaml", *REFLECTORS, "--poses", 5)
+    assert result.stdout == Path("poses.csv").read_text()
+    assert len(result.stdout.splitlines()) == 6
