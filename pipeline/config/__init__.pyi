@@ -13,6 +13,9 @@ from .drives import (
 from .export import (
     ExportConfig as ExportConfig,
 )
+from .machine.bodies import (
+    BodyConfig as BodyConfig,
+)
 from .machine.limits import (
     ActuatorLimitsConfig as ActuatorLimitsConfig,
 )
