@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 PROOF_SLACK_M = 5e-5
 """What proven bounds of distances are weakened by, so that other arithmetic can verify them."""
 _STEP_M, _ROUNDING = 1e-4, 1e-9
-DISTANCE = CertificateKey("distance_m", Side.LEAST, None, "least distance of axes", "m", 5)
+DISTANCE = CertificateKey("distance_m", Side.LEAST, None, "least distance of axes", "m", 5, optional=True)
 """Of both kinds of distance."""
 
 

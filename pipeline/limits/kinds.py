@@ -4,6 +4,7 @@ from typing import Protocol
 
 from pipeline.config import Config
 from pipeline.limits import actuators, avoid, gravity_stiffness, holding_force, kappa, link_link, link_rail, tilt
+from pipeline.limits.bodies import body_distance
 from pipeline.limits.interface.limit import Limit, NodeLimit, ProvenLimit
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey
@@ -34,6 +35,7 @@ KINDS: tuple[LimitKind, ...] = (
     kappa,
     link_link,
     link_rail,
+    body_distance,
     holding_force,
     gravity_stiffness,
     tilt,

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from pipeline.config.choices import BodyFrame
-from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, wrong
+from pipeline.config.section import Interval, PositiveLength, Section, Vector, wrong
 
 BODY_PATTERN = r"^\w+([.-]\w+)*$"
 _MOST_BODIES, _MOST_POINTS, _MOST_NAME, _MOST_IGNORED = 100, 64, 40, 1_000
@@ -72,20 +72,24 @@ class BodyConfig(Section):
         description="platform (from the TCP), cart1 to cart3 (from the cart's origin), "
         "rail1 to rail3 (from the rail), or frame"
     )
-    capsule: CapsuleConfig | None = None
-    box: BodyBoxConfig | None = None
-    hull: HullConfig | None = None
-    beam: BeamConfig | None = None
+    capsule: CapsuleConfig | None = Field(None, exclude_if=lambda value: value is None)
+    box: BodyBoxConfig | None = Field(None, exclude_if=lambda value: value is None)
+    hull: HullConfig | None = Field(None, exclude_if=lambda value: value is None)
+    beam: BeamConfig | None = Field(None, exclude_if=lambda value: value is None)
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
         given = [key for key in ("capsule", "box", "hull", "beam") if getattr(self, key) is not None]
         if len(given) != 1:
             found = f"has {' and '.join(given)}" if given else "has no shape"
-            raise PydanticCustomError("rule", "{found}: give exactly one of capsule, box, hull and beam", {"found": found})
+            raise PydanticCustomError(
+                "rule", "{found}: give exactly one of capsule, box, hull and beam", {"found": found}
+            )
         fixed = self.attached_to in (BodyFrame.RAIL1, BodyFrame.RAIL2, BodyFrame.RAIL3, BodyFrame.FRAME)
         if self.beam is not None and not fixed:
-            raise wrong("beam", f"is endless along X and moves with {self.attached_to}; attach it to a rail or the frame")
+            raise wrong(
+                "beam", f"is endless along X and moves with {self.attached_to}; attach it to a rail or the frame"
+            )
         if self.beam is None and fixed:
             raise wrong(
                 "attached_to",

@@ -77,7 +77,7 @@ class ClearanceConfig(Section):
         None,
         ge=0.0,
         le=1.0,
-        description="between the axes of any two links that share no joint; left out where machine.link_bodies is given",
+        description="between axes of any two links that share no joint; left out where machine.link_bodies is given",
     )
     link_rail_m: float | None = Field(
         None, ge=0.0, le=1.0, description="between a link and another arm's rail; null: not checked"
@@ -95,5 +95,7 @@ class ClearanceConfig(Section):
         exclude_if=lambda value: value == JointTrimConfig(),
     )
     ignore: IgnoredPairs = Field(
-        (), description="pairs of bodies or links that are not checked, such as [nose, l3a]", exclude_if=lambda value: not value
+        (),
+        description="pairs of bodies or links that are not checked, such as [nose, l3a]",
+        exclude_if=lambda value: not value,
     )

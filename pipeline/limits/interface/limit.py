@@ -120,6 +120,14 @@ class ShownLimit(Protocol):
 
 
 @runtime_checkable
+class ScreeningLimit(Protocol):
+    """A limit that tells which of many poses keep it at less cost than by its margins."""
+
+    def admits(self, samples: PoseSamples) -> BoolArray:
+        """Tell which of n poses keep the limit, equality included. Shape (n,)."""
+
+
+@runtime_checkable
 class NodeLimit(Protocol):
     """A limit that both programs of stage two keep at their nodes."""
 
@@ -162,6 +170,8 @@ class ProvenLimit(Limit, Protocol):
 
 def admits(limit: Limit, samples: PoseSamples) -> BoolArray:
     """Return which poses keep a limit, equality included. Shape (n,)."""
+    if isinstance(limit, ScreeningLimit):
+        return limit.admits(samples)
     return np.asarray((limit.margins(samples) >= 0.0).all(axis=1), dtype=bool)
 
 

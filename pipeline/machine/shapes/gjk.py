@@ -118,7 +118,8 @@ def _nearest(simplex: FloatArray, used: BoolArray, w: FloatArray) -> tuple[Float
             rows, point, value = rows[good], point[:, good], value[good]
             best[:, rows], square[rows] = point, value
             corners[:, rows] = False
-            corners[np.ix_(choice, rows)] = True
+            for k in choice:
+                corners[k, rows] = True
     rows = np.flatnonzero(used.all(axis=0))
     if len(rows):
         inside = rows[_holds_origin(w[:, rows], *(d[k][:, rows] for k in range(3)))]

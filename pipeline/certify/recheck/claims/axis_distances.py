@@ -24,7 +24,9 @@ KEYS: tuple[str, ...] = ("distance_m",)
 
 
 def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
-    """Bound the distances of all pairs that the machine has over some boxes."""
+    """Bound the distances of all pairs that the machine has over some boxes; none where none is asked for."""
+    if not _groups(machine):
+        return np.empty((0, 2))
     distances = [
         distance_bounds(
             machine, AxisPairs.of(pairs, from_rail, machine.rails_m), segment.boxes, segment.inclusions.image
@@ -36,13 +38,19 @@ def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
 
 def _groups(machine: Machine) -> list[tuple[list[tuple[int, int]], bool, float]]:
     """List pairs of links, and of links and rails if they are asked for, with the distance that is required."""
-    groups = [(link_pairs(machine), False, machine.link_link_m)]
-    return groups + ([(rail_pairs(machine), True, machine.link_rail_m)] if np.isfinite(machine.link_rail_m) else [])
+    groups = [
+        (link_pairs(machine), False, machine.link_link_m),
+        (rail_pairs(machine), True, machine.link_rail_m),
+    ]
+    return [group for group in groups if np.isfinite(group[2])]
 
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the distances of all pairs that the machine has for every s."""
     groups, least = _groups(evidence.machine), evidence.least
+    if not groups:
+        yield Claim(DISTANCES, verified=KEYS[0] not in stated.ranges, found="distances of axes are not limited")
+        return
     names = tuple(name for pairs, from_rail, _ in groups for name in pair_names(pairs, from_rail))
     if names != stated.pairs:
         missing = [name for name in names if name not in stated.pairs]

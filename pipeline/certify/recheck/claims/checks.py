@@ -6,7 +6,7 @@ from typing import Protocol
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.claims import actuators, axis_distances, kappa, tilt
+from pipeline.certify.recheck.claims import actuators, axis_distances, body_distances, kappa, tilt
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, combined
 from pipeline.certify.recheck.claims.gravity import holding_force, stiffness
@@ -29,7 +29,7 @@ class BoundCheck(Protocol):
         """Verify what is stated against the bounds over all boxes, and against the limits of the configuration."""
 
 
-CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, holding_force, stiffness, actuators, tilt)
+CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, body_distances, holding_force, stiffness, actuators, tilt)
 """All checks, in the order in which their claims are shown."""
 
 
