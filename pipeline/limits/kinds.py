@@ -67,7 +67,7 @@ def unlimited_measures(config: Config, machine: Machine) -> tuple[Measure, ...]:
         for kind in KINDS
         if not kind.for_poses(machine, config.route.kappa_max) and not kind.for_path(config, machine)
     ]
-    return tuple(measure for kind in without for measure in kind.MEASURES)
+    return tuple(measure for kind in without for measure in kind.MEASURES if measure.applies(machine))
 
 
 def move_limits(config: Config, machine: Machine) -> list[Limit]:

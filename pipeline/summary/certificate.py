@@ -7,6 +7,7 @@ from pipeline.summary.section import SKIPPED, Section
 from pipeline.summary.versions import versions
 
 if TYPE_CHECKING:
+    from pipeline.certify.bounds import Bounds
     from pipeline.certify.result import Certificate
 
 
@@ -27,8 +28,15 @@ def certificate_section(certificate: "Certificate") -> Section:
         "tolerance_fails_m": None if lengths is None else lengths.fails_m,
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
+        **_body_part(bounds),
         **_following_part(certificate),
     }
+
+
+def _body_part(bounds: "Bounds") -> Section:
+    """Give the least of the proven distances of bodies, if there are any."""
+    ranges = bounds.ranges.get("body_distance_m")
+    return {} if ranges is None else {"min_body_distance_bound_m": min(ranges.values[:, 0].tolist(), default=None)}
 
 
 def _following_part(certificate: "Certificate") -> Section:
@@ -86,7 +94,8 @@ def certificate_words(section: Section) -> str:
     )
     if (following := section.get("following_m")) is not None:
         found += f"; drives may be off by {1e3 * following:.2f} mm at a time"
-    return (
-        f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
-        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}"
+    distances = {"axes": section["min_distance_bound_m"], "bodies": section.get("min_body_distance_bound_m")}
+    apart = "".join(
+        f", {what} at least {least:.4f} m apart" for what, least in distances.items() if least is not None
     )
+    return f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}{apart}{found}"

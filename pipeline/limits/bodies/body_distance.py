@@ -195,11 +195,6 @@ def _premises(config: Config) -> dict[str, Any]:
     return {"bodies": found} if found else {}
 
 
-def _least(samples: PoseSamples) -> float:
-    """Reduce to the least distance; NaN without bodies."""
-    return np.nan if samples.machine.bodies is None else float(body_distances(samples.machine, samples).min())
-
-
 CERTIFICATE = CertificateEntry((BODY_DISTANCE,), _premises)
 MEASURES: tuple[Measure, ...] = (
     Measure(
@@ -208,6 +203,7 @@ MEASURES: tuple[Measure, ...] = (
         unit="m",
         prefers="higher",
         resolution=1e-5,
-        reduce=_least,
+        reduce=lambda samples: float(body_distances(samples.machine, samples).min()),
+        applies=lambda machine: machine.bodies is not None,
     ),
 )
