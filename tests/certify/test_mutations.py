@@ -223,7 +223,7 @@ BROKEN: dict[str, Broken] = {
     "distances are taken in the middle": Broken(
         witness_distance,
         {
-            "inclusion.distances._end_points": lambda pairs, series: [
+            "inclusion.distances.axes._end_points": lambda pairs, series: [
                 table if order == 0 else 0 * table for order, table in enumerate(_END_POINTS(pairs, series))
             ]
         },
