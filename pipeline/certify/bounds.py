@@ -59,13 +59,13 @@ class Bounds:
 
     @property
     def pairs(self) -> tuple[str, ...]:
-        """The pairs of axes whose distances are bounded."""
-        return self.ranges["distance_m"].subjects
+        """The pairs of axes whose distances are bounded; none if none are."""
+        return self.ranges["distance_m"].subjects if "distance_m" in self.ranges else ()
 
     @property
     def distances_m(self) -> FloatArray:
         """Lower bounds of the distances of all pairs, shape (pairs,)."""
-        return self.ranges["distance_m"].values[:, 0]
+        return self.ranges["distance_m"].values[:, 0] if self.pairs else np.empty(0)
 
     @property
     def actuators_m(self) -> FloatArray:

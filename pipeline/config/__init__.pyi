@@ -13,6 +13,12 @@ from .drives import (
 from .export import (
     ExportConfig as ExportConfig,
 )
+from .machine.bodies import (
+    BodyConfig as BodyConfig,
+)
+from .machine.bodies import (
+    ObstacleConfig as ObstacleConfig,
+)
 from .machine.limits import (
     ActuatorLimitsConfig as ActuatorLimitsConfig,
 )

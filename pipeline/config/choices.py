@@ -57,3 +57,16 @@ class Proof(StrEnum):
     PATH = "path"
     TOLERANCES = "tolerances"
     FOLLOWING = "following"
+
+
+class BodyFrame(StrEnum):
+    """What a body is attached to."""
+
+    PLATFORM = "platform"
+    CART1 = "cart1"
+    CART2 = "cart2"
+    CART3 = "cart3"
+    RAIL1 = "rail1"
+    RAIL2 = "rail2"
+    RAIL3 = "rail3"
+    FRAME = "frame"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 PROOF_SLACK_M = 5e-5
 """What proven bounds of distances are weakened by, so that other arithmetic can verify them."""
 _STEP_M, _ROUNDING = 1e-4, 1e-9
-DISTANCE = CertificateKey("distance_m", Side.LEAST, None, "least distance of axes", "m", 5)
+DISTANCE = CertificateKey("distance_m", Side.LEAST, None, "least distance of axes", "m", 5, optional=True)
 """Of both kinds of distance."""
 
 
@@ -54,6 +54,7 @@ class AxisDistance:
     rounding: float = 1e-9
     slack: float = 0.0005
     proven_under_error: bool = True
+    near: float = 0.1
 
     @property
     def requirement(self) -> str:
@@ -111,7 +112,7 @@ class AxisDistance:
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the distances of all pairs over a proven box from below, shape (pairs, 2)."""
-        from pipeline.inclusion.distances import AxisPairs, distance_bounds
+        from pipeline.inclusion.distances.axes import AxisPairs, distance_bounds
 
         pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine.rails_m)
         least = distance_bounds(box.balls, pairs, box.series, box.deviation, box.erring)

@@ -1,5 +1,7 @@
 """The least distance between the axes of links that share no joint."""
 
+import numpy as np
+
 from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.limits.axis_distance import DISTANCE, AxisDistance, distance_relaxation
@@ -19,7 +21,9 @@ def _distances(samples: PoseSamples) -> FloatArray:
 
 
 def for_poses(machine: Machine, kappa_max: float) -> list[Limit]:
-    """Return the limit of poses by themselves."""
+    """Return the limit of poses by themselves: none if links have bodies instead."""
+    if np.isnan(machine.link_link_m):
+        return []
     wording = Wording(
         name="link-link distance",
         key=_KEY,
@@ -43,8 +47,8 @@ def for_path(config: Config, machine: Machine) -> list[Limit]:
 
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
-    """Return smaller distances down to zero."""
-    return distance_relaxation(config, "link_link_m", _distances)
+    """Return smaller distances down to zero; none if links have bodies instead."""
+    return [] if np.isnan(machine.link_link_m) else distance_relaxation(config, "link_link_m", _distances)
 
 
 CERTIFICATE = CertificateEntry((DISTANCE,))

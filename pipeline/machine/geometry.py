@@ -16,6 +16,8 @@ from pipeline.arrays import FloatArray
 from pipeline.config import FixedLinkConfig, MachineConfig, TelescopeConfig, TriangleLinkConfig
 from pipeline.config.machine.limits import push_and_pull
 from pipeline.machine.masses import Masses, build_masses
+from pipeline.machine.shapes.build import build_bodies
+from pipeline.machine.shapes.model import Bodies
 
 LINKS = ("1", "2a", "2b", "3a", "3b", "3c")
 ARM_OF_LINK = np.array([0, 1, 1, 2, 2, 2])
@@ -50,7 +52,7 @@ class Machine:
     characteristic_length_m : float
         What moments are divided by in the statics matrix.
     link_link_m, link_rail_m : float
-        Least distance between axes; `link_rail_m` is NaN when rails are not checked.
+        Least distance between axes; NaN where it is not checked.
     shared_joint_m : float
         How far apart the joints of two links may be that count as one.
     velocity_mps, acceleration_mps2, jerk_mps3 : (5,)
@@ -67,6 +69,8 @@ class Machine:
         Least stiffness by gravity that the drives have to deal with, -inf where it is not limited.
     masses : Masses or None
         What forces follow from; None where the configuration gives no masses.
+    bodies : Bodies or None
+        What is kept apart beside axes; None where the configuration gives no bodies.
     """
 
     rails_m: FloatArray
@@ -90,6 +94,7 @@ class Machine:
     holding_fraction: float = 1.0
     gravity_stiffness_npm: float = -np.inf
     masses: Masses | None = None
+    bodies: Bodies | None = None
 
     @property
     def known_masses(self) -> Masses:
@@ -130,7 +135,6 @@ def build_machine(config: MachineConfig) -> Machine:
         config.links.l3c,
     )
     limits = config.limits.of_actuators()
-    rail_distance = config.clearance.link_rail_m
     return Machine(
         rails_m=np.array([(rail.y_m, rail.z_m) for rail in config.rails]),
         travel_m=np.array([rail.travel_m for rail in config.rails]),
@@ -139,24 +143,25 @@ def build_machine(config: MachineConfig) -> Machine:
         lengths_m=np.array([_length(link, config) for link in links]),
         strokes_m=np.array([config.links.l2b.stroke_m, config.links.l3b.stroke_m]),
         triangle_sign=-1.0 if config.triangle_branch == "negative" else 1.0,
-        link_link_m=config.clearance.link_link_m,
-        link_rail_m=np.nan if rail_distance is None else rail_distance,
+        link_link_m=_given(config.clearance.link_link_m, np.nan),
+        link_rail_m=_given(config.clearance.link_rail_m, np.nan),
         shared_joint_m=config.clearance.shared_joint_m,
         velocity_mps=np.array([limit.velocity_mps for limit in limits]),
         characteristic_length_m=config.characteristic_length_m,
         acceleration_mps2=np.array([limit.acceleration_mps2 for limit in limits]),
-        jerk_mps3=np.array([_or_infinite(limit.jerk_mps3) for limit in limits]),
+        jerk_mps3=np.array([_given(limit.jerk_mps3) for limit in limits]),
         force_n=np.array([push_and_pull(limit.force_n) for limit in limits]).T,
         link_force_n=np.array(push_and_pull(config.limits.link_force_n)),
-        tcp_speed_mps=_or_infinite(config.limits.tcp.speed_mps),
-        tcp_acceleration_mps2=_or_infinite(config.limits.tcp.acceleration_mps2),
+        tcp_speed_mps=_given(config.limits.tcp.speed_mps),
+        tcp_acceleration_mps2=_given(config.limits.tcp.acceleration_mps2),
         holding_fraction=config.limits.holding_fraction,
-        gravity_stiffness_npm=_or_infinite(config.limits.gravity_stiffness_npm, -np.inf),
+        gravity_stiffness_npm=_given(config.limits.gravity_stiffness_npm, -np.inf),
         masses=None if config.dynamics is None else build_masses(config.dynamics),
+        bodies=build_bodies(config),
     )
 
 
-def _or_infinite(limit: float | None, without: float = np.inf) -> float:
+def _given(limit: float | None, without: float = np.inf) -> float:
     return without if limit is None else limit
 
 

@@ -135,9 +135,11 @@ def _run(facts: Facts) -> Verdict:
 def _certificate(section: Mapping[str, Any]) -> Verdict:
     if section["verdict"] != CERTIFIED:
         return Verdict("Certificate", str(section["verdict"]).capitalize(), "No proof was requested.", "open")
-    distance = section["min_distance_bound_m"]
-    axes = "" if distance is None else f"; link axes at least {1e3 * distance:.1f} mm apart"
-    detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{axes}."
+    distances = {"link axes": section["min_distance_bound_m"], "bodies": section.get("min_body_distance_bound_m")}
+    apart = "".join(
+        f"; {what} at least {1e3 * least:.1f} mm apart" for what, least in distances.items() if least is not None
+    )
+    detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{apart}."
     if (least := section.get("least_kappa")) is not None:
         detail += f" No path within the limits can do with less than {least:.2f}."
     return Verdict("Certificate", "Certified", detail, "good")
@@ -161,8 +163,10 @@ def _path(section: Mapping[str, Any]) -> Verdict:
 
 
 def _clearance(section: Mapping[str, Any]) -> Verdict:
-    detail = f"Smallest distance between link axes; largest tilt {section['max_tilt_deg']:.1f}°."
-    return Verdict("Clearance", f"{1e3 * section['min_link_distance_m']:.1f} mm", detail, "good")
+    bodies = section.get("min_body_distance_m")
+    distance, what = (section["min_link_distance_m"], "link axes") if bodies is None else (bodies, "bodies")
+    detail = f"Smallest distance between {what}; largest tilt {section['max_tilt_deg']:.1f}°."
+    return Verdict("Clearance", f"{1e3 * distance:.1f} mm", detail, "good")
 
 
 def _duration(section: Mapping[str, Any]) -> Verdict:

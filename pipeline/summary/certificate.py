@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from pipeline.bound.bound import Bound
+    from pipeline.certify.bounds import Bounds
     from pipeline.certify.result import Certificate, Tolerance
 
 
@@ -31,6 +32,7 @@ def certificate_section(certificate: "Certificate") -> Section:
         "tolerance_fails_m": None if lengths is None else lengths.fails_m,
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
+        **_body_part(bounds),
         **_following_part(certificate),
         **pose_error_part(None),
         "least_kappa": None,
@@ -43,6 +45,15 @@ def every_path_section(bound: "Bound") -> Section:
     return {
         "least_kappa": bound.least_kappa,
         "least_kappa_boxes": sum(attempt.boxes for attempt in bound.attempts),
+    }
+
+
+def _body_part(bounds: "Bounds") -> Section:
+    """Give the least of the proven distances of bodies, and from obstacles, where there are any."""
+    return {
+        f"min_{what}_distance_bound_m": min(ranges.values[:, 0].tolist(), default=None)
+        for what in ("body", "obstacle")
+        if (ranges := bounds.ranges.get(f"{what}_distance_m")) is not None
     }
 
 
@@ -118,7 +129,6 @@ def certificate_words(section: Section) -> str:
         )
     if (least := section.get("least_kappa")) is not None:
         found += f"; no path can have a largest kappa below {least:.2f}"
-    return (
-        f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}, "
-        f"axes at least {section['min_distance_bound_m']:.4f} m apart{found}{pose_error_words(section)}"
-    )
+    distances = {"axes": section["min_distance_bound_m"], "bodies": section.get("min_body_distance_bound_m")}
+    apart = "".join(f", {what} at least {least:.4f} m apart" for what, least in distances.items() if least is not None)
+    return f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}{apart}{found}{pose_error_words(section)}"

@@ -46,7 +46,9 @@ def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "Path
 def path_words(section: Section) -> str:
     """Say the key figures in words."""
     coarse, refined = section["coarse_kappa_integral"], section["kappa_integral"]
+    distance = section.get("min_body_distance_m")
+    bodies = "" if distance is None else f", bodies {distance:.4f} m"
     return (
         f"kappa integral {refined:.1f} ({refined / coarse - 1.0:+.1%} against the coarse path's {coarse:.1f}), "
-        f"largest {section['kappa_max']:.1f}; links at least {section['min_link_distance_m']:.4f} m apart"
+        f"largest {section['kappa_max']:.1f}; links at least {section['min_link_distance_m']:.4f} m apart{bodies}"
     )

@@ -48,6 +48,9 @@ def verify(
         *inventory.inventory_claims(machine, stated),
     ]
 
+    def measured(segment: EvaluatedChain, before: list[FloatArray] | None) -> list[FloatArray]:
+        return checks.measure_all(config, machine, segment, before)
+
     def bounds_of(found: list[FloatArray]) -> list[Claim]:
         return list(checks.bound_claims(config, machine, found, stated.bounds))
 
@@ -55,13 +58,16 @@ def verify(
         yield from endpoints.endpoint_claims(machine, ends, evaluate_ends(machine, path, proven), stated.bounds)
         yield pose_claim(path, proven)
 
+    def erring(segment: EvaluatedChain, before: errors.Evidence | None) -> errors.Evidence:
+        return errors.measure(config, machine, segment, before)
+
     def limits_of(of: str, found: errors.Evidence) -> Claim:
         return errors.limit_claim(of, config, machine, found)
 
     # Boxes say nothing about splines that are not a function.
     if splines.verified:
         for proven, reserve in zip(stated.chains, inventory.stated_reserves(stated), strict=True):
-            asked = _Asked(bounds_of, ends_of, limits_of, reserve)
+            asked = _Asked(measured, bounds_of, ends_of, erring, limits_of, reserve)
             claims += _chain_claims(machine, path, proven, asked, refused=_any_refused(claims))
     known = {claim.what for claim in claims}
     absent = "missing, or not evaluated for what else is wrong" if _any_refused(claims) else "missing"
@@ -72,8 +78,10 @@ def verify(
 class _Asked:
     """What else is claimed: of the chain of the configured machine, and of chains of following errors."""
 
+    measured: Callable[[EvaluatedChain, list[FloatArray] | None], list[FloatArray]]
     bounds_of: Callable[[list[FloatArray]], list[Claim]]
     ends_of: Callable[[ProvenChain], Iterable[Claim]]
+    erring: Callable[[EvaluatedChain, errors.Evidence | None], errors.Evidence]
     limits_of: Callable[[str, errors.Evidence], Claim]
     reserve_deg: tuple[float, float] | None
 
@@ -88,14 +96,14 @@ class _Bounds:
         self._tilts = np.zeros(2)
         self.claims: list[Claim] = []
 
-    def add(self, machine: Machine, segment: EvaluatedChain) -> None:
+    def add(self, segment: EvaluatedChain) -> None:
         """Take a segment of boxes into account."""
         self.claims = []
         if _is_configured(self._proven):
-            self._configured = checks.measure_all(machine, segment, self._configured)
+            self._configured = self._asked.measured(segment, self._configured)
             self.claims += self._asked.bounds_of(self._configured)
         if self._proven.within_limits:
-            self._erring = errors.measure(machine, segment, self._erring)
+            self._erring = self._asked.erring(segment, self._erring)
             self.claims.append(self._asked.limits_of(self._of, self._erring))
         self._tilts = np.maximum(self._tilts, errors.tilts_off_deg(segment))
         self.claims += errors.reserve_claims(self._of, self._tilts, self._asked.reserve_deg)
@@ -119,7 +127,7 @@ def _chain_claims(machine: Machine, path: Path, proven: ProvenChain, asked: _Ask
             refused |= not chain.closes(proven) or _any_refused(ends)
             for segment in evaluate_chain(machine, path, proven):
                 counted += chain.count_boxes(segment)
-                bounds.add(machine, segment)
+                bounds.add(segment)
                 # What is wrong over some boxes is wrong over all: bounds get only wider.
                 if counted.boxes < len(proven.boxes) and (
                     refused or not counted.all_hold or _any_refused(bounds.claims)

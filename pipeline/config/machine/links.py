@@ -4,6 +4,7 @@ from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from pipeline.config.machine.bodies import IgnoredPairs, JointTrimConfig
 from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, require_ordered
 
 SHARED_JOINT_M = 0.002
@@ -72,10 +73,19 @@ class LinksConfig(Section):
     l3c: TriangleLinkConfig
 
 
-class ClearanceConfig(Section):
-    """Least distances between axes (link diameter plus margin)."""
+OF_BODIES = {"bodies_m", "joint_trim_m", "ignore"}
+"""Keys of clearances that are of bodies; left out where they are not given."""
 
-    link_link_m: float = Field(ge=0.0, le=1.0, description="between any two links that share no joint")
+
+class ClearanceConfig(Section):
+    """Least distances between axes (link diameter plus margin), and between the surfaces of bodies."""
+
+    link_link_m: float | None = Field(
+        None,
+        ge=0.0,
+        le=1.0,
+        description="between axes of any two links that share no joint; left out where machine.link_bodies is given",
+    )
     link_rail_m: float | None = Field(
         None, ge=0.0, le=1.0, description="between a link and another arm's rail; null: not checked"
     )
@@ -84,4 +94,21 @@ class ClearanceConfig(Section):
         ge=0.0,
         le=0.05,
         description="joints of two links that are at most so far apart are one joint; 0: only in one point",
+    )
+    bodies_m: float = Field(
+        0.005,
+        ge=0.0,
+        le=1.0,
+        description="between the surfaces of any two bodies; links without bodies are their axes",
+        exclude_if=lambda value: value == 0.005,
+    )
+    joint_trim_m: JointTrimConfig = Field(
+        default_factory=lambda: JointTrimConfig(),
+        description="length of a link that is left out at a joint, where it is checked against what the joint sits on",
+        exclude_if=lambda value: value == JointTrimConfig(),
+    )
+    ignore: IgnoredPairs = Field(
+        (),
+        description="pairs of bodies or links that are not checked, such as [nose, l3a]",
+        exclude_if=lambda value: not value,
     )

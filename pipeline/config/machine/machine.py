@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from pipeline.config.choices import TriangleBranch
 from pipeline.config.machine.actuators import ActuatorsConfig
+from pipeline.config.machine.bodies import Bodies, LinkBodiesConfig, require_names
 from pipeline.config.machine.limits import LimitsConfig
 from pipeline.config.machine.links import ClearanceConfig, LinksConfig, RailConfig
 from pipeline.config.machine.masses import DynamicsConfig
@@ -27,6 +28,17 @@ class MachineConfig(Section):
         1.0, description="moments are divided by it for kappa: about the size of the machine"
     )
     clearance: ClearanceConfig
+    bodies: Bodies = Field(
+        (),
+        description="convex bodies that nothing may touch, such as "
+        "{name: nose, attached_to: platform, capsule: {from_m: [0, 0.02, 0], to_m: [0, 0.07, 0], radius_m: 0.02}}",
+        exclude_if=lambda value: not value,
+    )
+    link_bodies: LinkBodiesConfig | None = Field(
+        None,
+        description="the links as rods and tubes; null: axes, clearance.link_link_m apart",
+        exclude_if=lambda value: value is None,
+    )
     limits: LimitsConfig
     dynamics: DynamicsConfig | None = Field(
         None, description="masses, for forces and their limits; null: no forces, and no limits of forces either"
@@ -54,6 +66,40 @@ class MachineConfig(Section):
                 f"is missing, and without masses there are no forces to hold against machine.limits."
                 f"{limited[0]}; give it, or leave out {' and '.join(f'machine.limits.{key}' for key in limited)}",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _links_have_one_distance(self) -> Self:
+        axes = self.clearance.link_link_m
+        if self.link_bodies is None and axes is None:
+            raise wrong("clearance.link_link_m", "is missing; allowed is a number from 0 to 1, or machine.link_bodies")
+        if self.link_bodies is not None and axes is not None:
+            raise wrong(
+                "clearance.link_link_m",
+                f"is {axes:g}, between axes, where machine.link_bodies gives the links surfaces: leave it out; "
+                "machine.clearance.bodies_m is kept between these",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _bodies_fit(self) -> Self:
+        require_names("bodies", self.bodies)
+        if not self.bodies and self.link_bodies is None:
+            return self
+        lengths = {"l1": self.links.l1.length_m, "l2a": self.links.l2a.length_m, "l3a": self.links.l3a.length_m}
+        lengths |= {"l2b": self.links.l2b.stroke_m[0], "l3b": self.links.l3b.stroke_m[0]}
+        trim = self.clearance.joint_trim_m
+        for name, length in lengths.items():
+            if trim.platform + trim.cart >= length:
+                raise wrong("clearance.joint_trim_m", f"leaves nothing of link {name}, {length:g} m long at least")
+        for name in ("l2b", "l3b"):
+            tube = None if self.link_bodies is None else getattr(self.link_bodies, name).tube_length_m
+            if tube is not None and not trim.cart < tube <= lengths[name]:
+                raise wrong(
+                    f"link_bodies.{name}.tube_length_m",
+                    f"is {tube:g}; allowed is more than clearance.joint_trim_m.cart ({trim.cart:g}), at most the "
+                    f"least stroke ({lengths[name]:g})",
+                )
         return self
 
     @model_validator(mode="after")

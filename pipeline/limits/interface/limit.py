@@ -120,12 +120,24 @@ class ShownLimit(Protocol):
 
 
 @runtime_checkable
+class ScreeningLimit(Protocol):
+    """A limit that tells which of many poses keep it at less cost than by its margins."""
+
+    def admits(self, samples: PoseSamples) -> BoolArray:
+        """Tell which of n poses keep the limit, equality included. Shape (n,)."""
+
+
+@runtime_checkable
 class NodeLimit(Protocol):
     """A limit that both programs of stage two keep at their nodes."""
 
     @property
     def slack(self) -> float:
         """How far the sequential programs may exceed the limit before their last iterate."""
+
+    @property
+    def near(self) -> float:
+        """How far above its least a value is left out of a step of the sequential programs."""
 
     def values(self, samples: PoseSamples) -> FloatArray:
         """Compute the limited values at n poses, to be at least `least`, shape (n, m)."""
@@ -171,6 +183,8 @@ class ErrorProvenLimit(ProvenLimit, Protocol):
 
 def admits(limit: Limit, samples: PoseSamples) -> BoolArray:
     """Return which poses keep a limit, equality included. Shape (n,)."""
+    if isinstance(limit, ScreeningLimit):
+        return limit.admits(samples)
     return np.asarray((limit.margins(samples) >= 0.0).all(axis=1), dtype=bool)
 
 

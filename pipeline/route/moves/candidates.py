@@ -19,7 +19,9 @@ from pipeline.parallel import blocks, in_parallel
 from pipeline.progress import QUIET, Monitor, Progress, silent
 from pipeline.route.memory import memory_gb, require_memory
 from pipeline.route.metric import step_sizes
+from pipeline.route.moves.body_passing import body_codes
 from pipeline.route.moves.neighbours import Cells
+from pipeline.route.moves.obstacle_passing import obstacle_codes
 from pipeline.route.regions.boxes import crossings, grown_boxes
 from pipeline.route.regions.gates import gate_bit
 from pipeline.route.regions.table import RegionTable
@@ -78,7 +80,14 @@ def find_moves(config: Config, machine: Machine, regions: RegionTable, monitor: 
         When moves and shortest paths would take up more than `route.memory_gb`.
     """
     steps = step_sizes(config.route)
-    search = MoveSearch.of(regions, steps, passing_codes(machine, regions), steps[0])
+    codes = np.vstack(
+        [
+            passing_codes(machine, regions),
+            body_codes(machine, regions, _SHIFT),
+            obstacle_codes(config, machine, regions, _SHIFT),
+        ]
+    )
+    search = MoveSearch.of(regions, steps, codes, steps[0])
     expected = search.expected_moves()
     require_memory(
         config.route,
@@ -102,7 +111,7 @@ def rule_moves(config: Config, regions: RegionTable) -> Moves:
 
 @dataclass(frozen=True, eq=False)
 class MoveSearch:
-    """What decides which regions can be joined; `codes` as of `passing_codes`.
+    """What decides which regions can be joined; `codes` as of `passing_codes`, one row per word.
 
     Attributes
     ----------
@@ -128,7 +137,8 @@ class MoveSearch:
 
     @classmethod
     def of(cls, regions: RegionTable, steps: FloatArray, codes: IntArray, x_step_m: float) -> "MoveSearch":
-        """Sort the regions; `x_step_m` is the largest move along X."""
+        """Sort the regions; `codes` are (n,) or (words, n), `x_step_m` is the largest move along X."""
+        codes = np.atleast_2d(codes)
         left = np.repeat(np.arange(len(regions), dtype=np.int32), np.where(regions.gates > 0, 2, 1))
         origins = left[left != regions.goal]
         second = np.append(False, origins[1:] == origins[:-1])
@@ -179,11 +189,14 @@ class MoveSearch:
         number, j = self.cells.around(origins, self.arrivals[block])
         i = np.repeat(origins, number)
         # Opposite signs of det H, or of a passing pair of links, share a bit.
-        keep = (self.codes[i] & self.opposite[j]) == 0
+        keep = (self.codes[0][i] & self.opposite[0][j]) == 0
         keep &= (i != j) & (j != self.regions.start)
         if not self.needless:
             keep &= ~self._needless(i, j)
         i, j = i[keep], j[keep]
+        for mine, other in zip(self.codes[1:], self.opposite[1:], strict=True):
+            keep = (mine[i] & other[j]) == 0
+            i, j = i[keep], j[keep]
         for coordinate in self.coordinates:
             near = np.abs(coordinate[i] - coordinate[j]) <= 1.0 + _ROUNDING
             i, j = i[near], j[near]

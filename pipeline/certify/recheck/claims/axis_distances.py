@@ -26,7 +26,8 @@ from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
-from pipeline.inclusion.distances import AxisPairs, joint_rates, separating_directions, turning_rates
+from pipeline.config import Config
+from pipeline.inclusion.distances.axes import AxisPairs, joint_rates, separating_directions, turning_rates
 from pipeline.limits.axis_distance import pair_names
 from pipeline.machine.clearance import link_pairs, rail_pairs
 from pipeline.machine.geometry import Machine
@@ -36,8 +37,10 @@ CLAIMS: tuple[str, ...] = (DISTANCES,)
 KEYS: tuple[str, ...] = ("distance_m",)
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
-    """Bound the distances of all pairs that the machine has over some boxes."""
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    """Bound the distances of all pairs that the machine has over some boxes; none where none is asked for."""
+    if not _groups(machine):
+        return np.empty((0, 2))
     image, errors = segment.inclusions.image, segment.erring(machine)
     distances = [
         distance_bounds(machine, AxisPairs.of(pairs, from_rail, machine.rails_m), segment.boxes, (image, errors))
@@ -48,18 +51,24 @@ def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
 
 def _groups(machine: Machine) -> list[tuple[list[tuple[int, int]], bool, float]]:
     """List pairs of links, and of links and rails if they are asked for, with the distance that is required."""
-    groups = [(link_pairs(machine), False, machine.link_link_m)]
-    return groups + ([(rail_pairs(machine), True, machine.link_rail_m)] if np.isfinite(machine.link_rail_m) else [])
+    groups = [
+        (link_pairs(machine), False, machine.link_link_m),
+        (rail_pairs(machine), True, machine.link_rail_m),
+    ]
+    return [group for group in groups if np.isfinite(group[2])]
 
 
 def required_m(machine: Machine) -> FloatArray:
     """Return the required distance of every pair that the machine has."""
-    return np.concatenate([np.full(len(pairs), least) for pairs, _, least in _groups(machine)])
+    return np.concatenate([np.empty(0), *(np.full(len(pairs), least) for pairs, _, least in _groups(machine))])
 
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     """Verify the distances of all pairs that the machine has for every s."""
     groups, least = _groups(evidence.machine), evidence.least
+    if not groups:
+        yield Claim(DISTANCES, verified=KEYS[0] not in stated.ranges, found="distances of axes are not limited")
+        return
     names = tuple(name for pairs, from_rail, _ in groups for name in pair_names(pairs, from_rail))
     if names != stated.pairs:
         missing = [name for name in names if name not in stated.pairs]

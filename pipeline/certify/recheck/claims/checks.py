@@ -6,7 +6,7 @@ from typing import Protocol
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.claims import actuators, axis_distances, kappa, tilt
+from pipeline.certify.recheck.claims import actuators, axis_distances, body_distances, kappa, tilt
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, combined
 from pipeline.certify.recheck.claims.gravity import holding_force, stiffness
@@ -22,20 +22,22 @@ class BoundCheck(Protocol):
     KEYS: tuple[str, ...]
     """The keys of certificate.json whose bounds it verifies."""
 
-    def measure(self, machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    def measure(self, config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
         """Bound the limited quantities over some boxes from below and above, shape (m, 2)."""
 
     def check(self, evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
         """Verify what is stated against the bounds over all boxes, and against the limits of the configuration."""
 
 
-CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, holding_force, stiffness, actuators, tilt)
+CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, body_distances, holding_force, stiffness, actuators, tilt)
 """All checks, in the order in which their claims are shown."""
 
 
-def measure_all(machine: Machine, segment: EvaluatedChain, before: Sequence[FloatArray] | None) -> list[FloatArray]:
+def measure_all(
+    config: Config, machine: Machine, segment: EvaluatedChain, before: Sequence[FloatArray] | None
+) -> list[FloatArray]:
     """Bound everything over a segment of boxes as well as over those `before` it, an array per check."""
-    found = [module.measure(machine, segment) for module in CHECKS]
+    found = [module.measure(config, machine, segment) for module in CHECKS]
     return found if before is None else [combined(one, more) for one, more in zip(before, found, strict=True)]
 
 

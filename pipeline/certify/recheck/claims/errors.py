@@ -22,9 +22,9 @@ Evidence = tuple[FloatArray, FloatArray]
 """Bounds of kappa and det H, and of distances, over some boxes."""
 
 
-def measure(machine: Machine, segment: EvaluatedChain, before: Evidence | None) -> Evidence:
+def measure(config: Config, machine: Machine, segment: EvaluatedChain, before: Evidence | None) -> Evidence:
     """Bound kappa and distances over a segment of boxes as well as over those before it, for all errors."""
-    found = kappa.measure(machine, segment), axis_distances.measure(machine, segment)
+    found = kappa.measure(config, machine, segment), axis_distances.measure(config, machine, segment)
     return found if before is None else (combined(before[0], found[0]), combined(before[1], found[1]))
 
 

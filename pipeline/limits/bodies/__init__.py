@@ -1,0 +1,1 @@
+"""Kinds of limit that concern bodies."""
