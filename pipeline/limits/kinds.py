@@ -3,7 +3,17 @@
 from typing import Protocol
 
 from pipeline.config import Config
-from pipeline.limits import actuators, avoid, gravity_stiffness, holding_force, kappa, link_link, link_rail, tilt
+from pipeline.limits import (
+    actuators,
+    avoid,
+    gravity_stiffness,
+    holding_force,
+    joint_cone,
+    kappa,
+    link_link,
+    link_rail,
+    tilt,
+)
 from pipeline.limits.interface.limit import Limit, NodeLimit, ProvenLimit
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey
@@ -37,6 +47,7 @@ KINDS: tuple[LimitKind, ...] = (
     holding_force,
     gravity_stiffness,
     tilt,
+    joint_cone,
     avoid,
     actuators,
 )
@@ -65,7 +76,7 @@ def unlimited_measures(config: Config, machine: Machine) -> tuple[Measure, ...]:
         for kind in KINDS
         if not kind.for_poses(machine, config.route.kappa_max) and not kind.for_path(config, machine)
     ]
-    return tuple(measure for kind in without for measure in kind.MEASURES)
+    return tuple(measure for kind in without for measure in kind.MEASURES if measure.applies(machine))
 
 
 def move_limits(config: Config, machine: Machine) -> list[Limit]:

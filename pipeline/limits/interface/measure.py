@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
+from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 
 
@@ -23,6 +24,8 @@ class Measure:
         Difference below which two values count as equal.
     reduce : callable
         Reduces samples of a path to the figure.
+    applies : callable
+        Tells whether there is such a figure of a machine at all.
     """
 
     key: str
@@ -31,3 +34,4 @@ class Measure:
     prefers: Literal["lower", "higher"]
     resolution: float
     reduce: Callable[[PoseSamples], float]
+    applies: Callable[[Machine], bool] = lambda machine: True

@@ -10,6 +10,7 @@ from pipeline.certify.recheck.claims import actuators, axis_distances, kappa, ti
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, combined
 from pipeline.certify.recheck.claims.gravity import holding_force, stiffness
+from pipeline.certify.recheck.claims.joints import angles
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 
@@ -29,7 +30,7 @@ class BoundCheck(Protocol):
         """Verify what is stated against the bounds over all boxes, and against the limits of the configuration."""
 
 
-CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, holding_force, stiffness, actuators, tilt)
+CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, holding_force, stiffness, actuators, tilt, angles)
 """All checks, in the order in which their claims are shown."""
 
 
