@@ -17,7 +17,7 @@ LINK_RAIL = {
     "pipeline.machine.__init__": "the public name of the geometry",
     "pipeline.workspace.table": "the setting of a workspace as numbers",
     "pipeline.config.machine.links": "the key",
-    "pipeline.certify.recheck.claims.axis_distances": "the independent check",
+    "pipeline.certify.recheck.claims.distances.axis_distances": "the independent check",
 }
 """Every module that may know of the distance between links and rails, and why."""
 

@@ -35,6 +35,9 @@ from .machine.links import (
     FixedLinkConfig as FixedLinkConfig,
 )
 from .machine.links import (
+    JointConeConfig as JointConeConfig,
+)
+from .machine.links import (
     LinksConfig as LinksConfig,
 )
 from .machine.links import (

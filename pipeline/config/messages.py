@@ -154,7 +154,7 @@ def _range(schema: _Schema) -> str:
     most = ", at most" if above else " to"
     high = f"{most} {schema['maximum']:g}" if "maximum" in schema else ""
     if "exclusiveMaximum" in schema:
-        high = f"{' to' if low else ''} less than {schema['exclusiveMaximum']:g}"
+        high = f"{',' if above else ' to' if low else ''} less than {schema['exclusiveMaximum']:g}"
     return low + above + high
 
 

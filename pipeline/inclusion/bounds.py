@@ -1,13 +1,15 @@
-"""Bounds of actuators and tilts over a proven box."""
+"""Bounds of actuators, tilts and joint angles over a proven box."""
 
 import numpy as np
-from flint import arb
+from flint import arb, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.condition import above, below
+from pipeline.inclusion.closure import Closure, Vector, dot
+from pipeline.inclusion.condition import above, below, norm
 from pipeline.inclusion.pieces import middle
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.ranges import polynomial_range
+from pipeline.machine.joints.cone import JointCone
 from pipeline.machine.pose import TILT_COLUMNS
 
 
@@ -28,3 +30,44 @@ def tilt_magnitudes(box: ProvenBox) -> FloatArray:
         least, largest = polynomial_range(cubic, box.series.half)
         bounds.append(above(largest.max(-least) + box.inclusion.image[column]))
     return np.array(bounds)
+
+
+def joint_cosine(box: ProvenBox, cone: JointCone) -> tuple[float, float]:
+    """Bound the cosine of a joint's angle over a box from below, and say how much of that is its deviation from a line.
+
+    With v from the cart joint to the platform joint and the axis e, it is e . v / len at a cart and -(R e) . v / len at
+    the platform, len being |v| at the poses of the box. It is taken as c0 + c1 t + c2 t^2, with c0 and c1 about the
+    middle and c2 about every t; poses within d of the cubic change it by no more than v and R e do.
+    """
+    half = box.series.half
+    try:
+        about, everywhere = (_cosine(closure, cone) for closure in (box.series.at, box.series.over))
+    except ZeroDivisionError:
+        return -1.0, 1.0
+    ends = [about[0] + about[1] * t for t in (-half, half)]
+    rest = half * half * everywhere[2].abs_upper() + _moved(box, cone)
+    return below(ends[0].lower().min(ends[1].lower()) - rest), above(rest)
+
+
+def angle_above_deg(cosine: float) -> float:
+    """Bound the angle of a cosine from above, in degrees."""
+    return above(arb(min(max(cosine, -1.0), 1.0)).acos() * 180 / arb.pi())
+
+
+def _cosine(closure: Closure[arb_series], cone: JointCone) -> arb_series:
+    vector, axis = closure.vectors[cone.link], [arb(value) for value in cone.axis.tolist()]
+    if not cone.at_platform:
+        along = vector[0] * axis[0] + vector[1] * axis[1] + vector[2] * axis[2]
+        return along / closure.lengths[cone.link]
+    turned: Vector = [row[0] * axis[0] + row[1] * axis[1] + row[2] * axis[2] for row in closure.rotation]
+    return -dot(turned, vector) / closure.lengths[cone.link]
+
+
+def _moved(box: ProvenBox, cone: JointCone) -> arb:
+    """Bound how far poses within the deviation from the cubic move the cosine: |dv| + |d(R e)| |v|, per length."""
+    deviation, over = box.inclusion.image, box.series.over
+    turn = sum((d.abs_upper() for d in deviation[3:]), arb(0))
+    moved = norm(deviation[:3]) + norm(box.balls.points[cone.link]) * turn
+    if cone.at_platform:
+        moved += turn * (norm([entry[0] for entry in over.vectors[cone.link]]) + moved)
+    return (moved / over.lengths[cone.link][0].abs_lower()).abs_upper()

@@ -3,7 +3,17 @@
 from typing import Protocol
 
 from pipeline.config import Config
-from pipeline.limits import actuators, avoid, gravity_stiffness, holding_force, kappa, link_link, link_rail, tilt
+from pipeline.limits import (
+    actuators,
+    avoid,
+    gravity_stiffness,
+    holding_force,
+    joint_cone,
+    kappa,
+    link_link,
+    link_rail,
+    tilt,
+)
 from pipeline.limits.bodies import body_distance, obstacle_distance
 from pipeline.limits.interface.limit import ErrorProvenLimit, Limit, NodeLimit, ProvenLimit
 from pipeline.limits.interface.measure import Measure
@@ -40,6 +50,7 @@ KINDS: tuple[LimitKind, ...] = (
     holding_force,
     gravity_stiffness,
     tilt,
+    joint_cone,
     avoid,
     actuators,
 )

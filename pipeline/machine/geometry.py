@@ -15,6 +15,7 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.config import FixedLinkConfig, MachineConfig, TelescopeConfig, TriangleLinkConfig
 from pipeline.config.machine.limits import push_and_pull
+from pipeline.machine.joints.cone import JointCone, build_joint_cones
 from pipeline.machine.masses import Masses, build_masses
 from pipeline.machine.shapes.build import build_bodies
 from pipeline.machine.shapes.model import Bodies
@@ -67,6 +68,8 @@ class Machine:
         Part of the force limits that holding the machine against gravity may take.
     gravity_stiffness_npm : float
         Least stiffness by gravity that the drives have to deal with, -inf where it is not limited.
+    joint_cones : tuple of JointCone
+        How far joints may turn; none where it is not limited.
     masses : Masses or None
         What forces follow from; None where the configuration gives no masses.
     bodies : Bodies or None
@@ -93,6 +96,7 @@ class Machine:
     tcp_acceleration_mps2: float = np.inf
     holding_fraction: float = 1.0
     gravity_stiffness_npm: float = -np.inf
+    joint_cones: tuple[JointCone, ...] = ()
     masses: Masses | None = None
     bodies: Bodies | None = None
 
@@ -154,6 +158,7 @@ def build_machine(config: MachineConfig) -> Machine:
         link_force_n=np.array(push_and_pull(config.limits.link_force_n)),
         tcp_speed_mps=_given(config.limits.tcp.speed_mps),
         tcp_acceleration_mps2=_given(config.limits.tcp.acceleration_mps2),
+        joint_cones=build_joint_cones(config.links),
         holding_fraction=config.limits.holding_fraction,
         gravity_stiffness_npm=_given(config.limits.gravity_stiffness_npm, -np.inf),
         masses=None if config.dynamics is None else build_masses(config.dynamics),

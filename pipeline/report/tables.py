@@ -122,7 +122,7 @@ def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
     # Single values first, then ranges, largest and least values.
     for key in sorted(_stated(bounds), key=lambda key: key.side.value if key.subjects != () else 0):
         cells = _bound_rows(config, machine, bounds, key)
-        shown = cells[:1] if key.subjects is None else cells
+        shown = cells[:1] if _is_of_pairs(key) else cells
         rows += [(key.label.format(subject), *texts) for subject, *texts in shown]
     for name, miss in (("start", bounds.start_miss), ("goal", bounds.goal_miss)):
         rows.append((f"{name} missed by", f"at most {_power(miss)} m or rad", f"at most {_power(END_TOLERANCE)}"))
@@ -131,7 +131,7 @@ def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
 
 def distances_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
     """Tabulate the proven distance of every pair of axes beside what is allowed, the nearest first."""
-    pairs = [key for key in _stated(bounds) if key.subjects is None]
+    pairs = [key for key in _stated(bounds) if _is_of_pairs(key)]
     rows = tuple(row for key in pairs for row in _bound_rows(config, machine, bounds, key))
     return Table(("axes of", "proven for the whole path", "allowed"), rows, words=(0, 1, 2))
 
@@ -140,12 +140,17 @@ def _stated(bounds: Bounds) -> list[CertificateKey]:
     return [key for key in certificate_keys() if key.name in bounds.ranges]
 
 
+def _is_of_pairs(key: CertificateKey) -> bool:
+    """Tell whether a key is of pairs, of which there are too many to be listed among others."""
+    return key.subjects is None and key.side is Side.LEAST
+
+
 def _bound_rows(config: Config, machine: Machine, bounds: Bounds, key: CertificateKey) -> list[tuple[str, str, str]]:
     """State subject, bounds and limits of all quantities of a key; if there are many, those with the least first."""
     limits = [quantity for limit in proven_limits(config, machine) for quantity in limit.quantities]
     allowed = {quantity.subject: quantity.allowed for quantity in limits if quantity.key == key}
     ranges = bounds.ranges[key.name]
-    order = range(len(ranges.subjects)) if key.subjects is not None else np.argsort(ranges.values[:, 0]).tolist()
+    order = np.argsort(ranges.values[:, 0]).tolist() if _is_of_pairs(key) else range(len(ranges.subjects))
     rows = [(ranges.subjects[i], ranges.values[i]) for i in order]
     return [(subject, *_bound_texts(key, values.tolist(), allowed[subject])) for subject, values in rows]
 

@@ -131,4 +131,5 @@ def certificate_words(section: Section) -> str:
         found += f"; no path can have a largest kappa below {least:.2f}"
     distances = {"axes": section["min_distance_bound_m"], "bodies": section.get("min_body_distance_bound_m")}
     apart = "".join(f", {what} at least {least:.4f} m apart" for what, least in distances.items() if least is not None)
-    return f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}{apart}{found}{pose_error_words(section)}"
+    bounds = f"kappa at most {section['kappa_bound']:.2f}{apart}"
+    return f"{section['verdict']} by {section['boxes']:,} boxes: {bounds}{found}{pose_error_words(section)}"

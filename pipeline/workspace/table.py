@@ -114,6 +114,7 @@ def workspace_data(machine: Machine, setting: WorkspaceSetting, rows: list[Works
             "link_rail_m": machine.link_rail_m,
             "travel_m": machine.travel_m,
             "strokes_m": machine.strokes_m,
+            **{cone.key: cone.half_angle_deg for cone in machine.joint_cones},
             "step_m": setting.step_m,
             "coarse_step_m": 2.0 * setting.step_m,
         },

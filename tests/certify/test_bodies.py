@@ -10,7 +10,7 @@ from pipeline.certify import Certificate, prove_path
 from pipeline.certify.bounds import Bounds, Ranges
 from pipeline.certify.recheck import verify
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
-from pipeline.certify.recheck.claims.body_distances import check, measure
+from pipeline.certify.recheck.claims.distances.body_distances import check, measure
 from pipeline.certify.recheck.claims.evidence import Evidence
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision

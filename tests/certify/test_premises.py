@@ -30,6 +30,7 @@ def changed(config: Config, keys: str, value: Any) -> Config:
 
 READ: tuple[tuple[str, Any], ...] = (
     ("machine.links.l1.length_m", 1.1),
+    ("machine.links.l2b.cart_cone", {"axis": [0.0, 0.0, -1.0], "half_angle_deg": 70.0}),
     ("machine.clearance.link_link_m", 0.02),
     ("machine.clearance.link_rail_m", 0.01),
     ("task.start.x_m", 1.0),

@@ -21,6 +21,7 @@ from pipeline.limits.link_rail import for_poses as link_rail_limits
 from pipeline.limits.tilt import TiltLimit
 from pipeline.machine import Machine, build_machine
 from pipeline.machine.samples import PoseSamples
+from tests.joints import CONES
 
 BOX = {"y_m": [0.1, 0.6], "z_m": [0.5, 1.0]}
 PLATE = {
@@ -47,6 +48,7 @@ def strict_config(agder_config: Config, vary) -> Config:
             "machine.dynamics.friction": {"carts_n": 60.0, "telescopes_n": 40.0},
             "machine.limits.holding_fraction": 0.3,
             "machine.limits.gravity_stiffness_npm": -800.0,
+            **CONES,
             "task.tilt_max_deg": 15,
             "task.avoid": [BOX],
             "route.kappa_max": 50,

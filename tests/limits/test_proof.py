@@ -8,12 +8,13 @@ import pytest
 from pipeline.config import Config
 from pipeline.limits import KINDS, CertificateKey, ProvenLimit, Side, certificate_keys, proven_limits
 from pipeline.machine import Machine
+from tests.joints import every_cone
 
 
 @pytest.fixture(scope="module")
 def limits(agder_config: Config, machine: Machine) -> list[ProvenLimit]:
-    """Take all proven limits, that of rails too."""
-    return proven_limits(agder_config, replace(machine, link_rail_m=0.01))
+    """Take all proven limits, those of rails and joints too."""
+    return proven_limits(agder_config, replace(machine, link_rail_m=0.01, joint_cones=every_cone(170.0)))
 
 
 def test_keys_are_those_of_the_format() -> None:
@@ -27,6 +28,7 @@ def test_keys_are_those_of_the_format() -> None:
         "obstacle_distance_m",
         "actuators_m",
         "tilt_deg",
+        "joint_angle_deg",
         "holding_force_n",
         "gravity_stiffness_npm",
     }

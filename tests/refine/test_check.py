@@ -8,10 +8,12 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 from pipeline.config import Config
+from pipeline.limits.joint_cone import joint_angles_deg
 from pipeline.refine import Path, Refinement
 from pipeline.refine.check import doubtful_intervals, find_violations
 from pipeline.refine.measure import PathSamples, sample_path
 from pipeline.route import Route
+from tests.joints import cone, with_cones
 
 Spoil = Callable[[PathSamples], dict[str, np.ndarray]]
 
@@ -97,6 +99,23 @@ def test_each_violation_of_the_machine_is_found(
     path = replace(refinement.path, machine=replace(refinement.path.machine, **change))
     found = find_violations(light_config, route, path, refinement.coarse)
     assert [what in violation.what for violation in found] == [True]
+
+
+def test_a_joint_that_leaves_its_cone_between_samples_is_found(
+    light_config: Config, route: Route, refinement: Refinement
+) -> None:
+    """At no sample of the even grid, and by less than a thousandth of a degree: in between, at its largest angle."""
+    grid = np.linspace(0.0, 1.0, light_config.refine.check_points + 1)
+    one = cone("3b", "cart", (0.0, 0.41, 0.91), 90.0)
+    seen = joint_angles_deg(one, sample_path(refinement.path, grid))
+    near = grid[seen.argmax()] + np.linspace(-grid[1], grid[1], 2_001)
+    most, largest = float(seen.max()), float(joint_angles_deg(one, sample_path(refinement.path, near)).max())
+    assert most < largest < most + 1e-3
+    for half_angle_deg, words in (((most + largest) / 2.0, ["cart joint of link 3b"]), (largest + 1e-6, [])):
+        machine = with_cones(refinement.path.machine, replace(one, half_angle_deg=half_angle_deg))
+        found = find_violations(light_config, route, replace(refinement.path, machine=machine), refinement.coarse)
+        assert [str(violation)[:21] for violation in found] == words
+        assert all(abs(violation.s[0] - grid[seen.argmax()]) < grid[1] for violation in found)
 
 
 def test_a_path_that_cannot_close_is_a_violation(light_config: Config, route: Route, refinement: Refinement) -> None:

@@ -1,11 +1,11 @@
 """Rails, links and the least distances between them."""
 
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from pipeline.config.machine.bodies import IgnoredPairs, JointTrimConfig
-from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, require_ordered
+from pipeline.config.section import Interval, Length, PositiveLength, Section, Vector, require_ordered, wrong
 
 SHARED_JOINT_M = 0.002
 """How far apart joints of two links are that count as one, by default: more than a calibration moves them."""
@@ -25,6 +25,40 @@ class RailConfig(Section):
         return require_ordered(self, "travel_m", self.travel_m)
 
 
+class JointConeConfig(Section):
+    """How far a spherical or universal joint can turn: the link leaves it within a cone."""
+
+    on_one_line: ClassVar[bool] = True
+
+    axis: Vector = Field(
+        description="where the link points, from this joint to its other one, in the middle of the joint; of any "
+        "length, in the platform's frame or, for a joint at a cart, in the cart's, which does not turn"
+    )
+    half_angle_deg: float = Field(gt=0.0, lt=180.0, description="largest angle between link and axis")
+
+    @model_validator(mode="after")
+    def _axis_points_somewhere(self) -> Self:
+        if self.axis == (0.0, 0.0, 0.0):
+            raise wrong("axis", "is [0, 0, 0]; allowed is any other direction")
+        return self
+
+
+PlatformCone = Annotated[
+    JointConeConfig | None,
+    Field(
+        description="how far its platform joint can turn, {axis: [...], half_angle_deg: ...}; null: not limited",
+        exclude_if=lambda cone: cone is None,
+    ),
+]
+CartCone = Annotated[
+    JointConeConfig | None,
+    Field(
+        description="how far its cart joint can turn, {axis: [...], half_angle_deg: ...}; null: not limited",
+        exclude_if=lambda cone: cone is None,
+    ),
+]
+
+
 class FixedLinkConfig(Section):
     """A link of fixed length between a cart and the platform."""
 
@@ -33,6 +67,8 @@ class FixedLinkConfig(Section):
     platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
     cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
     length_m: PositiveLength = Field(description="distance between the two joints")
+    platform_cone: PlatformCone = None
+    cart_cone: CartCone = None
 
 
 class TriangleLinkConfig(Section):
@@ -46,6 +82,8 @@ class TriangleLinkConfig(Section):
         None,
         description="distance between the two joints; null: right angle between 3a and the platform side",
     )
+    platform_cone: PlatformCone = None
+    cart_cone: CartCone = None
 
 
 class TelescopeConfig(Section):
@@ -56,6 +94,8 @@ class TelescopeConfig(Section):
     platform_point_m: Vector = Field(description="joint on the platform, in the platform frame")
     cart_offset_m: Vector = Field((0.0, 0.0, 0.0), description="joint on the cart, from the cart's origin")
     stroke_m: tuple[PositiveLength, PositiveLength] = Field(description="[least, largest] length")
+    platform_cone: PlatformCone = None
+    cart_cone: CartCone = None
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

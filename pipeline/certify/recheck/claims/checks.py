@@ -6,10 +6,12 @@ from typing import Protocol
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.claims import actuators, axis_distances, body_distances, kappa, tilt
+from pipeline.certify.recheck.claims import actuators, kappa, tilt
 from pipeline.certify.recheck.claims.claim import Claim
+from pipeline.certify.recheck.claims.distances import axis_distances, body_distances
 from pipeline.certify.recheck.claims.evidence import Evidence, combined
 from pipeline.certify.recheck.claims.gravity import holding_force, stiffness
+from pipeline.certify.recheck.claims.joints import angles
 from pipeline.config import Config
 from pipeline.machine.geometry import Machine
 
@@ -29,7 +31,16 @@ class BoundCheck(Protocol):
         """Verify what is stated against the bounds over all boxes, and against the limits of the configuration."""
 
 
-CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, body_distances, holding_force, stiffness, actuators, tilt)
+CHECKS: tuple[BoundCheck, ...] = (
+    kappa,
+    axis_distances,
+    body_distances,
+    holding_force,
+    stiffness,
+    actuators,
+    tilt,
+    angles,
+)
 """All checks, in the order in which their claims are shown."""
 
 

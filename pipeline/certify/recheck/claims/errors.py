@@ -7,8 +7,9 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import times, total
-from pipeline.certify.recheck.claims import axis_distances, kappa
+from pipeline.certify.recheck.claims import kappa
 from pipeline.certify.recheck.claims.claim import Claim
+from pipeline.certify.recheck.claims.distances import axis_distances
 from pipeline.certify.recheck.claims.evidence import combined
 from pipeline.config import Config
 from pipeline.limits.kappa import path_cap

@@ -1,0 +1,1 @@
+"""Distances between axes, and between the surfaces of bodies."""

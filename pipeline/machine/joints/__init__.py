@@ -1,0 +1,1 @@
+"""How far the joints at both ends of a link can turn."""
