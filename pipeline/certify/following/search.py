@@ -79,7 +79,9 @@ def new_search(
 def largest_error(search: Search, likely_m: float, likely_s: float, monitor: Monitor = QUIET) -> Bracket:
     """Bracket the largest error for which the whole chain closes, from a guess of it and of where it is decided."""
     monitor.progress("searching at single s")
-    bracket, (decisive, _) = _largest_at_points(search, likely_m, likely_s)
+    bracket, (decisive, _) = _largest_at_points(search, max(LEAST_M, likely_m), likely_s)
+    if bracket.proven_m <= LEAST_M:
+        return Bracket(0.0, bracket.refuted_m)
     found = largest_over(search, decisive, bracket.proven_m)
     found = Bracket(found.proven_m, min(found.refuted_m, bracket.refuted_m))
     parts = list[tuple[Piece, Chain]]()
@@ -153,7 +155,7 @@ def _narrowed(
 def _next(bracket: Bracket, step: float) -> float:
     """Give the next error to try."""
     if bracket.refuted_m == float("inf"):
-        return bracket.proven_m * (1.0 + 4.0 * step)
+        return max(LEAST_M, bracket.proven_m * (1.0 + 4.0 * step))
     if bracket.proven_m == 0.0:
         return bracket.refuted_m / (1.0 + step)
     return (bracket.proven_m + bracket.refuted_m) / 2.0
