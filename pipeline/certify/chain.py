@@ -24,11 +24,12 @@ from pipeline.certify.reasons import (
     Reason,
 )
 from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion
-from pipeline.inclusion.matrices import added, ball_matrix, magnitudes, times
+from pipeline.inclusion.matrices import added, ball_matrix, magnitudes, times, upper_vector
 from pipeline.inclusion.pieces import Piece, exact, middle
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.progress import QUIET, Monitor
 
+_INFLATION = 1.15
 MOST_BOXES = 100_000
 """Most boxes of a chain, so that a certificate can be kept, read and verified."""
 TOO_MANY_BOXES = Reason(
@@ -132,10 +133,30 @@ def _try_link(
 
 def bears(problem: ProofProblem, piece: Piece, s: float, examine: Examiner) -> bool:
     """Return whether a box can be proven at a single s, with its bounds: none around it can if that fails."""
-    found = prove_box(problem, piece, s, s)
+    found = prove_box(problem, piece, (s, s))
     if isinstance(found, Reason):
         return False
     return not isinstance(examine(ProvenBox(problem.machine, problem.balls, piece, *found)), Reason)
+
+
+def join_chains(problem: ProofProblem, parts: Sequence[tuple[Piece, Chain]]) -> Chain:
+    """Join chains over neighbouring pieces, proven for the errors of the problem or larger ones.
+
+    What a box is proven for includes all smaller errors, so that only the joints between pieces have to be proven.
+    """
+    if (fault := _discontinuity(problem.pieces)) is not None:
+        return Chain((), (), (), fault)
+    joints = [*parts[0][1].joints]
+    for (_, before), (piece, chain) in pairwise(parts):
+        joint = prove_joint(problem, piece, piece.first)
+        if isinstance(joint, Reason):
+            return Chain((), (), (), ProofFailure(piece.first, joint))
+        if not (holds(before.inclusions[-1], joint) and holds(chain.inclusions[0], joint)):
+            return Chain((), (), (), ProofFailure(piece.first, JUMP))
+        joints[-1:] = [joint, *chain.joints[1:]]
+    inclusions = tuple(one for _, chain in parts for one in chain.inclusions)
+    bounds = tuple(one for _, chain in parts for one in chain.bounds)
+    return Chain(inclusions, bounds, tuple(joints), None)
 
 
 def _chain(start: Inclusion, links: list[_Link], failure: ProofFailure | None) -> Chain:
@@ -151,13 +172,14 @@ def _prove_link(
     problem: ProofProblem, piece: Piece, interval: tuple[float, float], before: Inclusion, examine: Examiner
 ) -> _Link | Reason:
     """Prove a box, that it holds the pose `before` at its beginning, and that it holds a pose at its end."""
-    found = prove_box(problem, piece, *interval)
+    found = prove_box(problem, piece, interval, _INFLATION * upper_vector(before.image))
     if isinstance(found, Reason):
         return found
     series, inclusion = found
     if not holds(inclusion, before):
         return JUMP
-    joint = prove_joint(problem, piece, interval[1])
+    # What holds over the interval holds at its end, too.
+    joint = prove_joint(problem, piece, interval[1], inclusion.box.radius)
     if isinstance(joint, Reason):
         return joint
     if not holds(inclusion, joint):
@@ -166,9 +188,9 @@ def _prove_link(
     return bounds if isinstance(bounds, Reason) else _Link(inclusion, bounds, joint)
 
 
-def prove_joint(problem: ProofProblem, piece: Piece, s: float) -> Inclusion | Reason:
-    """Prove a box at a single s."""
-    found = prove_box(problem, piece, s, s)
+def prove_joint(problem: ProofProblem, piece: Piece, s: float, likely: FloatArray | None = None) -> Inclusion | Reason:
+    """Prove a box at a single s, whose radii are likely as large as those (6,) given."""
+    found = prove_box(problem, piece, (s, s), likely)
     return found if isinstance(found, Reason) else found[1]
 
 

@@ -11,7 +11,6 @@ from pipeline.certify.reasons import NO_INCLUSION, NO_POSE, Reason
 from pipeline.errors import ForwardKinematicsError
 from pipeline.inclusion.closure import Geometry, geometry
 from pipeline.inclusion.krawczyk import Box, Inclusion, Piecewise, along, include
-from pipeline.inclusion.matrices import upper_vector
 from pipeline.inclusion.pieces import Piece, pieces
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine.geometry import ACTUATORS, Machine
@@ -19,7 +18,6 @@ from pipeline.refine.result import Path
 
 Interval = tuple[float, float, float]
 """The beginning of a piece of the splines, and an interval of s on it."""
-_INFLATION = 1.15
 _MOST_KEPT = 8_000
 """Boxes that are kept for other errors: some hundred MB."""
 
@@ -32,19 +30,16 @@ class Memory:
     ----------
     guesses : dict
         Boxes and the closures along them, which depend on no error; None where the links cannot close.
-    images : dict
-        The error that a box was last proven for, and how far its poses were from the cubic then.
     failed : dict
         The least error for which a box failed, of one kind of error.
     """
 
     guesses: dict[Interval, tuple[Box, Piecewise] | None] = field(default_factory=dict)
-    images: dict[Interval, tuple[float, FloatArray]] = field(default_factory=dict)
     failed: dict[Interval, float] = field(default_factory=dict)
 
     def of_another_kind(self) -> "Memory":
         """Forget which boxes failed."""
-        return Memory(self.guesses, self.images)
+        return Memory(self.guesses)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,23 +106,18 @@ def _point(problem: ProofProblem, s: float) -> Box | None:
         return None
 
 
-def prove_box(problem: ProofProblem, piece: Piece, first: float, last: float) -> tuple[Piecewise, Inclusion] | Reason:
-    """Prove a box over an interval of a piece, or at a single s."""
+def prove_box(
+    problem: ProofProblem, piece: Piece, interval: tuple[float, float], likely: FloatArray | None = None
+) -> tuple[Piecewise, Inclusion] | Reason:
+    """Prove a box over an interval of a piece, or at a single s; its radii are likely as large as those (6,) given."""
+    first, last = interval
     if (guessed := guess(problem, piece, first, last)) is None:
         return NO_POSE
-    (box, series), memory, key = guessed, problem.memory, (piece.first, first, last)
-    errors = problem.errors_over(piece, first if first == last else None)
-    if memory is not None and key in memory.images:
-        size, image = memory.images[key]
-        # What errors add is of second order, or more. Radii that are too large fail, too small ones grow.
-        radius = _INFLATION * image * min(1.0, (errors.largest_m / size) ** 2)
-        box = replace(box, radius=np.maximum(box.radius, radius))
+    (box, series), errors = guessed, problem.errors_over(piece, first if first == last else None)
+    if problem.memory is not None and likely is not None and any(errors.actuator_m):
+        box = replace(box, radius=np.maximum(box.radius, likely))
     inclusion = include(problem.balls, series, box, errors)
-    if inclusion is None:
-        return NO_INCLUSION
-    if memory is not None and errors.any:
-        memory.images[key] = errors.largest_m, upper_vector(inclusion.image)
-    return series, inclusion
+    return NO_INCLUSION if inclusion is None else (series, inclusion)
 
 
 def build_problem(machine: Machine, path: Path, least_width: float, uncertainty: Uncertainty = CERTAIN) -> ProofProblem:

@@ -13,7 +13,7 @@ def following_figure(following: FollowingProfile) -> Figure:
     figure = style.new_figure(2.2)
     axes = figure.subplots()
     for steps, colour, name in (
-        (following.on_branch_m, style.GREY, "stays regular and on its branch, limits broken"),
+        (following.on_branch_m, style.GREY, "stays regular and on its branch, limits may be broken"),
         (following.within_limits_m, style.BLUE, "limits of κ and distances kept, too"),
     ):
         if np.isfinite(steps).any():

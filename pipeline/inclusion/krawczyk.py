@@ -183,7 +183,7 @@ def include(
     rest = added(own, following.miss)
     if uncertainty.calibration:
         rest = added(rest, times(miss, times(C_abs, E)))
-    inflation = _INFLATION
+    inflation, worst = _INFLATION, np.inf
     for _ in range(_ATTEMPTS_WITH_ERRORS if following.any else attempts):
         radius = [arb(value) for value in box.radius]
         reach = added(moved, radius)
@@ -193,6 +193,10 @@ def include(
         if all(k < r * SLACK for k, r in zip(image, radius, strict=True)):
             return Inclusion(box, inverse, image, E, D, following)
         if not all(k.is_finite() and k < 1 for k in image):
+            return None
+        # k / r is a sum of a / r, constants and g r: once it grows with r, it grows on.
+        before, worst = worst, max(float(k.mid()) / r for k, r in zip(image, box.radius.tolist(), strict=True))
+        if following.any and worst >= before:
             return None
         wider = np.maximum(LEAST_RADIUS, [inflation * float(k.upper()) for k in image])
         inflation = _CAREFULLY if following.any else _INFLATION

@@ -80,6 +80,8 @@ class StageSpec:
         The stage.
     upstream : tuple of Stage
         The stages whose results it is given.
+    completes : tuple of Stage
+        Earlier stages whose files it completes; its own result does not depend on them.
     config_part : callable
         Gives the keys of the configuration that it may read.
     make : callable
@@ -132,6 +134,7 @@ class StageSpec:
     explain: "Callable[[Results, Monitor], Diagnosis] | None" = None
     report: "Callable[[Results, State], bytes] | None" = None
     beside: tuple[Stage, ...] = ()
+    completes: tuple[Stage, ...] = ()
 
     @property
     def patterns(self) -> tuple[str, ...]:
@@ -214,6 +217,7 @@ SPECS: Specs = (
             (BACK_CSV, "the same for the way back"),
         ),
         next_step=_COMPARE,
+        completes=(Stage.CERTIFY,),
     ),
     StageSpec(
         stage=Stage.FIGURES,
@@ -252,7 +256,8 @@ def code_roots(specs: Specs, stage: Stage) -> tuple[str, ...]:
     """Name the modules in which the code of a stage begins: all that it imports belongs to it."""
     spec = spec_of(specs, stage)
     upstream = [spec_of(specs, name) for name in spec.upstream]
-    functions = [spec.make, spec.words, spec.in_summary, *(earlier.load for earlier in upstream)]
+    loaded = [*upstream, *(spec_of(specs, name) for name in spec.completes)]
+    functions = [spec.make, spec.words, spec.in_summary, *(earlier.load for earlier in loaded)]
     if spec.quotes_upstream:
         functions += [earlier.words for earlier in upstream]
     return tuple(dict.fromkeys(_module(function) for function in functions if function is not None))

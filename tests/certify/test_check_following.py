@@ -8,12 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.artifacts.layout import CERTIFICATE_JSON, FOLLOWING_CSV
+from pipeline.artifacts.results.certificate.stored import read_certificate
+from pipeline.artifacts.results.following import TABLE, following_files
 from pipeline.certify import certify_path
 from pipeline.certify.chain import accept_any
 from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following import BY_VELOCITY, COMMON, following_weights
 from pipeline.certify.following.profile import prove_profile
 from pipeline.certify.following.search import new_search
+from pipeline.certify.following.steps import following_profile
 from pipeline.certify.following.tolerances import tilt_reserve_deg
 from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck.claims.errors import RESERVE
@@ -184,6 +188,21 @@ def test_a_profile_raised_at_one_knot_is_refused(following_run: pathlib.Path, pr
     wrong = refused(check(following_run))
     assert PROFILES not in wrong
     assert any("over s" in claim for claim in wrong)
+
+
+def test_a_table_with_larger_errors_is_refused(following_run: pathlib.Path) -> None:
+    """At a single s, in a single column; the table that belongs to the certificate is verified."""
+    profile = following_profile(read_certificate(following_run / CERTIFICATE_JSON).chains)
+    assert profile is not None
+    (text,) = (content.decode() for content in following_files(profile, None).values())
+    (following_run / FOLLOWING_CSV).write_text(text)
+    assert refused(check(following_run)) == []
+    rows = [line.split(",") for line in text.splitlines()]
+    rows[2][4] = f"{1.001 * float(rows[2][4]):.12f}"
+    (following_run / FOLLOWING_CSV).write_text("\n".join(map(",".join, rows)) + "\n")
+    assert refused(check(following_run)) == [TABLE]
+    (following_run / FOLLOWING_CSV).write_text("s\nzero\n")
+    assert refused(check(following_run)) == [TABLE]
 
 
 def test_a_profile_states_the_least_of_its_errors(following_run: pathlib.Path) -> None:

@@ -42,6 +42,10 @@ def breaking_errors(limits: Sequence[ErrorProvenLimit], path: Path, weights: Flo
     with np.errstate(divide="ignore", invalid="ignore"):
         lost_at = np.maximum(margins, 0.0) / (np.abs(slopes) @ weights)
     rows, columns = np.unravel_index(np.argsort(lost_at, axis=None)[:_CANDIDATES], lost_at.shape)
+    finite = np.isfinite(lost_at[rows, columns])
+    if not finite.any():
+        return Broken(np.inf, float(s[np.argmin(margins.min(axis=1))]))
+    rows, columns = rows[finite], columns[finite]
     first, signs = lost_at[rows, columns], -np.sign(slopes[rows, columns]) * weights
     return _followed(limits, (path, s[rows]), first, signs)
 

@@ -1,13 +1,13 @@
-"""The largest errors with which a chain closes: at single s first, over the piece that bears least, then proven whole.
+"""The largest errors with which a chain closes: at single s first, over the piece that bears least, then over all.
 
-A chain closes if all its pieces do, and no box can be proven around an s at which not even that s can. So most of the
-search is at single s; whole chains are tried only with what everything tried before bears.
+No box can be proven around an s at which not even that s can, so that most of the search is at single s. The chain is
+then closed piece by piece. Where a piece bears less, the search goes on with that: what was proven stays so.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from pipeline.certify.chain import Chain, Examiner, accept_any, bears, close_chain, close_over
+from pipeline.certify.chain import Chain, Examiner, accept_any, bears, close_chain, close_over, join_chains
 from pipeline.certify.problem import Memory, ProofProblem
 from pipeline.inclusion.pieces import Piece
 from pipeline.inclusion.uncertainty import Uncertainty
@@ -15,10 +15,12 @@ from pipeline.progress import QUIET, Monitor
 
 LEAST_M = 1e-7
 """Smaller errors are not tried."""
-_LEAST_POINTS = 64
+_LEAST_POINTS = 32
 
 Point = tuple[Piece, float]
 """A single s on a piece."""
+_Attempt = tuple[bool, Chain | None]
+"""Whether an error was proven, and the chain that proves it, if it is one of more than a single s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +67,6 @@ class Bracket:
         """Return whether both are near each other, or nothing can be proven."""
         return self.refuted_m <= max((1.0 + resolution) * self.proven_m, LEAST_M)
 
-    def next_m(self) -> float:
-        """Double what is proven, or bisect."""
-        return 2.0 * self.proven_m if self.refuted_m == float("inf") else (self.proven_m + self.refuted_m) / 2.0
-
 
 def new_search(
     problem: ProofProblem, kind: Callable[[float], Uncertainty], examine: Examiner, resolution: float
@@ -81,57 +79,86 @@ def new_search(
 def largest_error(search: Search, likely_m: float, likely_s: float, monitor: Monitor = QUIET) -> Bracket:
     """Bracket the largest error for which the whole chain closes, from a guess of it and of where it is decided."""
     monitor.progress("searching at single s")
-    bracket, point = _largest_at_points(search, likely_m, likely_s)
+    bracket, (decisive, _) = _largest_at_points(search, max(LEAST_M, likely_m), likely_s)
     if bracket.proven_m <= LEAST_M:
-        return bracket
-    found, eps, piece = Bracket(0.0, bracket.refuted_m), bracket.proven_m, point[0]
-    local = largest_over(search, piece, found, eps)
-    found, eps = replace(found, refuted_m=local.refuted_m), local.proven_m
-    while not found.within(search.resolution):
-        monitor.progress(f"trying an error of {1e3 * eps:.4g} mm")
-        chain = search.close(eps)
-        if chain.failure is None:
-            found = Bracket(eps, found.refuted_m, chain)
-            eps = found.next_m()
-            continue
-        piece = piece_at(search.problem, chain.failure.s)
-        local = largest_over(search, piece, Bracket(found.proven_m, eps))
-        found = replace(found, refuted_m=local.refuted_m)
-        eps = local.proven_m if local.proven_m > found.proven_m else found.next_m()
-    return found
+        return Bracket(0.0, bracket.refuted_m)
+    found = largest_over(search, decisive, bracket.proven_m)
+    found = Bracket(found.proven_m, min(found.refuted_m, bracket.refuted_m))
+    parts = list[tuple[Piece, Chain]]()
+    for piece in search.problem.pieces:
+        monitor.progress(f"closing the chain with an error of {1e3 * found.proven_m:.4g} mm", piece.first)
+        local = largest_over(search, piece, found.proven_m)
+        if local.chain is None:
+            return Bracket(0.0, local.refuted_m)
+        parts.append((piece, local.chain))
+        found = Bracket(local.proven_m, min(found.refuted_m, local.refuted_m))
+    return _joined(search, parts, found)
 
 
-def largest_over(search: Search, piece: Piece, bracket: Bracket, first_m: float | None = None) -> Bracket:
-    """Bracket the largest error over a piece, within a bracket that is proven at its least."""
-    return narrowed(bracket, first_m, lambda eps: search.close(eps, [piece]).failure is None, search.resolution)
+def _joined(search: Search, parts: Sequence[tuple[Piece, Chain]], found: Bracket) -> Bracket:
+    """Join the chains of all pieces, each proven for the errors found or larger ones; search on where that fails."""
+    problem = replace(search.problem, uncertainty=search.kind(found.proven_m))
+    chain = join_chains(problem, parts)
+    if chain.failure is None:
+        return replace(found, chain=chain)
+    whole = _narrowed(Bracket(0.0, found.proven_m), None, lambda eps: _proven(search.close(eps)), search.resolution)
+    return replace(whole, refuted_m=min(whole.refuted_m, found.refuted_m))
+
+
+def largest_over(search: Search, piece: Piece, most_m: float) -> Bracket:
+    """Bracket the largest error over a piece, up to `most_m`: above it is refuted, or not asked."""
+    if most_m <= LEAST_M:
+        return Bracket(0.0, most_m)
+    chain = search.close(most_m, [piece])
+    if chain.failure is None:
+        return Bracket(most_m, float("inf"), chain)
+    return _narrowed(Bracket(0.0, most_m), None, lambda eps: _proven(search.close(eps, [piece])), search.resolution)
+
+
+def _proven(chain: Chain) -> _Attempt:
+    return chain.failure is None, chain
 
 
 def _largest_at_points(search: Search, likely_m: float, likely_s: float) -> tuple[Bracket, Point]:
     """Bracket the largest error that every one of some single s bears, and say which of them bears least."""
     pieces = search.problem.pieces
-    parts = max(2, -(-_LEAST_POINTS // len(pieces)))
+    parts = -(-_LEAST_POINTS // len(pieces))
     points = [(pieces[0], pieces[0].first), *(point for piece in pieces for point in points_of(piece, parts))]
     points.sort(key=lambda point: abs(point[1] - likely_s))
     decisive = points[0]
-    bracket = _at(search, decisive, Bracket(0.0, float("inf")), likely_m)
+    bracket = largest_at(search, decisive, Bracket(0.0, float("inf")), likely_m)
     for point in points[1:]:
         if bracket.proven_m > LEAST_M and not search.bears(bracket.proven_m, point):
-            decisive = point
-            bracket = _at(search, point, Bracket(0.0, bracket.proven_m), 0.8 * bracket.proven_m)
+            decisive, bracket = point, largest_at(search, point, Bracket(0.0, bracket.proven_m))
     return bracket, decisive
 
 
-def _at(search: Search, point: Point, bracket: Bracket, first_m: float) -> Bracket:
-    return narrowed(bracket, first_m, lambda eps: search.bears(eps, point), search.resolution)
+def largest_at(search: Search, point: Point, bracket: Bracket, likely_m: float | None = None) -> Bracket:
+    """Bracket the largest error that a single s bears."""
+    return _narrowed(bracket, likely_m, lambda eps: (search.bears(eps, point), None), search.resolution)
 
 
-def narrowed(bracket: Bracket, first_m: float | None, proves: Callable[[float], bool], resolution: float) -> Bracket:
-    """Narrow a bracket to a resolution: doubled as long as nothing fails, then bisected."""
-    eps = bracket.next_m() if first_m is None else first_m
+def _narrowed(
+    bracket: Bracket, first_m: float | None, attempt: Callable[[float], _Attempt], resolution: float
+) -> Bracket:
+    """Narrow a bracket: by growing steps up, or down, while only one side of it is known; then by bisection."""
+    step, eps = resolution, first_m
     while not bracket.within(resolution):
-        bracket = replace(bracket, proven_m=eps) if proves(eps) else replace(bracket, refuted_m=eps)
-        eps = bracket.next_m()
+        if eps is None:
+            eps, step = _next(bracket, step), 2.0 * step
+        proven, chain = attempt(eps)
+        bracket = Bracket(eps, bracket.refuted_m, chain) if proven else replace(bracket, refuted_m=eps)
+        eps = None
     return bracket
+
+
+def _next(bracket: Bracket, step: float) -> float:
+    """Give the next error to try."""
+    if bracket.refuted_m == float("inf"):
+        return max(LEAST_M, bracket.proven_m * (1.0 + 4.0 * step))
+    if bracket.proven_m == 0.0:
+        return bracket.refuted_m / (1.0 + step)
+    return (bracket.proven_m + bracket.refuted_m) / 2.0
 
 
 def points_of(piece: Piece, parts: int) -> Iterator[Point]:

@@ -82,6 +82,7 @@ def verify_file(file: Path) -> None:
     from pipeline.artifacts.files import MOST_BYTES
     from pipeline.artifacts.layout import CERTIFICATE_JSON
     from pipeline.artifacts.results.certificate.stored import read_certificate
+    from pipeline.artifacts.results.following import table_claims
     from pipeline.certify.recheck import verify
     from pipeline.route.regions.endpoints import task_endpoints
 
@@ -97,6 +98,7 @@ def verify_file(file: Path) -> None:
     began = time.perf_counter()
     claims = verify(config, machine, path, task_endpoints(config, machine), stated)
     claims += _pose_error_claims(results)
+    claims += table_claims(file.parent, stated.chains)
     claims += _motion_claims(results)
     seconds = time.perf_counter() - began
     rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in claims]

@@ -61,7 +61,8 @@ def test_a_tenth_more_than_was_found_is_not_proven(near: Path, tight: tuple[Conf
             assert found.chain is not None
             assert 0.0 < found.proven_m < found.refuted_m <= 1.03 * found.proven_m
             assert search.close(1.1 * found.proven_m).failure is not None
-            assert {float(e.mid()) for box in found.chain.inclusions for e in box.following.errors} == {found.proven_m}
+            proven = [float(e.mid()) for box in found.chain.inclusions for e in box.following.errors]
+            assert found.proven_m == min(proven)
     assert within.proven_m < 0.5 * branch.proven_m
 
 
@@ -85,6 +86,18 @@ def test_seen_errors_break_a_limit_and_proven_ones_do_not(near: Path, tight: tup
         return min(found)
 
     assert least_m(seen.eps_m) < machine.link_link_m < least_m(proven)
+
+
+def test_a_path_that_touches_a_limit_bears_nothing_within_it(near: Path, tight: tuple[Config, Machine]) -> None:
+    """The search ends, and says so; on its branch the path bears what it did."""
+    config, machine = tight
+    touched = replace(machine, link_link_m=machine.link_link_m + 2e-3)
+    seen = breaking_errors(error_proven_limits(config, touched), near, _ALL)
+    with working_precision(64):
+        found = largest_error(_search(near, config, touched), seen.eps_m, seen.s)
+    assert found.proven_m == 0.0
+    assert found.chain is None
+    assert 0.0 < found.refuted_m < 1e-3
 
 
 def test_no_errors_reproduce_the_chain_of_the_configured_machine(near: Path) -> None:
