@@ -51,6 +51,10 @@ class TimingOptions:
 DEFAULTS = TimingOptions()
 _NEAR = 0.9
 """Measured part of a limit of forces or of the TCP from which on it is proven, too, while time can be stretched."""
+_STRETCHES = 5
+"""Most times that time is stretched for a proof."""
+_MOST_PIECES = 1_500
+"""Largest number of pieces of such a law: of laws without jerk limits, which have thousands, it would take minutes."""
 
 
 def retime_path(config: Config, path: Path, monitor: Monitor = QUIET, options: TimingOptions = DEFAULTS) -> Trajectory:
@@ -100,9 +104,13 @@ def fitted(config: Config, trajectory: Trajectory, table: PathDynamicsTable, bac
         trajectory = whole_periods(_within_limits(trajectory, usage), period_s)
         require_limits(trajectory, period_s, table, backwards)
     held = usage.held()
-    loads = max((float(held[name].max()) for name in COLUMNS if name in held), default=0.0) > _NEAR
+    near = max((float(held[name].max()) for name in COLUMNS if name in held), default=0.0) > _NEAR
+    loads = near and len(trajectory.time_law.x) <= _MOST_PIECES
     # Between samples a limit may be exceeded by the thousandth part that samples are granted.
-    if 1.0 < (stretch := prove_motion(trajectory, jerk=jerk, loads=loads).stretch) < math.inf:
+    # Where forces at rest are near their limits, the place that asks for most changes with every stretch.
+    for _ in range(_STRETCHES):
+        if not 1.0 < (stretch := prove_motion(trajectory, jerk=jerk, loads=loads).stretch) < math.inf:
+            break
         longer = stretched(trajectory, sum(trajectory.dwell_s) + trajectory.motion_s * stretch)
         trajectory = whole_periods(longer, period_s)
     require_proven(trajectory, backwards, jerk=jerk, loads=loads)

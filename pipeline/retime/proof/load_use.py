@@ -2,7 +2,8 @@
 
 Over an interval of time a force is a polynomial: a(s(t)) sdd + b(s(t)) sd^2 + c(s(t)). Dry friction is sign(q') F where
 an actuator certainly moves one way while s grows, and anything up to F where it may turn: there it may jump. Intervals
-are halved while their bounds are farther than a little above the largest value attained, or above a limit.
+are halved while their bounds are farther than a little above the largest value attained, or above a limit, unless loads
+are not known better than that.
 """
 
 from collections.abc import Iterator, Sequence
@@ -134,7 +135,8 @@ def load_use(law: Sequence[LawPiece], loads: list[BoxLoads], machine: Machine, *
         attained = np.maximum(attained, np.max([use.attained for use in found], axis=0))
         goal, halved = goals(attained, limited), list[_Interval]()
         for interval, use in zip(waiting, found, strict=True):
-            if (use.bound > goal).any() and interval.ends - interval.begins > _LEAST_PART * interval.piece.length:
+            good = np.maximum(goal, (1.0 + _ROOM) * use.least)
+            if (use.bound > good).any() and interval.ends - interval.begins > _LEAST_PART * interval.piece.length:
                 halved += _halves(interval)
                 continue
             larger = use.bound > proven
@@ -168,9 +170,13 @@ def _met(interval: _Interval, loads: list[BoxLoads], firsts: list[float]) -> lis
 
 @dataclass(frozen=True, eq=False)
 class _Use:
-    """The use over an interval (13,): a bound, what its middle attains at t and s, and what of that is left at rest."""
+    """The use over an interval (13,): a bound, what its middle attains at t and s, and what of that is left at rest.
+
+    No bound is below `least`, however short the interval: loads are known to some precision only.
+    """
 
     bound: FloatArray
+    least: FloatArray
     attained: FloatArray
     rest: FloatArray
     t_s: float
@@ -181,7 +187,7 @@ def _bound(met: list[BoxLoads], interval: _Interval, scale: _Scale) -> _Use:
     """Bound the use over an interval of time by the boxes met."""
     middle, half = (interval.begins + interval.ends) / 2, arb((interval.ends - interval.begins) / 2)
     s = about(interval.piece, middle)
-    bound, attained, rest = (np.zeros(_WIDTH) for _ in range(3))
+    bound, least, attained, rest = (np.zeros(_WIDTH) for _ in range(4))
     for one in met:
         signs, still = _directions(one, s, half), s - arb(exact(one.box.centre))
         forces, tcp = _over_time(one, s)
@@ -193,6 +199,7 @@ def _bound(met: list[BoxLoads], interval: _Interval, scale: _Scale) -> _Use:
                 low, high = low + signs[k].lower() * friction, high + signs[k].upper() * friction
                 value, held = value + signs[k] * friction, held + signs[k] * friction
             bound[k] = max(bound[k], _part(above(high), above(-low), scale.units[:, k]))
+            least[k] = max(least[k], _part(above(value), above(-value), scale.units[:, k]))
             attained[k] = _part(below(value), below(-value), scale.units[:, k])
             rest[k] = max(rest[k], _part(above(held), above(-held), scale.units[:, k]))
         for k, vector in enumerate(tcp, start=_FORCES):
@@ -202,7 +209,12 @@ def _bound(met: list[BoxLoads], interval: _Interval, scale: _Scale) -> _Use:
     # Where several boxes are met, it is not known which holds the middle.
     attained = attained if len(met) == 1 else np.zeros(_WIDTH)
     return _Use(
-        bound * scale.wider, attained, rest, interval.piece.begins + float(arb(middle).mid()), float(s(arb(0)).mid())
+        bound * scale.wider,
+        least * scale.wider,
+        attained,
+        rest,
+        interval.piece.begins + float(arb(middle).mid()),
+        float(s(arb(0)).mid()),
     )
 
 

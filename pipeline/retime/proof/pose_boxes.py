@@ -17,7 +17,7 @@ from pipeline.inclusion.krawczyk import Box, Inclusion, Piecewise, along, includ
 from pipeline.inclusion.pieces import Piece, exact, middle, pieces
 from pipeline.refine.result import Path
 
-_THIN = 1e-6
+_THIN = 2e-7
 """Largest distance of a pose from the cubic of its box, in metres and radians: loads follow from its derivatives.
 
 Boxes reach four times as far, so that a box holds whatever pose its neighbour does where they meet."""
