@@ -19,7 +19,7 @@ KAPPA = 40.0
 
 @pytest.mark.fuzz
 def test_walks_stay_in_the_component(quick_config: Config, vary: Callable[..., Config], place: Any, judge: Any):
-    """Random walks without tilt, kappa <= K, through changes of working mode never leave the boxes reached from the start."""
+    """Random walks without tilt, kappa <= K, through changes of working mode stay in boxes reached from the start."""
     config = vary(quick_config, {"task.locked_axes": ["rx", "rz"]})
     machine = build_machine(config.machine)
     ends = task_endpoints(config, machine)
