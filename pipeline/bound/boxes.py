@@ -24,6 +24,8 @@ class Boxes:
 
     Attributes
     ----------
+    chart : Chart
+        Where the boxes are.
     low, high : (6, capacity)
         Bounds on the lattice.
     axis, child : (capacity,)
@@ -39,7 +41,7 @@ class Boxes:
     def __init__(self, evaluator: Evaluator) -> None:
         chart = evaluator.chart
         self._evaluator = evaluator
-        self._chart = chart
+        self.chart = chart
         self.low = np.zeros((6, 1), dtype=np.int32)
         self.high = np.where(chart.high > chart.low, CELLS, 0).astype(np.int32)[:, None]
         self.axis, self.child = np.full(1, -1, dtype=np.int8), np.full(1, -1, dtype=np.int32)
@@ -59,7 +61,7 @@ class Boxes:
 
     def widths(self, nodes: IntArray) -> FloatArray:
         """Widths in radians and metres. Shape (6, n)."""
-        scale = (self._chart.high - self._chart.low) / CELLS
+        scale = (self.chart.high - self.chart.low) / CELLS
         return np.asarray((self.high[:, nodes] - self.low[:, nodes]) * scale[:, None])
 
     def holding(self, point: FloatArray, nodes: IntArray) -> IntArray:
@@ -110,15 +112,15 @@ class Boxes:
     def _touch(self, a: IntArray, b: IntArray) -> BoolArray:
         """Whether pairs of boxes have a face in common, or at least more than an edge."""
         touching, faces = np.ones(len(a), dtype=bool), np.zeros(len(a), dtype=np.int8)
-        for k in self._chart.free:
+        for k in self.chart.free:
             low, high = np.maximum(self.low[k, a], self.low[k, b]), np.minimum(self.high[k, a], self.high[k, b])
             touching &= low <= high
             faces += low == high
         return touching & (faces <= 1)
 
     def _bounds(self, nodes: IntArray | slice) -> tuple[FloatArray, FloatArray]:
-        start = self._chart.low[:, None]
-        scale = (self._chart.high - self._chart.low)[:, None] / CELLS
+        start = self.chart.low[:, None]
+        scale = (self.chart.high - self.chart.low)[:, None] / CELLS
         return start + scale * self.low[:, nodes], start + scale * self.high[:, nodes]
 
     def _evaluate(self, nodes: IntArray) -> None:

@@ -17,7 +17,7 @@ def test_it_is_read_back(agder_config: Config, vary):
 def test_every_key_is_there_with_its_description(agder_config: Config):
     """Descriptions are those of the schema, which editors show, too."""
     words = " ".join(line.strip().lstrip("# ") for line in commented_yaml(agder_config).splitlines())
-    for section in ("task", "route", "refine", "certify", "retime", "figures", "export", "drives"):
+    for section in ("task", "route", "refine", "certify", "bound", "retime", "figures", "export", "drives"):
         for name, field in type(getattr(agder_config, section)).model_fields.items():
             assert f"{name}:" in words
             if field.description:

@@ -123,6 +123,7 @@ class TestCheck:
             "route",
             "refine",
             "certify",
+            "bound",
             "retime",
             "figures",
             "export",
