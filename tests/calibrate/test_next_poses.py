@@ -65,14 +65,9 @@ def test_two_stages_make_a_machine_accurate(see: Callable[..., Seen], quick_conf
         both = StaticPoses(np.concatenate([first.q_m, then.q_m]), seen_m)
         found = calibrate(quick_config, REFLECTORS_M[:2], both, Setting()).identification.model
         elsewhere = see(2, poses=60, seed=1000).simulated
-        tcp = [
-            (
-                replace(model, reflectors_m=np.zeros((1, 3))),
-                close(model, elsewhere.poses.q_m, elsewhere.configured_pose),
-            )
-            for model in (found, truth)
-        ]
-        off = positions(*tcp[0])[:, 0] - positions(*tcp[1])[:, 0]
-        in_platform = np.einsum("nji,nj->ni", truth.rotation @ tcp[1][1].R, off)
+        q, guess = elsewhere.poses.q_m, elsewhere.configured_pose
+        found_tcp, true_tcp = (replace(model, reflectors_m=np.zeros((1, 3))) for model in (found, truth))
+        off = (positions(found_tcp, close(found, q, guess)) - positions(true_tcp, close(truth, q, guess)))[:, 0]
+        in_platform = np.einsum("nji,nj->ni", truth.rotation @ close(truth, q, guess).R, off)
         squares.append(np.sum((in_platform - in_platform.mean(axis=0)) ** 2, axis=1).mean())
     assert np.sqrt(np.mean(squares)) < 3.5e-5
