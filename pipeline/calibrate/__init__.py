@@ -5,18 +5,22 @@ from pipeline.calibrate.configuration import calibrated_yaml
 from pipeline.calibrate.data.poses import StaticPoses
 from pipeline.calibrate.data.reading import read_poses
 from pipeline.calibrate.data.simulated import StaticSetting, simulate_static
+from pipeline.calibrate.next_poses import NextPoses, first_poses, next_poses
 from pipeline.calibrate.verdict import Verdict, judge
 
 __all__ = [
     "Calibration",
     "Check",
+    "NextPoses",
     "Setting",
     "StaticPoses",
     "StaticSetting",
     "Verdict",
     "calibrate",
     "calibrated_yaml",
+    "first_poses",
     "judge",
+    "next_poses",
     "read_poses",
     "simulate_static",
 ]

@@ -5,9 +5,12 @@ from typing import Any
 import numpy as np
 
 from pipeline.calibrate.calibration import Calibration, Check
+from pipeline.calibrate.data.reading import reflector_columns
 from pipeline.calibrate.model.parameters import TRACKER
+from pipeline.calibrate.next_poses import NextPoses
 from pipeline.calibrate.verdict import Verdict, measured_modes
 from pipeline.config.file import config_sha256
+from pipeline.export.trajectory_columns import POSE, POSITIONS
 
 FROM_DATA, FROM_PRIOR, NOT_FITTED = "from the data", "from the prior", "not fitted"
 ERROR_HEADER = ("poses", "points", "outliers", "configured mm", "calibrated mm", "predicted mm")
@@ -17,6 +20,9 @@ GAUGES = (
     "carts and offsets of their joints share what only their sum says; the frames of machine and platform are those of "
     "the configuration and of the reflectors. Deviations of single parameters contain this freedom."
 )
+NEXT_HEADER = ("pose", "mode", "x m", "y m", "z m", "rx deg", "rz deg", "kappa", "error then mm")
+_UNKNOWN_M = 0.1
+"""Predicted errors above it only say that the tracker's frame is not known yet."""
 _UM = {"m": ("um", 1e6), "1": ("ppm", 1e6), "rad": ("urad", 1e6)}
 
 
@@ -110,3 +116,38 @@ def _check_data(check: Check | None) -> dict[str, Any] | None:
         return None
     names = ("points", "rejected", "before_m", "after_m", "predicted_m")
     return {name: getattr(check, name) for name in names}
+
+
+def next_cells(poses: NextPoses) -> list[tuple[str, ...]]:
+    """Format poses to measure next under `NEXT_HEADER`, with the predicted error anywhere once each is measured."""
+    rows = zip(poses.modes, poses.pose, poses.kappa, poses.error_m[1:], strict=True)
+    return [
+        (
+            f"{number}",
+            mode,
+            *(f"{value:.3f}" for value in pose[:3]),
+            *(f"{value:+.1f}" for value in np.rad2deg(pose[[3, 5]])),
+            f"{kappa:.1f}",
+            f"{1e3 * error:.3f}" if error < _UNKNOWN_M else "-",
+        )
+        for number, (mode, pose, kappa, error) in enumerate(rows, 1)
+    ]
+
+
+def next_columns(poses: NextPoses, reflector_count: int) -> dict[str, Any]:
+    """Name the columns of a table to be filled: encoders, reflectors yet unseen, and where the machine will be."""
+    columns: dict[str, Any] = dict(zip(POSITIONS, poses.q_m.T, strict=True))
+    unseen = np.full(len(poses.q_m), np.nan)
+    columns |= {name: unseen for number in range(reflector_count) for name in reflector_columns(number + 1)}
+    return columns | dict(zip(POSE, poses.pose.T, strict=True)) | {"mode": np.array(poses.modes)}
+
+
+def next_data(poses: NextPoses) -> dict[str, Any]:
+    """Give poses to measure next as plain data, in SI units."""
+    return {
+        "q_m": poses.q_m,
+        "pose": poses.pose,
+        "mode": poses.modes,
+        "kappa": poses.kappa,
+        "error_m": [error if error < _UNKNOWN_M else None for error in poses.error_m.tolist()],
+    }

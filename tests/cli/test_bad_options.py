@@ -120,7 +120,7 @@ WRONG: tuple[tuple[tuple[Any, ...], str], ...] = (
     (("simulate-poses", "c.yaml", "--reflector-1", "0", "100", "50"), "millimetres"),
     (("simulate-poses", "c.yaml", "--reflector-1", "0", "0", "0", "--reflector-3", "0", "1", "0"), "--reflector-2"),
     (("simulate-poses", "c.yaml", "--reflector-1", "0", "0", "0", "--poses", "0"), "--poses"),
-    (("calibrate", "c.yaml"), "FILE"),
+    (("calibrate", "c.yaml", "--reflector-1", "0", "0", "0"), "FILE"),
     (("calibrate", "c.yaml", "seen.csv"), "--reflector-1"),
     (("calibrate", "c.yaml", "none.csv", "--reflector-1", "0", "0", "0"), "none.csv"),
     (("calibrate", "c.yaml", "seen.csv", "--reflector-1", "0", "0", "0", "--fit", "rails,masses"), "masses"),

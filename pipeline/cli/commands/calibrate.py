@@ -15,11 +15,13 @@ from pipeline.cli.motions.reflector_options import (
     reflector_places,
 )
 from pipeline.cli.options import ConfigArgument
-from pipeline.cli.output import check_facts, refuse_same, text_table
+from pipeline.cli.output import check_facts, check_output, refuse_same, text_table
 from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
-    from pipeline.calibrate import Calibration, Setting, Verdict
+    from pipeline.arrays import FloatArray
+    from pipeline.calibrate import Calibration, NextPoses, Setting, Verdict
+    from pipeline.config import Config
     from pipeline.measured import Account
 
 _NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
@@ -28,7 +30,9 @@ _NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
 
 def calibrate(
     config_file: ConfigArgument,
-    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="CSV files with measured static poses.")],
+    files: Annotated[
+        list[Path] | None, typer.Argument(metavar="FILE", help="CSV files with measured static poses.")
+    ] = None,
     first: FirstReflector = None,
     second: SecondReflector = None,
     third: ThirdReflector = None,
@@ -69,6 +73,13 @@ def calibrate(
             "--hold-out", metavar="PART", min=0.0, max=0.9, help="Part of the poses that only checks the result."
         ),
     ] = 0.0,
+    following: Annotated[
+        int, typer.Option("--next", metavar="N", min=0, max=200, help="Number of poses to propose for measuring next.")
+    ] = 0,
+    next_file: Annotated[
+        Path | None,
+        typer.Option("--next-output", metavar="FILE", readable=False, help="Where to write these poses to, as CSV."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with everything, covariance included.")] = False,
 ) -> None:
     """Correct the configuration of a machine by what a tracker saw of it, and say how sure that is.
@@ -84,31 +95,85 @@ def calibrate(
     nothing, if the poses do not determine the machine or no machine explains
     them; the reason says what does. Directions of rails can be fitted to
     find out whether they are parallel, but not be written.
+
+    --next 20 proposes poses that would add most to what is known; without a
+    FILE a dozen moderate ones to begin with. --next-output has them as a
+    table to be filled in: drive there, write down what the encoders show and
+    where reflectors are seen.
     """
-    from pipeline.calibrate import calibrate as identify
-    from pipeline.calibrate import calibrated_yaml, judge, read_poses
     from pipeline.config.file import load_config
 
-    setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
-    beside = _check_files(output, config_file, files, setting)
     reflectors_m = reflector_places(first, second, third)
+    setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
+    beside = _check_files(output, [config_file, *(files or [])], setting)
+    _check_next(next_file, following, [config_file, *(files or []), *([] if output is None else [output])])
     config = load_config(config_file)
+    if not files:
+        _begin(config, reflectors_m, setting, (output, following, next_file), as_json)
+        return
+    from pipeline.calibrate import calibrate as identify
+    from pipeline.calibrate import calibrated_yaml, judge, next_poses, read_poses
+    from pipeline.calibrate.report import calibration_data, next_data
+
     poses, accounts = read_poses(files, len(reflectors_m))
     for account in accounts:
         messages_console().print(account.message(), soft_wrap=True)
     calibration = identify(config, reflectors_m, poses, setting)
     verdict = judge(calibration)
-    data = _data(calibration, verdict, accounts)
-    _show(calibration, verdict, data if as_json else None)
+    data = calibration_data(calibration, verdict, _hashed(accounts))
+    proposed = next_poses(calibration, following) if following else None
+    if as_json:
+        _print_json(data if proposed is None else {**data, "next": next_data(proposed)})
+    else:
+        _show(calibration, verdict)
+    if proposed is not None:
+        _propose(proposed, len(reflectors_m), next_file, as_json)
     if not verdict.accepted:
         reason, advice = "\n  ".join(verdict.reasons).rsplit("\n  What to change: ", 1)
         raise NoSolutionError("calibrate", reason, advice)
     if output is not None:
-        names = ", ".join(sorted({file.name for file in files}))
-        text = calibrated_yaml(
-            config_file.read_text(), config, calibration.identification.model, f"Calibrated by gantry-tau from {names}."
-        )
+        heading = f"Calibrated by gantry-tau from {', '.join(sorted({file.name for file in files}))}."
+        text = calibrated_yaml(config_file.read_text(), config, calibration.identification.model, heading)
         _write(text, output, beside, data)
+
+
+def _begin(
+    config: "Config",
+    reflectors_m: "FloatArray",
+    setting: "Setting",
+    wanted: tuple[Path | None, int, Path | None],
+    as_json: bool,
+) -> None:
+    """Propose the first poses, where nothing was measured yet."""
+    from pipeline.calibrate import first_poses
+    from pipeline.calibrate.report import next_data
+
+    output, count, next_file = wanted
+    if not count or output is not None:
+        raise UsageError("FILE is missing: give measured poses, or --next N (without --output) for poses to measure")
+    proposed = first_poses(config, reflectors_m, setting, count)
+    if as_json:
+        _print_json({"next": next_data(proposed)})
+    _propose(proposed, len(reflectors_m), next_file, as_json)
+
+
+def _propose(proposed: "NextPoses", reflector_count: int, next_file: Path | None, as_json: bool) -> None:
+    from pipeline.artifacts.output import write_output
+    from pipeline.calibrate.report import NEXT_HEADER, next_cells, next_columns
+    from pipeline.export.csv import format_csv
+
+    if not as_json:
+        title = "poses to measure next, with the predicted error of a reflector anywhere"
+        results_console().print(text_table(title, NEXT_HEADER, next_cells(proposed), (0, 1)))
+    if next_file is not None:
+        write_output(next_file, format_csv(next_columns(proposed, reflector_count)).encode())
+        messages_console().print(f"{next_file}: {len(proposed.q_m)} poses to measure", soft_wrap=True)
+
+
+def _print_json(data: dict[str, Any]) -> None:
+    from pipeline.artifacts import json_bytes
+
+    typer.echo(json_bytes(data), nl=False)
 
 
 def _setting(
@@ -151,7 +216,7 @@ def _priors(given: list[str] | None, reflector_std_m: float | None) -> dict[str,
     return found if reflector_std_m is None else {**found, "reflectors": reflector_std_m}
 
 
-def _check_files(output: Path | None, config_file: Path, files: list[Path], setting: "Setting") -> Path | None:
+def _check_files(output: Path | None, read: list[Path], setting: "Setting") -> Path | None:
     """Check where results go, before anything is computed; give the name of the file beside the configuration."""
     if output is None:
         return None
@@ -161,29 +226,32 @@ def _check_files(output: Path | None, config_file: Path, files: list[Path], sett
             "configuration.\n  What to change: leave out one of the two."
         )
     beside = check_facts(output, lambda facts: "covariance" in facts and "parameters" in facts)
-    for other in (config_file, *files):
+    for other in read:
         refuse_same(output, other, "--output and a file that is read")
         refuse_same(beside, other, "the file beside --output and a file that is read")
     return beside
 
 
-def _data(calibration: "Calibration", verdict: "Verdict", accounts: "list[Account]") -> dict[str, Any]:
-    from pipeline.calibrate.report import calibration_data
+def _check_next(next_file: Path | None, following: int, others: list[Path]) -> None:
+    if next_file is None:
+        return
+    if not following:
+        raise UsageError("--next-output goes with --next N")
+    check_output(next_file, option="--next-output")
+    for other in others:
+        refuse_same(next_file, other, "--next-output and another file")
 
-    files = [
+
+def _hashed(accounts: "list[Account]") -> list[dict[str, Any]]:
+    return [
         {"file": one.file, "sha256": hashlib.sha256(Path(one.file).read_bytes()).hexdigest(), **one.as_json()}
         for one in accounts
     ]
-    return calibration_data(calibration, verdict, files)
 
 
-def _show(calibration: "Calibration", verdict: "Verdict", data: dict[str, Any] | None) -> None:
-    from pipeline.artifacts import json_bytes
+def _show(calibration: "Calibration", verdict: "Verdict") -> None:
     from pipeline.calibrate.report import ERROR_HEADER, PARAMETER_HEADER, error_cells, parameter_cells
 
-    if data is not None:
-        typer.echo(json_bytes(data), nl=False)
-        return
     console = results_console()
     console.print(text_table("parameters", PARAMETER_HEADER, parameter_cells(calibration), (0, 1, 6)))
     console.print(text_table("distances of points, root mean square", ERROR_HEADER, error_cells(calibration)))
@@ -214,6 +282,8 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --output real.yaml",
             "gantry-tau calibrate cell.yaml day1.csv day2.csv --reflector-1 0 .1 .05 --robust --hold-out 0.2",
             "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --prior 0.0005 --prior scales=0.0002",
+            "gantry-tau calibrate cell.yaml --reflector-1 0 .1 .05 --next 12 --next-output first.csv",
+            "gantry-tau calibrate cell.yaml first.csv --reflector-1 0 .1 .05 --next 28 --next-output then.csv",
         ),
     ),
 )

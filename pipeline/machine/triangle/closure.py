@@ -55,7 +55,7 @@ def coefficients(machine: Machine, Q: FloatArray, g: FloatArray) -> tuple[FloatA
     h = [Q[0, i] * away[0] + Q[1, i] * away[1] + Q[2, i] * away[2] for i in range(3)]
     A = h[0] * w[0] + h[2] * w[2]
     B = h[0] * w[2] - h[2] * w[0]
-    return A, B, constant + d @ g - h[1] * w[1]
+    return A, B, constant + (g[0] * d[0] + g[1] * d[1] + g[2] * d[2]) - h[1] * w[1]
 
 
 def arm3_vector(

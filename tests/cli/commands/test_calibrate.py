@@ -109,3 +109,36 @@ def test_poses_go_to_stdout_without_a_file() -> None:
     result = call("simulate-poses", "cell.yaml", *REFLECTORS, "--poses", 5)
     assert result.stdout == Path("poses.csv").read_text()
     assert len(result.stdout.splitlines()) == 6
+
+
+def test_poses_are_proposed_before_and_after_measuring() -> None:
+    """Without a file moderate ones, with one those that add most; tables of them are read once they are filled in."""
+    result = call("calibrate", "cell.yaml", *REFLECTORS, "--next", 4, "--next-output", "first.csv", "--json")
+    assert result.exit_code == 0, result.output
+    proposed = json.loads(result.stdout)["next"]
+    assert max(proposed["kappa"]) <= 25.0
+    table = Path("first.csv").read_text().splitlines()
+    assert table[0].startswith("q1_m,q2_m,q3_m,q4_m,q5_m,x1_m")
+    assert len(table) == 5
+    unfilled = call("calibrate", "cell.yaml", "first.csv", *REFLECTORS)
+    assert (unfilled.exit_code, "0 poses with a reflector" in unfilled.stderr) == (2, True)
+    simulate()
+    after = json.loads(calibrate("--next", 2, "--json").stdout)
+    assert len(after["next"]["q_m"]) == 2
+    assert after["next"]["error_m"][2] < after["next"]["error_m"][0] < 5e-4
+    assert "poses to measure next" in calibrate("--next", 1).stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ((), "FILE is missing"),
+        (("--next", 3, "--output", "real.yaml"), "FILE is missing"),
+        (("--next-output", "then.csv"), "--next N"),
+        (("--next", 3, "--next-output", "cell.yaml"), "the same file"),
+    ],
+)
+def test_nothing_to_calibrate_from(options: tuple[object, ...], message: str) -> None:
+    """Poses are measured or asked for, and go to a file of their own."""
+    result = call("calibrate", "cell.yaml", *REFLECTORS, *options)
+    assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
