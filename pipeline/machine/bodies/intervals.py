@@ -100,3 +100,31 @@ def _newton(group: list[_Candidates]) -> FloatArray:
             rows = rows[step > _ENOUGH_M]
     ends[~(ends[:, 0] < ends[:, 1])] = np.nan
     return ends
+
+
+def free_pieces(windows_m: FloatArray, excluded_m: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Give what open intervals (n, p, 2) leave of windows (n, 2): the row of each piece (m,), and the pieces (m, 2)."""
+    n = len(windows_m)
+    low = np.where(np.isnan(excluded_m[..., 0]), np.inf, excluded_m[..., 0])
+    order = np.argsort(low, axis=1, kind="stable")
+    low = np.take_along_axis(low, order, axis=1)
+    high = np.take_along_axis(np.where(np.isnan(excluded_m[..., 1]), -np.inf, excluded_m[..., 1]), order, axis=1)
+    # Between the largest end so far and the next beginning nothing is excluded.
+    begins = np.concatenate([np.full((n, 1), -np.inf), np.maximum.accumulate(high, axis=1)], axis=1)
+    ends = np.concatenate([low, np.full((n, 1), np.inf)], axis=1)
+    first, last = np.maximum(begins, windows_m[:, :1]), np.minimum(ends, windows_m[:, 1:])
+    # What has no interval of its own ends where the one before does: an empty piece, or the rest a second time.
+    kept = first <= last
+    kept[:, 1:] &= (ends[:, 1:] > ends[:, :-1]) | (begins[:, 1:] > begins[:, :-1])
+    row, column = np.nonzero(kept)
+    return row, np.column_stack([first[row, column], last[row, column]])
+
+
+def longest_free(windows_m: FloatArray, excluded_m: FloatArray) -> FloatArray:
+    """Give the longest piece that open intervals (n, p, 2) leave of windows (n, 2), NaN where none. Shape (n, 2)."""
+    row, found = free_pieces(windows_m, excluded_m)
+    order = np.lexsort((found[:, 0] - found[:, 1], row))
+    row, first = np.unique(row[order], return_index=True)
+    longest = np.full_like(windows_m, np.nan)
+    longest[row] = found[order][first]
+    return longest
