@@ -129,7 +129,11 @@ def certificate_words(section: Section) -> str:
         )
     if (least := section.get("least_kappa")) is not None:
         found += f"; no path can have a largest kappa below {least:.2f}"
-    distances = {"axes": section["min_distance_bound_m"], "bodies": section.get("min_body_distance_bound_m")}
-    apart = "".join(f", {what} at least {least:.4f} m apart" for what, least in distances.items() if least is not None)
+    distances = {
+        "axes at least {:.4f} m apart": section["min_distance_bound_m"],
+        "bodies at least {:.4f} m apart": section.get("min_body_distance_bound_m"),
+        "obstacles at least {:.4f} m away": section.get("min_obstacle_distance_bound_m"),
+    }
+    apart = "".join(f", {text.format(least)}" for text, least in distances.items() if least is not None)
     bounds = f"kappa at most {section['kappa_bound']:.2f}{apart}"
     return f"{section['verdict']} by {section['boxes']:,} boxes: {bounds}{found}{pose_error_words(section)}"

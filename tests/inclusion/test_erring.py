@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from pipeline.certify.recheck.claims.axis_distances import distance_bounds as distances_again
 
 from pipeline.certify.guess import guess_box
 from pipeline.certify.recheck.arithmetic import inclusion as again
 from pipeline.certify.recheck.arithmetic.erring import erring
-from pipeline.certify.recheck.claims.axis_distances import distance_bounds as distances_again
 from pipeline.certify.recheck.claims.kappa import kappa_bounds as kappa_again
 from pipeline.inclusion.closure import geometry, working_precision
 from pipeline.inclusion.condition import kappa_bound

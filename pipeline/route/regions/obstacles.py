@@ -3,12 +3,10 @@
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
-from pipeline.arrays import FloatArray, IntArray
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.limits.bodies.obstacle_distance import obstacles_of
-from pipeline.machine.bodies.intervals import excluded_shifts
+from pipeline.machine.bodies.intervals import excluded_shifts, free_pieces
 from pipeline.machine.geometry import Machine
 from pipeline.machine.shapes.model import Bodies
 from pipeline.parallel import blocks, in_parallel
@@ -19,11 +17,15 @@ _BLOCK = 2_048
 
 
 def cut_at_obstacles(config: Config, machine: Machine, regions: RegionTable) -> RegionTable:
-    """Leave of every window of x what keeps all bodies apart from all obstacles, one row for each piece of it."""
+    """Leave of every window of x what keeps all bodies apart from all obstacles, one row for each piece of it.
+
+    Intervals are wider by `route.avoid_margin` steps along X, since a followed move bulges.
+    """
     pairs = obstacles_of(config)
     if pairs is None or len(regions) == 0:
         return regions
-    tasks = [partial(_cut, pairs, machine, regions.take(part)) for part in blocks(len(regions), _BLOCK)]
+    margin_m = config.route.avoid_margin * config.route.x_step_m
+    tasks = [partial(_cut, pairs, machine, regions.take(part), margin_m) for part in blocks(len(regions), _BLOCK)]
     return RegionTable.concatenate(list(in_parallel(tasks)))
 
 
@@ -34,26 +36,8 @@ def excluded_x(pairs: Bodies, machine: Machine, regions: RegionTable) -> FloatAr
     return shifts + x[:, None]
 
 
-def _cut(pairs: Bodies, machine: Machine, regions: RegionTable) -> RegionTable:
+def _cut(pairs: Bodies, machine: Machine, regions: RegionTable, margin_m: float) -> RegionTable:
     """Cut the windows of a block of regions."""
-    excluded = excluded_x(pairs, machine, regions)
-    row, windows = pieces(regions.x_window_m, excluded)
+    excluded = excluded_x(pairs, machine, regions) + [-margin_m, margin_m]
+    row, windows = free_pieces(regions.x_window_m, excluded)
     return replace(regions.take(row), x_window_m=windows)
-
-
-def pieces(windows_m: FloatArray, excluded_m: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Give what open intervals (n, p, 2) leave of windows (n, 2): the row of each piece (m,), and the pieces (m, 2)."""
-    n = len(windows_m)
-    low = np.where(np.isnan(excluded_m[..., 0]), np.inf, excluded_m[..., 0])
-    order = np.argsort(low, axis=1, kind="stable")
-    low = np.take_along_axis(low, order, axis=1)
-    high = np.take_along_axis(np.where(np.isnan(excluded_m[..., 1]), -np.inf, excluded_m[..., 1]), order, axis=1)
-    # Between the largest end so far and the next beginning nothing is excluded.
-    begins = np.concatenate([np.full((n, 1), -np.inf), np.maximum.accumulate(high, axis=1)], axis=1)
-    ends = np.concatenate([low, np.full((n, 1), np.inf)], axis=1)
-    first, last = np.maximum(begins, windows_m[:, :1]), np.minimum(ends, windows_m[:, 1:])
-    # What has no interval of its own ends where the one before does: an empty piece, or the rest a second time.
-    kept = first <= last
-    kept[:, 1:] &= (ends[:, 1:] > ends[:, :-1]) | (begins[:, 1:] > begins[:, :-1])
-    row, column = np.nonzero(kept)
-    return row, np.column_stack([first[row, column], last[row, column]])
