@@ -169,7 +169,8 @@ def read_run_folder(path: Path) -> tuple[Config, State]:
         open_regular_file(path / CONFIG, _MOST_CONFIG_BYTES).close()
     config = load_config(path / CONFIG)
     # A key that is newer than the run has its default, and is not in the file.
-    if state.config_sha256 not in (config_sha256(config), config_sha256(_counted(read_yaml(path / CONFIG)))):
+    raw = read_yaml(path / CONFIG)
+    if state.config_sha256 not in (config_sha256(config), config_sha256(raw), config_sha256(_counted(raw))):
         raise UsageError(
             f"{path / CONFIG} was changed after the run: the results do not belong to it.\n"
             f"  What to change: run it, with gantry-tau run {path / CONFIG} --out {path}."
