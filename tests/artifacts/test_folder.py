@@ -142,6 +142,10 @@ class TestFolder:
         with open_run_folder(tmp_path) as folder:
             folder.change(State(config_sha256=config_sha256(counted)), {}, [], yaml.safe_dump(data), {})
         assert read_run_folder(tmp_path)[0] == fast_config
+        counted = {key: value for key, value in data.items() if key not in ("figures", "atlas")}
+        with open_run_folder(tmp_path) as folder:
+            folder.change(State(config_sha256=config_sha256(counted)), {}, [], yaml.safe_dump(data), {})
+        assert read_run_folder(tmp_path)[0] == fast_config
         data["route"]["step_budget"] = 24
         (tmp_path / "config.yaml").write_text(yaml.safe_dump(data))
         with pytest.raises(UsageError, match="was changed after the run"):

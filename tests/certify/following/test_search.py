@@ -39,7 +39,7 @@ def tight(agder_config: Config, near: Path) -> tuple[Config, Machine]:
     least = nearest - 2e-3
     clearance = agder_config.machine.clearance.model_copy(update={"link_link_m": least})
     machine = agder_config.machine.model_copy(update={"clearance": clearance})
-    certify = agder_config.certify.model_copy(update={"tolerance_resolution": 0.1, "monte_carlo_samples": 1})
+    certify = agder_config.certify.model_copy(update={"tolerance_resolution": 0.5, "monte_carlo_samples": 1})
     config = agder_config.model_copy(update={"machine": machine, "certify": certify})
     return config, replace(near.machine, link_link_m=least)
 
