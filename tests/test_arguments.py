@@ -20,6 +20,7 @@ from pipeline import (
     Reflectors,
     SimulationSetting,
     Trajectory,
+    Uncertainty,
     WorkspaceSetting,
 )
 from pipeline.arguments import (
@@ -40,6 +41,7 @@ from tests.certify.paths import ends_of, line_path
 NAN, INF = np.nan, np.inf
 POSE, Q = np.array([[1.02, 0.3, 0.9, 0.0, -0.7, 0.0]] * 2), np.full((2, 5), 0.5)
 H = np.tile(np.eye(6), (2, 1, 1))
+WRONG_M = Uncertainty(length_m=1e-5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,6 +177,12 @@ CASES: dict[str, tuple[Callable[[Given], object], str]] = {
     "Deviations: mass": (lambda g: pipeline.Deviations(mass_error=-1.0), "mass_error: .*more than -1"),
     "Deviations: seed": (lambda g: pipeline.Deviations(seed=-1), "seed: "),
     "plan_motion: period": (lambda g: pipeline.plan_motion(_moving(g), 0.0), "period_s: "),
+    "bound_pose_error: precision": (lambda g: pipeline.bound_pose_error(g.path, WRONG_M, 52), "precision_bits: "),
+    "sample_pose_error: s": (lambda g: pipeline.sample_pose_error(g.path, WRONG_M, np.array([1.1])), "s: "),
+    "sample_pose_error: draws": (
+        lambda g: pipeline.sample_pose_error(g.path, WRONG_M, np.array([0.5]), -1),
+        "draws: ",
+    ),
     "simulate_motion: standing": (lambda g: _simulated(g, standing_s=-1.0), "standing_s: "),
     "tune_drives: damping": (lambda g: pipeline.tune_drives(*_driven(g), None, 1.5), "damping: .*at most 1"),
     "kappa_map: mode": (lambda g: pipeline.kappa_map(g.machine, [0.0], [0.5], (0.0, 0.0), len(MODES)), "mode: "),

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 from flint import fmpq_poly
 
+from pipeline.arguments import require_whole
 from pipeline.arrays import FloatArray
 from pipeline.certify.chain import BoxBounds, close_chain
 from pipeline.certify.problem import build_problem
@@ -75,9 +76,12 @@ def bound_pose_error(
 
     Raises
     ------
+    ArgumentError
+        If the precision is not 53 to 4,096 bits.
     NoSolutionError
         If no chain of boxes is proven for errors of this size: where it ends.
     """
+    precision_bits = require_whole("precision_bits", precision_bits, 53, 4_096)
     problem = build_problem(path.machine, path, _LEAST_WIDTH, uncertainty)
     with working_precision(precision_bits):
         narrow = replace(problem, pieces=tuple(part for piece in problem.pieces for part in _split(piece)))

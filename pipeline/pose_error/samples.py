@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from pipeline.arguments import require_array, require_whole
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.machine.geometry import ACTUATORS, Machine, rotation
@@ -36,9 +37,13 @@ def sample_pose_error(path: Path, uncertainty: Uncertainty, s: FloatArray, draws
 
     Raises
     ------
+    ArgumentError
+        If s is not (n,) from 0 to 1, or draws is not 0 to 100,000.
     ForwardKinematicsError
         Where the closure equations have no solution near the path's known poses.
     """
+    s = require_array("s", s, ("n",), least=0.0, largest=1.0)
+    draws = require_whole("draws", draws, 0, 100_000)
     nominal, q = path.pose(s), path.q(s)
     position, rotation_rad = np.zeros(len(s)), np.zeros(len(s))
     for errors in _corners(path.machine, uncertainty, (nominal, q), draws):
