@@ -33,7 +33,7 @@ def tilt_magnitudes(box: ProvenBox) -> FloatArray:
 
 
 def joint_cosine(box: ProvenBox, cone: JointCone) -> tuple[float, float]:
-    """Bound the cosine of a joint's angle over a box from below, and say how much of that is its deviation from a line.
+    """Bound the cosine of a joint's angle over a box from below, and say how far it may be from a line.
 
     With v from the cart joint to the platform joint and the axis e, it is e . v / len at a cart and -(R e) . v / len at
     the platform, len being |v| at the poses of the box. It is taken as c0 + c1 t + c2 t^2, with c0 and c1 about the
@@ -45,8 +45,9 @@ def joint_cosine(box: ProvenBox, cone: JointCone) -> tuple[float, float]:
     except ZeroDivisionError:
         return -1.0, 1.0
     ends = [about[0] + about[1] * t for t in (-half, half)]
-    rest = half * half * everywhere[2].abs_upper() + _moved(box, cone)
-    return below(ends[0].lower().min(ends[1].lower()) - rest), above(rest)
+    bend, moved = half * half * everywhere[2], _moved(box, cone)
+    least = ends[0].lower().min(ends[1].lower()) + bend.lower().min(arb(0)) - moved
+    return below(least), above(bend.abs_upper() + moved)
 
 
 def angle_above_deg(cosine: float) -> float:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 JOINT_ANGLE = CertificateKey("joint_angle_deg", Side.LARGEST, None, "angle of the {}", "°", 2, optional=True)
 PROOF_SLACK, _REST_SLACK = 1e-6, 0.2
-"""What proven cosines are weakened by, and the share of their deviation from a line: then other arithmetic verifies
+"""What proven cosines are weakened by, and the share of how far they may be from a line: then other arithmetic verifies
 them."""
 _NODE_MARGIN_DEG = 0.2
 """What nodes keep on top, for what happens between them."""

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from pipeline.certify import Certificate, certify_path
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
-from pipeline.certify.recheck.claims.evidence import Evidence
-from pipeline.certify.recheck.claims.joints.angles import angles_above_deg, check, measure
+from pipeline.certify.recheck.claims.evidence import Evidence, upper_bounds
+from pipeline.certify.recheck.claims.joints.angles import angles_above_deg, check, joint_cosines
 from pipeline.config import Config
 from pipeline.config.file import load_config
 from pipeline.limits.joint_cone import joint_angles_deg
@@ -48,6 +48,13 @@ def _proven(certificate: Certificate) -> np.ndarray:
     return certificate.bounds.ranges[KEY].values[:, 1]
 
 
+def evidence_of(config: Config, machine: Machine, path: Path, certificate: Certificate) -> Evidence:
+    """Evaluate the boxes of a path again."""
+    (segment,) = evaluate_chain(machine, path, certificate.chain)
+    cosines = joint_cosines(machine, segment.boxes, segment.inclusions.image)
+    return Evidence(config, machine, upper_bounds(angles_above_deg(cosines.min(axis=1))))
+
+
 @pytest.fixture(scope="module")
 def conical(machine: Machine, line: Path) -> Machine:
     """Give all twelve joints cones that the short path keeps."""
@@ -63,8 +70,7 @@ def held(conical: Machine, line: Path, prove: Callable[..., Certificate]) -> Cer
 @pytest.fixture(scope="module")
 def evidence(agder_config: Config, conical: Machine, line: Path, held: Certificate) -> Evidence:
     """Evaluate the boxes of the short path again."""
-    (segment,) = evaluate_chain(conical, line, held.chain)
-    return Evidence(agder_config, conical, measure(conical, segment))
+    return evidence_of(agder_config, conical, line, held)
 
 
 def test_bounds_are_between_samples_and_limits(held: Certificate, conical: Machine, line: Path) -> None:
@@ -114,7 +120,9 @@ def test_a_cone_a_little_too_narrow_is_not_certified(
                 assert f"{end} joint of link {link} is not proven to stay within" in certificate.failure.reason.text
 
 
-def test_a_joint_that_leaves_its_cone_briefly_is_found(machine: Machine, prove: Callable[..., Certificate]) -> None:
+def test_a_joint_that_leaves_its_cone_briefly_is_found(
+    agder_config: Config, machine: Machine, prove: Callable[..., Certificate]
+) -> None:
     """By a thousandth of a degree, over a hundredth of the path, in its middle alone."""
     s = np.linspace(0.0, 1.0, 41)
     away = np.array([0.0, 0.02, -0.01, 0.03, 0.02])
@@ -133,9 +141,8 @@ def test_a_joint_that_leaves_its_cone_briefly_is_found(machine: Machine, prove: 
     assert "platform joint of link 3b" in certificate.failure.reason.text
     wider = prove(with_cones(machine, replace(one, half_angle_deg=float(angles.max()) + 0.5)), path)
     assert wider.verdict == "certified"
-    (segment,) = evaluate_chain(narrow, path, wider.chain)
     assert wider.bounds is not None
-    (claim,) = check(Evidence(None, narrow, measure(narrow, segment)), wider.bounds)  # type: ignore[arg-type]
+    (claim,) = check(evidence_of(agder_config, narrow, path, wider), wider.bounds)
     assert not claim.verified
 
 

@@ -57,7 +57,9 @@ def test_rows_and_their_slopes_are_those_of_the_limit(machine: Machine, draw_pos
             poses, miss = newton(machine, moved, np.tile(samples.pose[row], (10, 1)))
             assert (miss < 1e-10).all()
             ahead, behind = np.split(_row_values(PoseSamples(machine, poses, moved), one), 2)
-            np.testing.assert_allclose((by_pose @ along[row] + by_q)[0], (ahead - behind) / (2.0 * h), atol=2e-6)
+            slope = (by_pose @ along[row] + by_q)[0]
+            # Differences are good to their third derivative, which is large where the pose changes fast.
+            np.testing.assert_allclose(slope, (ahead - behind) / (2.0 * h), rtol=1e-4, atol=1e-4)
 
 
 def _reachable(machine: Machine, draw_controlled: Callable) -> PoseSamples:

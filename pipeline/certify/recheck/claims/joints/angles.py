@@ -71,7 +71,8 @@ def joint_cosines(machine: Machine, boxes: Boxes, deviation: FloatArray) -> Floa
         length = boxes.over.lengths[0].lower[cone.link]
         with np.errstate(divide="ignore", invalid="ignore"):
             by_pose = np.where(length > 0.0, total(moved / length), np.inf)
-        rest = total(times(power(h, 2), everywhere[2].magnitude), by_pose)
+        # Cosines that bend upward are least at an end.
+        rest = total(times(power(h, 2), np.maximum(-everywhere[2].lower, 0.0)), by_pose)
         found.append((exactly(np.minimum(*ends)) - exactly(rest)).lower)
     return np.array(found)
 
