@@ -13,6 +13,7 @@ from pipeline.calibrate.identify import Identification, identify
 from pipeline.calibrate.model.forward import close, positions
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.model.parameters import TRACKER
+from pipeline.errors import NoSolutionError
 from tests.calibrate.conftest import Seen
 
 
@@ -76,6 +77,16 @@ def test_covariance_is_that_of_repeated_measurements(see: Callable[..., Seen]):
     assert not found.std[fixed].any()
     assert (whole.std[whole.problem.is_fitted] > 0.0).all()
     assert (whole.std <= whole.problem.prior_std * (1.0 + 1e-9)).all()
+
+
+def test_a_machine_that_cannot_be_assembled_is_reported(see: Callable[..., Seen]):
+    """Encoders that no machine near the configured one can have end with the pose where it is, and what to do."""
+    problem = see(2).problem(Setting())
+    q = problem.poses.q_m.copy()
+    q[7, 3] += 1.0
+    apart = replace(problem, poses=replace(problem.poses, q_m=q))
+    with pytest.raises(NoSolutionError, match=r"can be assembled at all poses: row 7 is one of 1"):
+        identify(apart)
 
 
 def _over_machines(see: Callable[..., Seen], reflectors: int, count: int) -> tuple[FloatArray, FloatArray, list[int]]:
