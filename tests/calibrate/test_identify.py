@@ -89,12 +89,25 @@ def test_a_machine_that_cannot_be_assembled_is_reported(see: Callable[..., Seen]
         identify(apart)
 
 
+def _another(seen: Seen, seed: int) -> Seen:
+    """Measure another machine at the same poses: off by what is known beforehand, seen by a tracker elsewhere."""
+    random, model = np.random.default_rng(seed), seen.configured
+    setting, parameters = Setting(), model.parameters
+    std = np.where(parameters.is_fitted(setting.fit), parameters.prior_std({}), 0.0)
+    theta = random.normal(size=parameters.count) * np.where(np.isfinite(std), std, 0.0)
+    frame = Rotation.random(random_state=random).as_matrix(), random.uniform(-3.0, 3.0, 3)
+    truth, q = model.moved(theta).with_frame(*frame), seen.simulated.poses.q_m
+    where = positions(truth, close(truth, q, seen.guess))
+    poses = replace(seen.simulated.poses, seen_m=where + random.normal(0.0, setting.noise_m, where.shape))
+    return replace(seen, simulated=replace(seen.simulated, poses=poses, truth=truth))
+
+
 def _over_machines(see: Callable[..., Seen], reflectors: int, count: int) -> tuple[FloatArray, FloatArray, list[int]]:
     """Calibrate machines: errors in units of their covariance, of points elsewhere in deviations, and evaluations."""
     errors, deviates, evaluations = [], [], []
-    elsewhere = see(reflectors, poses=60, seed=1000)
+    poses, elsewhere = see(reflectors), see(reflectors, poses=60, seed=1000)
     for seed in range(count):
-        seen = see(reflectors, seed=seed)
+        seen = _another(poses, seed)
         found = identify(seen.problem(Setting()))
         fitted = found.problem.is_fitted
         off = (found.theta - true_deviations(found, seen.simulated.truth))[fitted]
