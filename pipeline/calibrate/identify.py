@@ -19,6 +19,7 @@ from pipeline.calibrate.data.poses import StaticPoses
 from pipeline.calibrate.model.forward import close, position_jacobian, positions
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.model.parameters import TRACKER
+from pipeline.errors import NoSolutionError
 
 _FRAME_STEP = 1e-3
 """Size of a step of the tracker's frame, in metres and radians, for which there is no prior."""
@@ -67,7 +68,11 @@ class Problem:
     def data_jacobian(self, theta: FloatArray, pose: FloatArray) -> FloatArray:
         """Differentiate seen coordinates by fitted parameters, in their scales and that of noise. Shape (m, fitted)."""
         seen, q, model = self.poses.is_seen, self.poses.q_m, self.model.moved(theta)
-        J = position_jacobian(model, q, close(model, q, pose))[seen]
+        closed = close(model, q, pose)
+        J = position_jacobian(model, q, closed)
+        # Where a machine is not assembled, the solver is kept away by its residuals.
+        J[~(closed.miss_m < _CLOSED_M)] = 0.0
+        J = J[seen]
         frame = model.parameters.slice(TRACKER).start
         J[..., frame : frame + 3] = J[..., frame : frame + 3] @ _left_jacobian(theta[frame : frame + 3])
         J = J[..., self.is_fitted]
@@ -151,7 +156,13 @@ class Identification:
 
 
 def identify(problem: Problem) -> Identification:
-    """Find the most probable machine by Levenberg and Marquardt's method, with analytic derivatives."""
+    """Find the most probable machine by Levenberg and Marquardt's method, with analytic derivatives.
+
+    Raises
+    ------
+    NoSolutionError
+        When the machine it ends at cannot be assembled at a pose.
+    """
     poses, seen = problem.poses, problem.poses.is_seen
     root = np.sqrt(problem.weights[seen])[:, None] / problem.noise_m
     prior = np.sqrt(_prior_rows(problem))
@@ -180,6 +191,13 @@ def identify(problem: Problem) -> Identification:
     theta = problem.full(found.x)
     model = problem.model.moved(theta)
     closed = close(model, poses.q_m, problem.guess)
+    if (apart := ~(closed.miss_m < _CLOSED_M)).any():
+        raise NoSolutionError(
+            "calibrate",
+            f"no machine that fits can be assembled at all poses: {poses.place(int(np.argmax(apart)))} is one of "
+            f"{np.count_nonzero(apart)}",
+            "Leave these poses out; begin with moderate ones, farther from singularities (--next 12 without a FILE).",
+        )
     data = problem.data_jacobian(theta, closed.pose)
     covariance = np.zeros((len(theta), len(theta)))
     inverse = np.linalg.inv(data.T @ data + np.diag(prior**2)) * np.outer(problem.scales, problem.scales)

@@ -1,11 +1,12 @@
 """A calibration as text and as plain data: every parameter, errors, and what the convention of gauges is."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pipeline.calibrate.calibration import Calibration, Check
-from pipeline.calibrate.data.reading import reflector_columns
+from pipeline.calibrate.data.reading import PosesFile, reflector_columns
 from pipeline.calibrate.model.parameters import TRACKER
 from pipeline.calibrate.next_poses import NextPoses
 from pipeline.calibrate.verdict import Verdict, measured_modes
@@ -63,7 +64,7 @@ def parameter_cells(calibration: Calibration) -> list[tuple[str, ...]]:
     return rows
 
 
-def calibration_data(calibration: Calibration, verdict: Verdict, files: list[dict[str, Any]]) -> dict[str, Any]:
+def calibration_data(calibration: Calibration, verdict: Verdict, files: Sequence[PosesFile] = ()) -> dict[str, Any]:
     """Give all of a calibration as plain data, in SI units."""
     found, setting = calibration.identification, calibration.setting
     problem, parameters = found.problem, found.model.parameters
@@ -75,7 +76,7 @@ def calibration_data(calibration: Calibration, verdict: Verdict, files: list[dic
     keys = ("name", "unit", "configured", "change", "std", "prior_std", "source")
     return {
         "config_sha256": config_sha256(calibration.config),
-        "files": files,
+        "files": [{"file": one.account.file, "sha256": one.sha256, **one.account.as_json()} for one in files],
         "setting": {
             "noise_m": setting.noise_m,
             "fit": list(setting.fit),

@@ -13,6 +13,7 @@ from pipeline.calibrate.identify import Identification, identify
 from pipeline.calibrate.model.forward import close, positions
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.model.parameters import TRACKER
+from pipeline.errors import NoSolutionError
 from tests.calibrate.conftest import Seen
 
 
@@ -78,12 +79,35 @@ def test_covariance_is_that_of_repeated_measurements(see: Callable[..., Seen]):
     assert (whole.std <= whole.problem.prior_std * (1.0 + 1e-9)).all()
 
 
+def test_a_machine_that_cannot_be_assembled_is_reported(see: Callable[..., Seen]):
+    """Encoders that no machine near the configured one can have end with the pose where it is, and what to do."""
+    problem = see(2).problem(Setting())
+    q = problem.poses.q_m.copy()
+    q[7, 3] += 1.0
+    apart = replace(problem, poses=replace(problem.poses, q_m=q))
+    with pytest.raises(NoSolutionError, match=r"can be assembled at all poses: row 7 is one of 1"):
+        identify(apart)
+
+
+def _another(seen: Seen, seed: int) -> Seen:
+    """Measure another machine at the same poses: off by what is known beforehand, seen by a tracker elsewhere."""
+    random, model = np.random.default_rng(seed), seen.configured
+    setting, parameters = Setting(), model.parameters
+    std = np.where(parameters.is_fitted(setting.fit), parameters.prior_std({}), 0.0)
+    theta = random.normal(size=parameters.count) * np.where(np.isfinite(std), std, 0.0)
+    frame = Rotation.random(random_state=random).as_matrix(), random.uniform(-3.0, 3.0, 3)
+    truth, q = model.moved(theta).with_frame(*frame), seen.simulated.poses.q_m
+    where = positions(truth, close(truth, q, seen.guess))
+    poses = replace(seen.simulated.poses, seen_m=where + random.normal(0.0, setting.noise_m, where.shape))
+    return replace(seen, simulated=replace(seen.simulated, poses=poses, truth=truth))
+
+
 def _over_machines(see: Callable[..., Seen], reflectors: int, count: int) -> tuple[FloatArray, FloatArray, list[int]]:
     """Calibrate machines: errors in units of their covariance, of points elsewhere in deviations, and evaluations."""
     errors, deviates, evaluations = [], [], []
-    elsewhere = see(reflectors, poses=60, seed=1000)
+    poses, elsewhere = see(reflectors), see(reflectors, poses=60, seed=1000)
     for seed in range(count):
-        seen = see(reflectors, seed=seed)
+        seen = _another(poses, seed)
         found = identify(seen.problem(Setting()))
         fitted = found.problem.is_fitted
         off = (found.theta - true_deviations(found, seen.simulated.truth))[fitted]

@@ -51,7 +51,7 @@ def test_two_stages_make_a_machine_accurate(see: Callable[..., Seen], quick_conf
     """Twelve moderate poses and 28 next-best ones leave at most 0.035 mm at the TCP, rms over the workspace."""
     first = first_poses(quick_config, REFLECTORS_M[:2], Setting(), 12)
     squares = []
-    for seed in range(6):
+    for seed in range(3):
         seen, random = see(2, seed=seed), np.random.default_rng(seed)
         truth = seen.simulated.truth
 

@@ -1,7 +1,9 @@
 """Files of static poses: encoders q1_m to q5_m and reflectors x1_m, y1_m, z1_m, ... in one row per pose."""
 
+import hashlib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +19,14 @@ def reflector_columns(number: int) -> tuple[str, ...]:
     return tuple(f"{axis}{number}_m" for axis in "xyz")
 
 
-def read_poses(files: Sequence[Path], reflector_count: int) -> tuple[StaticPoses, list[Account]]:
+class PosesFile(NamedTuple):
+    """A file that was read: how, and the hash of its content."""
+
+    account: Account
+    sha256: str
+
+
+def read_poses(files: Sequence[Path], reflector_count: int) -> tuple[StaticPoses, list[PosesFile]]:
     """Read static poses from files, as `read_table` reads tables; reflectors may have gaps where they were not seen.
 
     Raises
@@ -32,14 +41,13 @@ def read_poses(files: Sequence[Path], reflector_count: int) -> tuple[StaticPoses
 
     def place(row: int) -> str:
         index = int(np.searchsorted(ends, row, side="right"))
-        account = read[index][1]
-        return account.place(row - (int(ends[index - 1]) if index else 0))
+        return read[index][1].account.place(row - (int(ends[index - 1]) if index else 0))
 
     q, seen = (np.concatenate([getattr(poses, name) for poses, _ in read]) for name in ("q_m", "seen_m"))
-    return StaticPoses(q, seen, place), [account for _, account in read]
+    return StaticPoses(q, seen, place), [one for _, one in read]
 
 
-def _read(file: Path, count: int) -> tuple[StaticPoses, Account]:
+def _read(file: Path, count: int) -> tuple[StaticPoses, PosesFile]:
     data, numbers = read_bytes(file), range(1, count + 1)
     reflectors = tuple(name for number in numbers for name in reflector_columns(number))
     more = reflector_columns(count + 1)
@@ -52,4 +60,5 @@ def _read(file: Path, count: int) -> tuple[StaticPoses, Account]:
             f"  What to change: give --reflector-{count + 1} X Y Z, or remove the columns."
         )
     q, seen = (np.column_stack([table.columns[name] for name in names]) for names in (POSITIONS, reflectors))
-    return StaticPoses(q, seen.reshape(len(q), count, 3), table.account.place), table.account
+    poses = StaticPoses(q, seen.reshape(len(q), count, 3), table.account.place)
+    return poses, PosesFile(table.account, hashlib.sha256(data).hexdigest())

@@ -26,6 +26,8 @@ _LIKE = 2.0
 """Largest ratio between a spread in another unit and the factor of that unit."""
 _BEYOND = 0.05
 """How far encoders may be beyond travels and strokes, as a part of these."""
+_ROUNDING_M = 1e-12
+_LEAST_WIDTH_M = 0.01
 _CLEARLY = 3.0
 """How much better data have to fit as something else to be that."""
 _FARTHEST_M = 0.02
@@ -61,6 +63,7 @@ def start(config: Config, model: Model, poses: StaticPoses) -> tuple[Model, Floa
             "however the tracker stands.\n  What to change: check that file and configuration are of one machine, and "
             "the places of the reflectors (--reflector-1 ...)."
         )
+    _require_width(candidates.points_of(choice)[poses.is_seen])
     guess = np.array([some[index] for some, index in zip(found, choice, strict=True)])
     return model.with_frame(frame.rotation, frame.translation_m), guess
 
@@ -149,12 +152,24 @@ def _require_units(poses: StaticPoses, candidates: _Candidates) -> None:
     def spread(points: FloatArray) -> float:
         return float(np.linalg.norm(points - np.median(points, axis=0), axis=1).mean())
 
-    ratio = spread(poses.seen_m[poses.is_seen]) / spread(candidates.points_of(candidates.upright)[poses.is_seen])
+    seen = poses.is_seen
+    expected = candidates.points_of(candidates.upright)[seen]
+    ratio = max(spread(poses.seen_m[seen]), _ROUNDING_M) / max(spread(expected), _ROUNDING_M)
     unit, factor = min({"metres": 1.0, **LENGTHS}.items(), key=lambda one: abs(np.log(ratio / one[1])))
     if factor != 1.0 and abs(np.log(ratio / factor)) < np.log(_LIKE):
         raise UsageError(
             f"the positions of the reflectors look like {unit}: they are spread {ratio:.3g} times as wide as those "
             f"of the machine.\n  What to change: divide them by {factor:.10g}."
+        )
+
+
+def _require_width(points_m: FloatArray) -> None:
+    """Refuse points (n, 3) that are nearly on a line: about it a frame may turn."""
+    across = np.linalg.svd(points_m - points_m.mean(axis=0), compute_uv=False)[1] / np.sqrt(len(points_m))
+    if across < _LEAST_WIDTH_M:
+        raise UsageError(
+            f"all points are within {1e3 * across:.1f} mm (rms) of a line, which does not tell where the tracker "
+            "stands.\n  What to change: measure poses all over the workspace."
         )
 
 

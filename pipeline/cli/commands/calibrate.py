@@ -1,6 +1,5 @@
 """The command that corrects the configuration of a machine by what a tracker saw of it."""
 
-import hashlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from pipeline.arrays import FloatArray
     from pipeline.calibrate import Calibration, NextPoses, Setting, Verdict
     from pipeline.config import Config
-    from pipeline.measured import Account
 
 _NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
 """Kinds of parameters that a prior deviation without a kind is for: lengths."""
@@ -101,13 +99,11 @@ def calibrate(
     table to be filled in: drive there, write down what the encoders show and
     where reflectors are seen.
     """
-    from pipeline.config.file import load_config
-
     reflectors_m = reflector_places(first, second, third)
     setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
     beside = _check_files(output, [config_file, *(files or [])], setting)
     _check_next(next_file, following, [config_file, *(files or []), *([] if output is None else [output])])
-    config = load_config(config_file)
+    config, text = _load(config_file)
     if not files:
         _begin(config, reflectors_m, setting, (output, following, next_file), as_json)
         return
@@ -115,12 +111,12 @@ def calibrate(
     from pipeline.calibrate import calibrated_yaml, judge, next_poses, read_poses
     from pipeline.calibrate.report import calibration_data, next_data
 
-    poses, accounts = read_poses(files, len(reflectors_m))
-    for account in accounts:
-        messages_console().print(account.message(), soft_wrap=True)
+    poses, read = read_poses(files, len(reflectors_m))
+    for one in read:
+        messages_console().print(one.account.message(), soft_wrap=True)
     calibration = identify(config, reflectors_m, poses, setting)
     verdict = judge(calibration)
-    data = calibration_data(calibration, verdict, _hashed(accounts))
+    data = calibration_data(calibration, verdict, read)
     proposed = next_poses(calibration, following) if following else None
     if as_json:
         _print_json(data if proposed is None else {**data, "next": next_data(proposed)})
@@ -133,8 +129,8 @@ def calibrate(
         raise NoSolutionError("calibrate", reason, advice)
     if output is not None:
         heading = f"Calibrated by gantry-tau from {', '.join(sorted({file.name for file in files}))}."
-        text = calibrated_yaml(config_file.read_text(), config, calibration.identification.model, heading)
-        _write(text, output, beside, data)
+        new = calibrated_yaml(text, config, calibration.identification.model, heading)
+        _write(new, output, beside, data)
 
 
 def _begin(
@@ -242,11 +238,19 @@ def _check_next(next_file: Path | None, following: int, others: list[Path]) -> N
         refuse_same(next_file, other, "--next-output and another file")
 
 
-def _hashed(accounts: "list[Account]") -> list[dict[str, Any]]:
-    return [
-        {"file": one.file, "sha256": hashlib.sha256(Path(one.file).read_bytes()).hexdigest(), **one.as_json()}
-        for one in accounts
-    ]
+def _load(config_file: Path) -> "tuple[Config, str]":
+    """Read a configuration, and its text: once, as it may be a pipe."""
+    from pipeline.config.file import load_config
+    from pipeline.regular_file import read_named_file
+
+    content = b""
+
+    def read(path: Path, most: int) -> bytes:
+        nonlocal content
+        content = read_named_file(path, most)
+        return content
+
+    return load_config(config_file, read), content.decode().removeprefix("\ufeff")
 
 
 def _show(calibration: "Calibration", verdict: "Verdict") -> None:

@@ -69,3 +69,10 @@ def test_the_advice_for_another_order_is_right(see: Callable[..., Seen], quick_c
     order = [int(name[1]) - 1 for name in columns.split(", ")]
     _, guess = start(quick_config, seen.configured, replace(poses, seen_m=poses.seen_m[:, order]))
     np.testing.assert_allclose(guess, seen.guess, atol=1e-7)
+
+
+def test_points_on_a_line_do_not_tell_where_the_tracker_stands(see: Callable[..., Seen], quick_config: Config):
+    """One pose with two reflectors, however often, leaves a turn about their line."""
+    seen = see(2, poses=40)
+    with pytest.raises(UsageError, match="of a line"):
+        start(quick_config, seen.configured, seen.simulated.poses.at(np.zeros(5, dtype=int)))
