@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from pipeline.config.choices import BodyFrame
+from pipeline.config.machine.mesh import MeshConfig
 from pipeline.config.section import Interval, PositiveLength, Section, Vector, wrong
 
 BODY_PATTERN = r"^\w+([.-]\w+)*$"
@@ -63,7 +64,7 @@ class BeamConfig(Section):
 
 
 class ObstacleConfig(Section):
-    """A convex obstacle fixed in space: exactly one of capsule, box and hull, in the axes of the frame."""
+    """A convex obstacle fixed in space: exactly one of capsule, box, hull and mesh, in the axes of the frame."""
 
     on_one_line: ClassVar[bool] = True
 
@@ -71,14 +72,15 @@ class ObstacleConfig(Section):
     capsule: CapsuleConfig | None = Field(None, exclude_if=lambda value: value is None)
     box: BodyBoxConfig | None = Field(None, exclude_if=lambda value: value is None)
     hull: HullConfig | None = Field(None, exclude_if=lambda value: value is None)
+    mesh: MeshConfig | None = Field(None, exclude_if=lambda value: value is None)
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        return _require_one(self, ("capsule", "box", "hull"))
+        return _require_one(self, ("capsule", "box", "hull", "mesh"))
 
 
 class BodyConfig(Section):
-    """A convex body: exactly one of capsule, box, hull and beam, in the axes of what it is attached to."""
+    """A convex body: exactly one of capsule, box, hull, mesh and beam, in the axes of what it is attached to."""
 
     on_one_line: ClassVar[bool] = True
 
@@ -90,11 +92,12 @@ class BodyConfig(Section):
     capsule: CapsuleConfig | None = Field(None, exclude_if=lambda value: value is None)
     box: BodyBoxConfig | None = Field(None, exclude_if=lambda value: value is None)
     hull: HullConfig | None = Field(None, exclude_if=lambda value: value is None)
+    mesh: MeshConfig | None = Field(None, exclude_if=lambda value: value is None)
     beam: BeamConfig | None = Field(None, exclude_if=lambda value: value is None)
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        _require_one(self, ("capsule", "box", "hull", "beam"))
+        _require_one(self, ("capsule", "box", "hull", "mesh", "beam"))
         rail = self.attached_to in (BodyFrame.RAIL1, BodyFrame.RAIL2, BodyFrame.RAIL3)
         if self.beam is not None and not rail and self.attached_to != BodyFrame.FRAME:
             raise wrong(

@@ -39,10 +39,10 @@ def body(**keys: Any) -> list[dict[str, Any]]:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"bodies": body()}, "bodies[0]: has no shape: give exactly one of capsule, box, hull and beam"),
+        ({"bodies": body()}, "bodies[0]: has no shape: give exactly one of capsule, box, hull, mesh and beam"),
         (
             {"bodies": body(capsule=SPHERE, hull={"points_m": [[0.0, 0.0, 0.0]]})},
-            "bodies[0]: has capsule and hull: give exactly one of capsule, box, hull and beam",
+            "bodies[0]: has capsule and hull: give exactly one of capsule, box, hull, mesh and beam",
         ),
         (
             {"bodies": body(beam=BEAM)},
