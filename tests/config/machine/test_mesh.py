@@ -87,7 +87,7 @@ def test_flat_points_are_covered() -> None:
     [
         ({"file": "none.stl", "unit": "mm"}, "mesh.file cannot be read"),
         ({"file": "part.step", "unit": "mm"}, "mesh.file has an unknown ending; allowed are .stl, .obj, .ply and .off"),
-        ({"file": "bad.stl", "unit": "mm"}, "mesh.file is not a mesh"),
+        ({"file": "bad.stl", "unit": "mm"}, "mesh.file has no points"),
         ({"file": "part.stl"}, "mesh.unit: is missing; allowed is m or cm or mm or in"),
         ({"file": "part.stl", "unit": "ft"}, 'mesh.unit: is "ft"; allowed is m or cm or mm or in'),
     ],
