@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pipeline.certify import premises_sha256
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.machine import Machine
@@ -79,6 +80,17 @@ def test_config_parts_grow(fast_config: Config) -> None:
         for earlier in spec.upstream:
             part = spec_of(SPECS, earlier).config_part(fast_config)
             assert leaves(part) <= leaves(spec.config_part(fast_config))
+
+
+@pytest.mark.parametrize("objective", ["integral", "time"])
+def test_what_the_controller_shows_costs_a_trajectory_alone(fast_config: Config, change: Change, objective) -> None:
+    """Planning and proof know nothing of zeros and scales of encoders; tables for the controller are written again."""
+    config = change(fast_config, refine__objective=objective)
+    other = change(config, machine__actuators__c2__zero_m=3e-4, machine__actuators__l2b__scale=1.0001)
+    changed = {spec.stage for spec in SPECS if spec.config_part(config) != spec.config_part(other)}
+    assert not {Stage.REGIONS, Stage.ROUTE, Stage.REFINE, Stage.CERTIFY} & changed
+    assert Stage.RETIME in changed
+    assert premises_sha256(config) == premises_sha256(other)
 
 
 @pytest.mark.parametrize(

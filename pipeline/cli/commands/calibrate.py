@@ -18,6 +18,8 @@ from pipeline.cli.output import check_facts, check_output, refuse_same, text_tab
 from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from pipeline.arrays import FloatArray
     from pipeline.calibrate import Calibration, NextPoses, Setting, Verdict
     from pipeline.config import Config
@@ -118,12 +120,14 @@ def calibrate(
     verdict = judge(calibration)
     data = calibration_data(calibration, verdict, read)
     proposed = next_poses(calibration, following) if following else None
+    # A pipe that the configuration goes into may be stdout: there it is alone.
+    console = messages_console() if output is not None and beside is None else results_console()
     if as_json:
         _print_json(data if proposed is None else {**data, "next": next_data(proposed)})
     else:
-        _show(calibration, verdict)
+        _show(calibration, verdict, console)
     if proposed is not None:
-        _propose(proposed, len(reflectors_m), next_file, as_json)
+        _propose(proposed, len(reflectors_m), next_file, None if as_json else console)
     if not verdict.accepted:
         reason, advice = "\n  ".join(verdict.reasons).rsplit("\n  What to change: ", 1)
         raise NoSolutionError("calibrate", reason, advice)
@@ -150,17 +154,18 @@ def _begin(
     proposed = first_poses(config, reflectors_m, setting, count)
     if as_json:
         _print_json({"next": next_data(proposed)})
-    _propose(proposed, len(reflectors_m), next_file, as_json)
+    _propose(proposed, len(reflectors_m), next_file, None if as_json else results_console())
 
 
-def _propose(proposed: "NextPoses", reflector_count: int, next_file: Path | None, as_json: bool) -> None:
+def _propose(proposed: "NextPoses", reflector_count: int, next_file: Path | None, console: "Console | None") -> None:
+    """Show proposed poses, unless JSON has them, and write their table."""
     from pipeline.artifacts.output import write_output
     from pipeline.calibrate.report import NEXT_HEADER, next_cells, next_columns
     from pipeline.export.csv import format_csv
 
-    if not as_json:
+    if console is not None:
         title = "poses to measure next, with the predicted error of a reflector anywhere"
-        results_console().print(text_table(title, NEXT_HEADER, next_cells(proposed), (0, 1)))
+        console.print(text_table(title, NEXT_HEADER, next_cells(proposed), (0, 1)))
     if next_file is not None:
         write_output(next_file, format_csv(next_columns(proposed, reflector_count)).encode())
         messages_console().print(f"{next_file}: {len(proposed.q_m)} poses to measure", soft_wrap=True)
@@ -253,10 +258,9 @@ def _load(config_file: Path) -> "tuple[Config, str]":
     return load_config(config_file, read), content.decode().removeprefix("\ufeff")
 
 
-def _show(calibration: "Calibration", verdict: "Verdict") -> None:
+def _show(calibration: "Calibration", verdict: "Verdict", console: "Console") -> None:
     from pipeline.calibrate.report import ERROR_HEADER, PARAMETER_HEADER, error_cells, parameter_cells
 
-    console = results_console()
     console.print(text_table("parameters", PARAMETER_HEADER, parameter_cells(calibration), (0, 1, 6)))
     console.print(text_table("distances of points, root mean square", ERROR_HEADER, error_cells(calibration)))
     console.print(

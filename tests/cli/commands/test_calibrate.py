@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,7 @@ from typer.testing import Result
 
 from pipeline.config.file import load_config
 from tests.cli.calls import invoke as call
+from tests.cli.calls import subprocess_env
 from tests.conftest import CONFIGS
 
 REFLECTORS = ("--reflector-1", 0, 0.1, 0.05, "--reflector-2", 0, 0.4, 0.05)
@@ -142,3 +145,19 @@ def test_nothing_to_calibrate_from(options: tuple[object, ...], message: str) ->
     """Poses are measured or asked for, and go to a file of their own."""
     result = call("calibrate", "cell.yaml", *REFLECTORS, *options)
     assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
+
+
+def test_a_configuration_into_a_pipe_comes_alone() -> None:
+    """What goes to stdout is the configuration; tables go to stderr, and there is no file beside."""
+    simulate()
+    process = subprocess.run(
+        [sys.executable, "-m", "pipeline", "calibrate", "cell.yaml", "poses.csv", *map(str, REFLECTORS)]
+        + ["--output", "/dev/stdout"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**subprocess_env(), "PYTHONPATH": str(CONFIGS.parent)},
+    )
+    Path("piped.yaml").write_text(process.stdout)
+    assert load_config("piped.yaml").machine.actuators.c1.zero_m != 0.0
+    assert "from the data" in process.stderr
