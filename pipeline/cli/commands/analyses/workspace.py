@@ -35,9 +35,9 @@ def workspace(
     """Measure the usable workspace of every working mode, and of all of them together.
 
     A position is usable if it can be reached at this tilt with kappa below
-    its limit, within the strokes and rails, and with the clearance between
-    links that CONFIG asks for. Volumes are also computed at twice the grid
-    step, to show how far they have converged.
+    its limit, within the strokes, rails and cones of joints, and with the
+    clearance between links that CONFIG asks for. Volumes are also computed at
+    twice the grid step, to show how far they have converged.
     """
     check_picture(picture)
     check_picture(volume, option="--picture-3d")
