@@ -33,8 +33,13 @@ class Recorder:
 
 
 def declared(config: Config, stage: Stage, path: str) -> bool:
-    """Check whether a key is part of what a stage may read."""
+    """Check whether a key is part of what a stage may read; one that is left out at its default counts when given."""
     part: Any = spec_of(SPECS, stage).config_part(config)
+    return holds(part, path) or not holds(config.model_dump(mode="json"), path)
+
+
+def holds(part: Any, path: str) -> bool:
+    """Check whether a key, or a value in whose place it is, is in a part of a configuration."""
     for key in path.split("."):
         if not isinstance(part, dict) or key not in part:
             return not isinstance(part, dict)
@@ -80,6 +85,23 @@ def test_config_parts_grow(fast_config: Config) -> None:
         for earlier in spec.upstream:
             part = spec_of(SPECS, earlier).config_part(fast_config)
             assert leaves(part) <= leaves(spec.config_part(fast_config))
+
+
+FAR_OFF = {"name": "post", "capsule": {"from_m": [9.0, 9.0, 0.0], "to_m": [9.0, 9.0, 1.0], "radius_m": 0.1}}
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("machine__bodies", [{**FAR_OFF, "attached_to": "frame"}]),
+        ("task__obstacles", [FAR_OFF]),
+        ("machine__links__l1__cart_cone", {"axis": [0.0, 0.0, -1.0], "half_angle_deg": 170.0}),
+    ],
+)
+def test_what_is_left_out_counts_when_it_is_given(fast_config: Config, change: Change, key: str, value: object) -> None:
+    """Of every stage from the regions on."""
+    other = change(fast_config, **{key: value})
+    assert all(spec.config_part(other) != spec.config_part(fast_config) for spec in SPECS)
 
 
 @pytest.mark.parametrize("objective", ["integral", "time"])
