@@ -71,7 +71,7 @@ class _Placed:
         found = np.empty(len(pair))
         ends = np.array(self.bodies.pairs, dtype=np.int64).reshape(-1, 2)[pair]
         sizes = np.array([len(points) for points in self.points])
-        endless = np.array([hull.endless for hull in self.bodies.hulls])[ends].any(axis=1)
+        endless: BoolArray = np.array([self.bodies.is_endless(one) for one in self.bodies.pairs], dtype=bool)[pair]
         radii = np.array([hull.radius_m for hull in self.bodies.hulls])[ends].sum(axis=1)
         short = (sizes[ends] <= 2).all(axis=1)
         for rows, corners in ((np.flatnonzero(short), 2), (np.flatnonzero(~short), int(sizes.max(initial=2)))):
