@@ -73,6 +73,16 @@ def test_stages_read_only_what_they_declare(quick_config: Config, machine: Machi
         assert [path for path in sorted(read) if not declared(config, stage, path)] == []
 
 
+def test_bodies_and_obstacles_count_where_there_are_any(bodies_config: Config, vary: Any) -> None:
+    """They are left out of what is written where there are none."""
+    ball = {"name": "ball", "hull": {"points_m": [[0.0, -1.0, 0.0]], "radius_m": 0.1}}
+    config = vary(bodies_config, {"task.obstacles": [ball]})
+    for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE, Stage.CERTIFY):
+        for path in ("machine.bodies", "machine.link_bodies", "task.obstacles"):
+            assert found(spec_of(SPECS, stage).config_part(config), path)
+        assert not found(spec_of(SPECS, stage).config_part(bodies_config), "task.obstacles")
+
+
 def test_config_parts_grow(fast_config: Config) -> None:
     """Every stage depends on what the stage it builds on depends on, so that no change gets lost."""
 
