@@ -4,8 +4,10 @@ import numpy as np
 from flint import arb, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import Closure, Vector, dot
+from pipeline.inclusion.closure import Closure, Vector, cross, dot
 from pipeline.inclusion.condition import above, below, norm
+from pipeline.inclusion.following import TELESCOPE, Erring, joint_moves
+from pipeline.inclusion.matrices import inner
 from pipeline.inclusion.pieces import middle
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.ranges import polynomial_range
@@ -32,22 +34,25 @@ def tilt_magnitudes(box: ProvenBox) -> FloatArray:
     return np.array(bounds)
 
 
-def joint_cosine(box: ProvenBox, cone: JointCone) -> tuple[float, float]:
-    """Bound the cosine of a joint's angle over a box from below, and say how far it may be from a line.
+def joint_cosine(box: ProvenBox, cone: JointCone) -> tuple[float, float, float]:
+    """Bound the cosine of a joint's angle over a box from below, for all errors of the actuators.
+
+    Says, too, how far it may be from a line, and how much the errors take.
 
     With v from the cart joint to the platform joint and the axis e, it is e . v / len at a cart and -(R e) . v / len at
     the platform, len being |v| at the poses of the box. It is taken as c0 + c1 t + c2 t^2, with c0 and c1 about the
-    middle and c2 about every t; poses within d of the cubic change it by no more than v and R e do.
+    middle and c2 about every t; errors a_k change it by up to |dc/da_k| A_k, and poses within d of that by no more than
+    v and R e do.
     """
     half = box.series.half
     try:
         about, everywhere = (_cosine(closure, cone) for closure in (box.series.at, box.series.over))
     except ZeroDivisionError:
-        return -1.0, 1.0
+        return -1.0, 1.0, 1.0
     ends = [about[0] + about[1] * t for t in (-half, half)]
-    bend, moved = half * half * everywhere[2], _moved(box, cone)
-    least = ends[0].lower().min(ends[1].lower()) + bend.lower().min(arb(0)) - moved
-    return below(least), above(bend.abs_upper() + moved)
+    bend, moved, by_errors = half * half * everywhere[2], _moved(box, cone), _by_errors(box.erring, cone)
+    least = ends[0].lower().min(ends[1].lower()) + bend.lower().min(arb(0)) - moved - by_errors
+    return below(least), above(bend.abs_upper() + moved), above(by_errors)
 
 
 def angle_above_deg(cosine: float) -> float:
@@ -64,11 +69,35 @@ def _cosine(closure: Closure[arb_series], cone: JointCone) -> arb_series:
     return -dot(turned, vector) / closure.lengths[cone.link]
 
 
+def _by_errors(errors: Erring | None, cone: JointCone) -> arb:
+    """Bound sum |dc/da_k| A_k, with dv = P_xyz + T P_angles - e_x and d(R e) = (E P_angles) x R e."""
+    if errors is None:
+        return arb(0)
+    hull, link, table = errors.hull, cone.link, errors.following.over.table()
+    axis, joint = [arb(value) for value in cone.axis.tolist()], len(hull.arms) + cone.link
+    vector, length = hull.vectors[link], hull.lengths[link]
+    pointing = [-inner(row, axis) for row in hull.rotation] if cone.at_platform else axis
+    total = arb(0)
+    for k, (move, error) in enumerate(zip(joint_moves(errors), errors.following.errors, strict=True)):
+        v = [move[c, joint] - move[c, link] for c in range(3)]
+        change = inner(pointing, v)
+        if cone.at_platform:
+            spin = [sum((hull.axes[j][c] * table[3 + j][k] for j in range(3)), arb(0)) for c in range(3)]
+            change += inner(cross(spin, pointing), vector)
+        if TELESCOPE.get(link) == k:
+            change -= inner(pointing, vector) / length
+        total += (change / length).abs_upper() * error
+    return total.abs_upper()
+
+
 def _moved(box: ProvenBox, cone: JointCone) -> arb:
-    """Bound how far poses within the deviation from the cubic move the cosine: |dv| + |d(R e)| |v|, per length."""
-    deviation, over = box.inclusion.image, box.series.over
+    """Bound how far poses within the deviation move the cosine: |dv| + |d(R e)| |v|, per length."""
+    deviation, over, errors = box.deviation, box.series.over, box.erring
+    vector, length = [entry[0] for entry in over.vectors[cone.link]], over.lengths[cone.link][0]
+    if errors is not None:
+        vector, length = errors.hull.vectors[cone.link], errors.hull.lengths[cone.link]
     turn = sum((d.abs_upper() for d in deviation[3:]), arb(0))
     moved = norm(deviation[:3]) + norm(box.balls.points[cone.link]) * turn
     if cone.at_platform:
-        moved += turn * (norm([entry[0] for entry in over.vectors[cone.link]]) + moved)
-    return (moved / over.lengths[cone.link][0].abs_lower()).abs_upper()
+        moved += turn * (norm(vector) + moved)
+    return (moved / length.abs_lower()).abs_upper()

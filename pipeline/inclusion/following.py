@@ -193,6 +193,24 @@ def erring(machine: Geometry, over: Closure[arb_series], following: Following, d
     return Erring(following, closure(machine, pose, q))
 
 
+def joint_moves(errors: Erring) -> list[arb_mat]:
+    """Enclose the derivatives of all end points by the error of each actuator: five matrices 3 x 15.
+
+    Cart joints move by e_x with their own cart; platform joints by P_xyz + T P_angles, T the axes crossed with the arm.
+    """
+    table = errors.following.over.table()
+    shift, turn = arb_mat(table[:3]), arb_mat(table[3:])
+    platform = [
+        shift + arb_mat([cross(axis, arm) for axis in errors.hull.axes]).transpose() * turn for arm in errors.hull.arms
+    ]
+    still, found = [arb(0)] * 3, []
+    for k in range(len(errors.following.errors)):
+        carts = [[arb(int(cart == k)), arb(0), arb(0)] for cart in CARTS]
+        points = [*carts, *([joint[c, k] for c in range(3)] for joint in platform), still, still, still]
+        found.append(arb_mat(points).transpose())
+    return found
+
+
 def _rates(closure: Closure[arb_series], order: int) -> arb_mat:
     """Return a coefficient of V as a series, 6 x 5."""
     V = arb_mat(_LINKS, _ACTUATORS)

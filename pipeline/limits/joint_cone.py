@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from pipeline.limits.interface.rows import Nodes, ProgramPart
 
 JOINT_ANGLE = CertificateKey("joint_angle_deg", Side.LARGEST, None, "angle of the {}", "°", 2, optional=True)
-PROOF_SLACK, _REST_SLACK = 1e-6, 0.2
-"""What proven cosines are weakened by, and the share of how far they may be from a line: then other arithmetic verifies
-them."""
+PROOF_SLACK, _REST_SLACK, _ERROR_SLACK = 1e-6, 0.2, 0.02
+"""What proven cosines are weakened by, and the shares of how far they may be from a line and of what errors take: then
+other arithmetic verifies them."""
 _NODE_MARGIN_DEG = 0.2
 """What nodes keep on top, for what happens between them."""
 _STEP_DEG, _LARGEST_DEG = 1.0, 179.0
@@ -53,6 +53,7 @@ class ConeOfJoint:
     slack: float = 0.001
     near: float = 0.1
     least: float = 0.0
+    proven_under_error: bool = True
 
     @property
     def key(self) -> str:
@@ -124,8 +125,9 @@ class ConeOfJoint:
         """Bound the angle over a proven box from above, in degrees, shape (1, 2)."""
         from pipeline.inclusion.bounds import angle_above_deg, joint_cosine
 
-        least, rest = joint_cosine(box, self.cone)
-        return np.array([[-np.inf, angle_above_deg(least - PROOF_SLACK - _REST_SLACK * rest)]])
+        least, rest, by_errors = joint_cosine(box, self.cone)
+        slack = PROOF_SLACK + _REST_SLACK * rest + _ERROR_SLACK * by_errors
+        return np.array([[-np.inf, angle_above_deg(least - slack)]])
 
     def unproven(self, bounds: FloatArray) -> str:
         """State that the joint is not proven to stay within its cone."""

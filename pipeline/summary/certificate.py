@@ -60,7 +60,7 @@ def _body_part(bounds: "Bounds") -> Section:
 def _following_part(certificate: "Certificate") -> Section:
     """Give how far the actuators may be from where they are commanded; null if that was not searched.
 
-    Two different claims. The keys that begin with `following_` alone: every proven limit of kappa and distances is
+    Two different claims. The keys that begin with `following_` alone: every limit of kappa, distances and joints is
     kept. `following_on_branch_`: the motion stays regular and on its branch, whatever limits it breaks.
     """
     following = certificate.following
@@ -124,8 +124,8 @@ def certificate_words(section: Section) -> str:
     if (following := section.get("following_m")) is not None:
         branch = section["following_on_branch_m"]
         found += (
-            f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances within their limits, and by "
-            f"{1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
+            f"; all drives may be off by {1e3 * following:.2f} mm with kappa, distances and joints within their "
+            f"limits, and by {1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
         )
     if (least := section.get("least_kappa")) is not None:
         found += f"; no path can have a largest kappa below {least:.2f}"

@@ -41,7 +41,7 @@ class Bent:
         inclusion = Inclusion(self.box, np.zeros((2, 6, 6)), [arb(value) for value in off.tolist()], [arb(0)] * 6, [])
         with working_precision(64):
             proven = ProvenBox(machine, balls, self.piece, along(balls, self.piece, self.box), inclusion)
-            found, _ = joint_cosine(proven, one)
+            found, *_ = joint_cosine(proven, one)
         single = with_cones(machine, one)
         ((again,),) = joint_cosines(single, build_boxes(single, self.path, (self.box,)), off[:, None])
         return found, float(again)

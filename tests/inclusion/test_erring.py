@@ -5,15 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from pipeline.certify.recheck.claims.axis_distances import distance_bounds as distances_again
 
 from pipeline.certify.guess import guess_box
 from pipeline.certify.recheck.arithmetic import inclusion as again
 from pipeline.certify.recheck.arithmetic.erring import erring
+from pipeline.certify.recheck.claims.distances.axis_distances import distance_bounds as distances_again
 from pipeline.certify.recheck.claims.kappa import kappa_bounds as kappa_again
 from pipeline.inclusion.closure import geometry, working_precision
 from pipeline.inclusion.condition import kappa_bound
-from pipeline.inclusion.distances import AxisPairs, distance_bounds
+from pipeline.inclusion.distances.axes import AxisPairs, distance_bounds
 from pipeline.inclusion.krawczyk import along, include
 from pipeline.inclusion.pieces import pieces
 from pipeline.inclusion.proven_box import ProvenBox

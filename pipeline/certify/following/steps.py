@@ -18,8 +18,8 @@ class FollowingProfile:
     s : (n + 1,)
         Where one of the profiles changes, and both ends.
     within_limits_m, on_branch_m : (n,)
-        Errors between neighbouring s for which the limits of kappa and distances are kept, and for which the motion
-        merely stays regular and on its branch; NaN where that was not proven.
+        Errors between neighbouring s for which the limits of kappa, distances and joints are kept, and for which the
+        motion merely stays regular and on its branch; NaN where that was not proven.
     """
 
     s: FloatArray

@@ -46,8 +46,8 @@ class _Path:
 def search_following(config: Config, machine: Machine, path: Path, monitor: Monitor = QUIET) -> FollowingTolerances:
     """Search the largest errors of the actuators, of every kind: eps is that of the actuator with the largest.
 
-    Each is searched twice: with the limits of kappa and distances kept, and with none, so that the motion merely stays
-    regular and on its branch.
+    Each is searched twice: with the limits of kappa, distances and joints kept, and with none, so that the motion
+    merely stays regular and on its branch.
     """
     problem = replace(build_problem(machine, path, _LEAST_WIDTH), memory=Memory())
     s = np.linspace(0.0, 1.0, _SAMPLES)

@@ -12,9 +12,9 @@ import numpy as np
 from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.inclusion.closure import Geometry, cross
+from pipeline.inclusion.closure import Geometry
 from pipeline.inclusion.condition import below, norm
-from pipeline.inclusion.following import CARTS, Erring
+from pipeline.inclusion.following import CARTS, Erring, joint_moves
 from pipeline.inclusion.krawczyk import Piecewise
 from pipeline.inclusion.matrices import ball_matrix, enlarged, floats, inner, upper_bounds, upper_vector
 from pipeline.machine.geometry import ACTUATORS
@@ -125,7 +125,7 @@ def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> t
 
         n . (P - Q) >= N . D - sum |N . S_k + M_k . D| A_k - (sum |M_k| A_k) (sum |S_k| A_k),   D = P - Q along x(t).
     """
-    A, S = errors.following.errors, _joint_moves(errors)
+    A, S = errors.following.errors, joint_moves(errors)
     M = [ball_matrix(part) for part in gaps.turning]
     by_error = [(N * part + turn * gaps.points) * a for part, turn, a in zip(S, M, A, strict=True)]
     size = upper_vector(A)
@@ -145,24 +145,6 @@ def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> t
         along = inner([inner(normals[pair], rates[pair]).abs_upper() for rates in rows], A)
         sizes.append((gaps.sizes[pair] ** 2 + 2 * along + arb(float(turned[pair])) ** 2).sqrt().abs_upper())
     return least, sizes
-
-
-def _joint_moves(errors: Erring) -> list[arb_mat]:
-    """Enclose the derivatives of all end points by the error of each actuator: five matrices 3 x 15.
-
-    Cart joints move by e_x with their own cart; platform joints by P_xyz + T P_angles, T the axes crossed with the arm.
-    """
-    table = errors.following.over.table()
-    shift, turn = arb_mat(table[:3]), arb_mat(table[3:])
-    platform = [
-        shift + arb_mat([cross(axis, arm) for axis in errors.hull.axes]).transpose() * turn for arm in errors.hull.arms
-    ]
-    still, found = [arb(0)] * 3, []
-    for k in range(len(errors.following.errors)):
-        carts = [[arb(int(cart == k)), arb(0), arb(0)] for cart in CARTS]
-        points = [*carts, *([joint[c, k] for c in range(3)] for joint in platform), still, still, still]
-        found.append(arb_mat(points).transpose())
-    return found
 
 
 def _pair_bound(pairs: AxisPairs, pair: int, gap: tuple[list[arb], arb], off: list[arb]) -> float:

@@ -1,32 +1,29 @@
-"""Rigorous lower bounds of the distances between the surfaces of bodies over a whole box, by separating directions.
+"""Rigorous lower bounds of the distances between the surfaces of bodies over a whole box.
 
-For any n(t), two hulls of points a, b with radii r, r' are at least min n . (a - b) / |n| - r - r' apart. The direction
-is linear in t, from the shortest connections at both ends of the box; where that shows too little, a constant one is
-tried. Any direction gives a valid bound.
+The points of their hulls are placed, as balls, along x(t) and for all errors of the actuators; distances of hulls less
+both radii are those of surfaces.
 
-Coefficients of the points are balls; all pairs are then bounded at a time, in floats. What floats lose is bounded
-beforehand: no entry takes more than 60 operations, each of which loses at most 2^-53 of a magnitude that is computed.
-
-Where a link is cut short, or a tube ends, by metres along its axis, its length over the box decides where that is at
-most: the hull is taken between these points.
+Where a link is cut short, or a tube ends, by metres along its axis, its length over the box, errors included, decides
+where that is at most: the hull is taken between these points.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from flint import arb, arb_series
+from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.bounds import actuator_ranges
 from pipeline.inclusion.closure import Closure
-from pipeline.inclusion.condition import above, norm
+from pipeline.inclusion.condition import above, norm, skew
+from pipeline.inclusion.distances.hulls import LOST, Directions, MovingHulls, separated, separating_directions
+from pipeline.inclusion.following import Erring, joint_moves
+from pipeline.inclusion.krawczyk import Piecewise
+from pipeline.inclusion.matrices import upper_vector
 from pipeline.inclusion.proven_box import ProvenBox
-from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES
-from pipeline.machine.shapes.gjk import hull_separation
+from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
 from pipeline.machine.shapes.model import Bodies, FrameKind, SweptHull
 
-_LOST = 1e-13
-"""Part of the largest magnitude that floats lose at most in a bound: ten times 60 roundings."""
 _ORDERS = 3
 
 
@@ -42,12 +39,6 @@ class _Frames:
         The points of the rails that the carts are at.
     carts, platform : (2, orders, 6, 3)
         Cart joints and platform joints.
-    arms : (6,)
-        Bounds of how far the platform joints are from the TCP.
-    shift, turn : float
-        Bounds of how far the pose is off the series: its place, and the sum of its angles.
-    lengths : (6, 2)
-        Least and largest length of each link.
     """
 
     tcp: FloatArray
@@ -55,44 +46,69 @@ class _Frames:
     origins: FloatArray
     carts: FloatArray
     platform: FloatArray
-    arms: FloatArray
-    shift: float
-    turn: float
-    lengths: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class _Moving:
-    """The points of hulls over a box.
+class _Reach:
+    """How far the machine may be off its series.
 
     Attributes
     ----------
-    middle, radius : (orders, pairs, k, 3)
-        Coefficients.
-    off : (pairs,)
-        How far a point is off them at most.
+    shift, turn : float
+        Bounds of how far the pose is off: its place, and the sum of its angles.
+    arms : (6,)
+        Bounds of how far the platform joints are from the TCP.
+    lengths : (6, 2)
+        Least and largest length of each link, with the errors of the actuators.
+    errors_m : (5,)
+        Bounds of the errors of the actuators.
     """
 
-    middle: FloatArray
-    radius: FloatArray
-    off: FloatArray
+    shift: float
+    turn: float
+    arms: FloatArray
+    lengths: FloatArray
+    errors_m: FloatArray
 
-    def at(self, t: float) -> FloatArray:
-        """Evaluate the middles, shape (k, 3, pairs)."""
-        value = self.middle[0] + t * self.middle[1] + t * t * self.middle[2]
-        return np.ascontiguousarray(np.moveaxis(value, 0, -1))
+
+@dataclass(frozen=True, eq=False)
+class _Moves:
+    """How frames move with the error of each actuator, as balls: middles and radii.
+
+    Attributes
+    ----------
+    tcp, turning : (2, 5, 3), (2, 5, 3, 3)
+        dp/de, and dR/de.
+    carts, platform : (2, 5, 6, 3)
+        The same of cart joints and platform joints.
+    """
+
+    tcp: FloatArray
+    turning: FloatArray
+    carts: FloatArray
+    platform: FloatArray
+
+
+_Points = tuple[FloatArray, FloatArray, float, FloatArray, FloatArray]
+"""Of one hull, what `MovingHulls` has of many."""
 
 
 def body_distance_bounds(box: ProvenBox, bodies: Bodies) -> FloatArray:
-    """Bound the distances of all pairs from below over a proven box, negative if nothing is known. Shape (pairs,)."""
-    frames, half = _frames(box), above(box.series.half)
-    placed = [_points(frames, hull) for hull in bodies.hulls]
+    """Bound the distances of all pairs from below over a proven box, negative if nothing is known. Shape (pairs,).
+
+    With errors of the actuators, for all of them.
+    """
+    series, half = box.series, above(box.series.half)
+    frames = series.derive(_Frames, lambda: _frames(box))
+    reach, moves = _reach(box), None if box.erring is None else _moves(box.erring)
+    placed = [_points(frames, reach, moves, hull) for hull in bodies.hulls]
     bounds = np.full(len(bodies.pairs), -np.inf)
-    for pairs in _by_size(bodies).values():
+    for size, pairs in _by_size(bodies).items():
         first, second = (_gather(bodies, placed, pairs, side) for side in (0, 1))
         radii = np.array([bodies.radii_m(bodies.pairs[k]) for k in pairs])
-        found = _separated(first, second, half)
-        bounds[pairs] = np.nextafter(found - (first.off + second.off) - radii - _LOST, -np.inf)
+        directions = _directions(series, (bodies, size, moves is None), first, second)
+        found = separated(first, second, directions, half, reach.errors_m)
+        bounds[pairs] = np.nextafter(found - radii - LOST, -np.inf)
     return bounds
 
 
@@ -104,89 +120,65 @@ def _by_size(bodies: Bodies) -> dict[tuple[int, int], list[int]]:
     return groups
 
 
-def _gather(bodies: Bodies, placed: list[tuple[FloatArray, FloatArray, float]], pairs: list[int], side: int) -> _Moving:
+def _gather(bodies: Bodies, placed: list[_Points], pairs: list[int], side: int) -> MovingHulls:
     """Put the hulls on one side of pairs together; of pairs with one that is endless along X, x is left out."""
     chosen = [placed[bodies.pairs[k][side]] for k in pairs]
-    middle, radius = (np.stack([part[which] for part in chosen], axis=1) for which in (0, 1))
+    parts = [np.stack([hull[which] for hull in chosen], axis=1) for which in (0, 1, 3, 4)]
     endless = np.array([bodies.is_endless(bodies.pairs[k]) for k in pairs])
-    middle[:, endless, :, 0] = radius[:, endless, :, 0] = 0.0
-    return _Moving(middle, radius, np.array([part[2] for part in chosen]))
+    for part in parts:
+        part[:, endless, :, 0] = 0.0
+    return MovingHulls(parts[0], parts[1], np.array([hull[2] for hull in chosen]), parts[2], parts[3])
 
 
-def _separated(first: _Moving, second: _Moving, half: float) -> FloatArray:
-    """Bound the distances of pairs of hulls from below by two choices of directions. Shape (pairs,)."""
-    before, after = (hull_separation(first.at(t), second.at(t)).normal.T for t in (-half, half))
-    mean = (before + after) / 2.0
-    slope = (after - before) / (2.0 * half) if half > 0.0 else np.zeros_like(mean)
-    turning = _bound(first, second, (mean, slope), half)
-    still = _bound(first, second, (mean, np.zeros_like(mean)), half)
-    return np.maximum(turning, still)
+def _directions(
+    series: Piecewise, key: tuple[Bodies, tuple[int, int], bool], first: MovingHulls, second: MovingHulls
+) -> Directions:
+    """Choose directions once for all sizes of errors: ends of links move little with these."""
+    return series.derive(key, lambda: separating_directions(first, second, above(series.half)))
 
 
-def _bound(first: _Moving, second: _Moving, n: tuple[FloatArray, FloatArray], half: float) -> FloatArray:
-    """Bound min n . (a - b) / |n| over |t| <= half for directions n0 + n1 t, (pairs, 3) each. Shape (pairs,)."""
-    middles, radii = [], []
-    for moving in (first, second):
-        middle, radius = _heights(moving, n)
-        middles.append(middle)
-        radii.append(radius)
-    gap = [a[:, :, None] - b[:, None] for a, b in zip(*middles, strict=True)]
-    width = [a[:, :, None] + b[:, None] for a, b in zip(*radii, strict=True)]
-    least = gap[0] - width[0]
-    size = np.abs(gap[0]) + width[0]
-    for order in range(1, len(gap)):
-        spread = half**order * (np.abs(gap[order]) + width[order])
-        least, size = least - spread, size + spread
-    reach = [sum(half**k * np.abs(part).max(axis=(1, 2)) for k, part in enumerate(m.middle)) for m in (first, second)]
-    length = np.maximum(*(np.linalg.norm(n[0] + t * n[1], axis=1) for t in (-half, half)))
-    most = 3.0 * (reach[0] + reach[1]) * (np.abs(n[0]) + half * np.abs(n[1])).max(axis=1)
-    least = least.min(axis=(1, 2)) - _LOST * (1.0 + most + size.max(axis=(1, 2)))
-    return np.where((length > 0.0) & (least > 0.0), least / np.maximum(length * (1.0 + _LOST), 1e-300), -1.0)
-
-
-def _heights(moving: _Moving, n: tuple[FloatArray, FloatArray]) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Compute the coefficients of n . a of order 0 to 3 in t, middles and radii (pairs, k) each."""
-    p, r = moving.middle, moving.radius
-
-    def dot(normal: FloatArray, points: FloatArray) -> FloatArray:
-        return np.asarray(np.einsum("pc,pkc->pk", normal, points), dtype=float)
-
-    middles = [
-        dot(n[0], p[0]),
-        dot(n[0], p[1]) + dot(n[1], p[0]),
-        dot(n[0], p[2]) + dot(n[1], p[1]),
-        dot(n[1], p[2]),
-    ]
-    sizes = [np.abs(part) for part in n]
-    radii = [
-        dot(sizes[0], r[0]),
-        dot(sizes[0], r[1]) + dot(sizes[1], r[0]),
-        dot(sizes[0], r[2]) + dot(sizes[1], r[1]),
-        dot(sizes[1], r[2]),
-    ]
-    return middles, radii
-
-
-def _points(frames: _Frames, hull: SweptHull) -> tuple[FloatArray, FloatArray, float]:
-    """Give the coefficients of a hull's points, middles and radii (orders, k, 3), and how far points may be off."""
+def _points(frames: _Frames, reach: _Reach, moves: _Moves | None, hull: SweptHull) -> _Points:
+    """Give the coefficients of a hull's points, how far points may be off, and how they move with errors."""
     given = hull.points_m
     if hull.kind == FrameKind.PLATFORM:
-        middle = frames.tcp[0][:, None] + np.einsum("oij,kj->oki", frames.rotation[0], given)
-        radius = frames.tcp[1][:, None] + np.einsum("oij,kj->oki", frames.rotation[1], np.abs(given))
+        middle, radius = _on_platform(frames.tcp, frames.rotation, given)
+        moved = _still(given) if moves is None else _on_platform(moves.tcp, moves.turning, given)
         far = float(np.linalg.norm(given, axis=1).max())
-        return middle, radius, frames.shift + far * frames.turn
+        return middle, radius, reach.shift + far * reach.turn, *moved
     if hull.kind == FrameKind.LINK:
-        part = _parts(hull, frames.lengths[hull.number])[None, :, None]
-        ends = [(1.0 - part, frames.carts), (part, frames.platform)]
-        middle = sum((share * joint[0][:, hull.number, None] for share, joint in ends), np.zeros(1))
-        radius = sum((np.abs(share) * joint[1][:, hull.number, None] for share, joint in ends), np.zeros(1))
-        return middle, radius, float(part.max()) * (frames.shift + float(frames.arms[hull.number]) * frames.turn)
+        part = _parts(hull, reach.lengths[hull.number])
+        middle, radius = _on_link(frames.carts, frames.platform, hull.number, part)
+        moved = _still(given) if moves is None else _on_link(moves.carts, moves.platform, hull.number, part)
+        off = reach.shift + float(reach.arms[hull.number]) * reach.turn
+        return middle, radius, float(part.max()) * off, *moved
     middle, radius = np.zeros((2, _ORDERS, *given.shape))
+    moved = np.zeros((2, 0 if moves is None else len(ACTUATORS), *given.shape))
     if hull.kind == FrameKind.CART:
         middle += frames.origins[0][:, hull.number, None]
         radius += frames.origins[1][:, hull.number, None]
+        moved[0, hull.number : hull.number + 1, :, 0] = 1.0
     middle[0] += given
-    return middle, radius, 0.0
+    return middle, radius, 0.0, *moved
+
+
+def _still(given: FloatArray) -> FloatArray:
+    return np.zeros((2, 0, len(given), 3))
+
+
+def _on_platform(place: FloatArray, turned: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Place points given from the TCP: middles and radii, (n, k, 3) each."""
+    middle = place[0][:, None] + np.einsum("oij,kj->oki", turned[0], given)
+    radius = place[1][:, None] + np.einsum("oij,kj->oki", turned[1], np.abs(given))
+    return middle, radius
+
+
+def _on_link(carts: FloatArray, platform: FloatArray, link: int, parts: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Place points given as parts of a link's length (k,): middles and radii, (n, k, 3) each."""
+    part = parts[None, :, None]
+    ends = [(1.0 - part, carts), (part, platform)]
+    middle = sum((share * joint[0][:, link, None] for share, joint in ends), np.zeros(1))
+    radius = sum((np.abs(share) * joint[1][:, link, None] for share, joint in ends), np.zeros(1))
+    return middle, radius
 
 
 def _parts(hull: SweptHull, lengths: FloatArray) -> FloatArray:
@@ -196,20 +188,44 @@ def _parts(hull: SweptHull, lengths: FloatArray) -> FloatArray:
 
 
 def _frames(box: ProvenBox) -> _Frames:
-    closures, ranges = (box.series.at, box.series.at, box.series.over), actuator_ranges(box)
-    lengths = np.repeat(np.asarray(box.machine.lengths_m)[:, None], 2, axis=1)
-    lengths[TELESCOPES] = ranges[3:]
-    deviation = box.inclusion.image
+    closures = (box.series.at, box.series.at, box.series.over)
     return _Frames(
         tcp=_balls([[x[k] for x in one.pose[:3]] for k, one in enumerate(closures)]),
         rotation=_balls([[[x[k] for x in row] for row in one.rotation] for k, one in enumerate(closures)]),
         origins=_balls([_origins(box, one, k) for k, one in enumerate(closures)]),
         carts=_balls([_cart_joints(box, one, k) for k, one in enumerate(closures)]),
         platform=_balls([_platform_joints(one, k) for k, one in enumerate(closures)]),
-        arms=np.array([above(norm(point)) for point in box.balls.points]),
+    )
+
+
+def _reach(box: ProvenBox) -> _Reach:
+    errors, deviation = upper_vector(box.inclusion.following.errors), box.deviation
+    lengths = np.repeat(np.asarray(box.machine.lengths_m)[:, None], 2, axis=1)
+    lengths[TELESCOPES] = actuator_ranges(box)[3:]
+    if box.inclusion.following.any:
+        off = errors[3:, None] * [-1.0, 1.0]
+        lengths[TELESCOPES] = np.nextafter(lengths[TELESCOPES] + off, [-np.inf, np.inf])
+    return _Reach(
         shift=above(norm(deviation[:3])),
         turn=above(sum((d.abs_upper() for d in deviation[3:]), arb(0))),
+        arms=np.array([above(norm(point)) for point in box.balls.points]),
         lengths=lengths,
+        errors_m=errors if box.inclusion.following.any else np.zeros(len(ACTUATORS)),
+    )
+
+
+def _moves(errors: Erring) -> _Moves:
+    """Enclose how frames move: with the axes E of the angles, dR/de = (E P_angles) x R."""
+    P, hull = errors.following.over, errors.hull
+    shift, turn = (np.array(P.table(), dtype=object)[rows] for rows in (slice(0, 3), slice(3, 6)))
+    spins = (arb_mat(hull.axes).transpose() * arb_mat(turn.tolist())).transpose().table()
+    R, joints = arb_mat(hull.rotation), _balls([move.transpose().table() for move in joint_moves(errors)])
+    links = len(hull.arms)
+    return _Moves(
+        tcp=_balls(shift.T.tolist()),
+        turning=_balls([(skew(spin) * R).table() for spin in spins]),
+        carts=joints[:, :, :links],
+        platform=joints[:, :, links : 2 * links],
     )
 
 

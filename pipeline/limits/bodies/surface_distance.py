@@ -49,6 +49,7 @@ class SurfaceDistance:
     rounding: float = 1e-9
     slack: float = 0.0005
     near: float = 0.03
+    proven_under_error: bool = True
 
     @property
     def least(self) -> float:

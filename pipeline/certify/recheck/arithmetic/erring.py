@@ -20,12 +20,15 @@ from pipeline.machine.geometry import Machine
 class Erring:
     """Boxes whose actuators are off: A (5, n), the closures over all errors, and how arms and vectors change.
 
-    `matrix` is P in the middles (6, 5, n); `turned` is dA'/da and `moved` dv/da, both (6, 3, 5, n).
+    `matrix` is P in the middles (6, 5, n); `shift` is P_xyz over the intervals and `spin` W P_angles, both (3, 5, n);
+    `turned` is dA'/da and `moved` dv/da, both (6, 3, 5, n).
     """
 
     errors: FloatArray
     matrix: FloatArray
     hull: Motion
+    shift: Enclosure
+    spin: Enclosure
     turned: Enclosure
     moved: Enclosure
 
@@ -43,12 +46,13 @@ def erring(machine: Machine, boxes: Boxes, found: Inclusions) -> Erring | None:
     )
     P = following.over
     axes, arms = hull.axes[0], hull.arms[0]
+    spin = contract("jcn,jan->can", axes, P[3:], 3)
     across = cross(_spread(axes, 0), _spread(arms, 1), axis=2)
     turned = contract("ljcn,jan->lcan", across, P[3:], 3)
     unit = np.zeros((6, 3, 5, 1))
     unit[:, 0] = OF_CART[..., None]
     moved = turned + Enclosure(P.mid[None, :3], P.rad[None, :3]) - exactly(unit)
-    return Erring(following.errors, following.matrix[0], hull, turned, moved)
+    return Erring(following.errors, following.matrix[0], hull, P[:3], spin, turned, moved)
 
 
 def statics_derivatives(machine: Machine, erring: Erring) -> Enclosure:

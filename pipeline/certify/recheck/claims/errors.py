@@ -1,4 +1,4 @@
-"""What chains of following errors claim beside one pose: the limits of kappa and distances, and reserves of tilts."""
+"""What chains of following errors claim beside one pose: limits that are kept, and reserves of tilts."""
 
 from collections.abc import Iterator
 
@@ -9,34 +9,40 @@ from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import times, total
 from pipeline.certify.recheck.claims import kappa
 from pipeline.certify.recheck.claims.claim import Claim
-from pipeline.certify.recheck.claims.distances import axis_distances
+from pipeline.certify.recheck.claims.distances import axis_distances, body_distances
 from pipeline.certify.recheck.claims.evidence import combined
+from pipeline.certify.recheck.claims.joints import angles
 from pipeline.config import Config
 from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_COLUMNS
 
-WITHIN_LIMITS = "kappa and distances stay within their limits"
+WITHIN_LIMITS = "kappa, distances and joint angles stay within their limits"
 RESERVE = "rx and rz are off the path by no more than stated"
 
-Evidence = tuple[FloatArray, FloatArray]
-"""Bounds of kappa and det H, and of distances, over some boxes."""
+_KEPT = (kappa, axis_distances, body_distances, angles)
+Evidence = tuple[FloatArray, ...]
+"""What each of these bounds over some boxes: kappa and det H, distances of axes, of bodies, and joint angles."""
 
 
 def measure(config: Config, machine: Machine, segment: EvaluatedChain, before: Evidence | None) -> Evidence:
-    """Bound kappa and distances over a segment of boxes as well as over those before it, for all errors."""
-    found = kappa.measure(config, machine, segment), axis_distances.measure(config, machine, segment)
-    return found if before is None else (combined(before[0], found[0]), combined(before[1], found[1]))
+    """Bound everything that is kept over a segment of boxes as well as over those before it, for all errors."""
+    found = tuple(limit.measure(config, machine, segment) for limit in _KEPT)
+    return found if before is None else tuple(combined(*pair) for pair in zip(before, found, strict=True))
 
 
 def limit_claim(of: str, config: Config, machine: Machine, found: Evidence) -> Claim:
-    """Verify that limits of kappa and distances are kept for all errors, and det H has one sign."""
+    """Verify that the limits of kappa, distances and joints are kept for all errors, and det H has one sign."""
     (_, largest), signs = found[0].tolist()
-    cap, required = path_cap(config), axis_distances.required_m(machine)
-    short = found[1][:, 0] - required
-    kept = largest <= cap and signs[0] == signs[1] != 0.0 and bool((short >= 0.0).all())
-    nearest = f", nearest axes {found[1][int(np.argmin(short)), 0]:.5g} m" if len(short) else ""
-    return Claim(f"{of}: {WITHIN_LIMITS}", kept, f"kappa {largest:.5g}, cap {cap:g}{nearest}")
+    cap = path_cap(config)
+    room = {
+        "axes, m": found[1][:, 0] - axis_distances.required_m(machine),
+        "bodies, m": found[2][:, 0] - body_distances.required_m(config, machine),
+        "joints, degrees": np.array([cone.half_angle_deg for cone in machine.joint_cones]) - found[3][:, 1],
+    }
+    kept = largest <= cap and signs[0] == signs[1] != 0.0 and all((left >= 0.0).all() for left in room.values())
+    left = "".join(f"; room of {what}: {left.min():.4g}" for what, left in room.items() if len(left))
+    return Claim(f"{of}: {WITHIN_LIMITS}", bool(kept), f"kappa {largest:.5g}, cap {cap:g}{left}")
 
 
 def tilts_off_deg(segment: EvaluatedChain) -> FloatArray:

@@ -1,22 +1,23 @@
 """The least distances between the surfaces of bodies, and of bodies and obstacles, if there are any."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds, Ranges
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, dot, exactly, rounded_down, times, total
-from pipeline.certify.recheck.arithmetic.inclusion import Boxes, power
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, exactly, times, total
+from pipeline.certify.recheck.arithmetic.erring import Erring, joint_moves
+from pipeline.certify.recheck.arithmetic.inclusion import Boxes
 from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
+from pipeline.certify.recheck.claims.distances.hulls import MovingHull, separated
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
 from pipeline.config import Config
-from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
-from pipeline.machine.shapes.gjk import hull_separation
+from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES, Machine
 from pipeline.machine.shapes.model import Bodies, FrameKind, SweptHull
 from pipeline.machine.shapes.obstacles import build_obstacles
 
@@ -28,9 +29,10 @@ KEYS: tuple[str, ...] = ("body_distance_m", "obstacle_distance_m")
 
 def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound the distances of all pairs over some boxes; none without bodies and obstacles."""
+    groups, image = _groups(config, machine), segment.inclusions.image
+    errors = segment.erring(machine) if groups else None
     bounds = [
-        body_distance_bounds(machine, bodies, segment.boxes, segment.inclusions.image).min(axis=1)
-        for bodies in _groups(config, machine).values()
+        body_distance_bounds(machine, bodies, segment.boxes, (image, errors)).min(axis=1) for bodies in groups.values()
     ]
     return lower_bounds(np.concatenate([np.empty(0), *bounds]))
 
@@ -64,68 +66,58 @@ def _verdict(what: str, bodies: Bodies, least: FloatArray, ranges: Ranges | None
     return Claim(what, bool(kept.all()), found)
 
 
-def body_distance_bounds(machine: Machine, bodies: Bodies, boxes: Boxes, deviation: FloatArray) -> FloatArray:
-    """Bound the distances of all pairs from below, for poses within `deviation` (6, n) of the cubics. Shape (pairs, n).
+def required_m(config: Config, machine: Machine) -> FloatArray:
+    """Return the required distance of every pair that `measure` bounds."""
+    groups = _groups(config, machine).values()
+    return np.concatenate([np.empty(0), *(np.full(len(bodies.pairs), bodies.clearance_m) for bodies in groups)])
 
+
+def body_distance_bounds(
+    machine: Machine, bodies: Bodies, boxes: Boxes, off: tuple[FloatArray, Erring | None]
+) -> FloatArray:
+    """Bound the distances of all pairs from below, for poses off the cubics by up to (6, n). Shape (pairs, n).
+
+    With errors of the actuators, for all of them: the poses are then off the cubics and P a by as much.
     The statement is that of `pipeline.inclusion.distances.bodies`.
     """
-    motions = ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2))
-    lengths = _length_ranges(machine, boxes)
-    hulls = [[_points(machine, hull, motion, order, lengths) for motion, order in motions] for hull in bodies.hulls]
+    motions, (deviation, errors) = ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2)), off
+    errors_m = np.zeros((len(ACTUATORS), len(boxes.half))) if errors is None else errors.errors
+    lengths = _length_ranges(machine, boxes, errors_m)
+    joints = None if errors is None else joint_moves(errors)
+    hulls = [
+        MovingHull(
+            [_points(machine, hull, motion, order, lengths) for motion, order in motions],
+            None if errors is None or joints is None else _moves(hull, errors, joints, lengths),
+        )
+        for hull in bodies.hulls
+    ]
     shifts = [_shift(machine, hull, lengths, deviation) for hull in bodies.hulls]
     bounds = []
     for i, j in bodies.pairs:
         first, second = hulls[i], hulls[j]
         if bodies.is_endless((i, j)):
-            first, second = ([_across(points) for points in hull] for hull in (first, second))
-        apart = _separated(first, second, boxes.half)
+            first, second = first.across_x(), second.across_x()
+        apart = separated(first, second, boxes.half, errors_m)
         lost = total(shifts[i], shifts[j], np.array(bodies.hulls[i].radius_m), np.array(bodies.hulls[j].radius_m))
         bounds.append(np.nextafter(apart - lost, -np.inf))
     return np.array(bounds).reshape(len(bodies.pairs), len(boxes.half))
 
 
-def _separated(first: Sequence[Enclosure], second: Sequence[Enclosure], h: FloatArray) -> FloatArray:
-    """Bound the distances of two hulls, by a direction linear in t and by a constant one. Shape (n,)."""
-    before, after = (hull_separation(_middles(first, t), _middles(second, t)).normal for t in (-h, h))
-    mean = (before + after) / 2.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = np.where(h > 0.0, (after - before) / (2.0 * h), 0.0)
-    return np.maximum(*(_along(first, second, (exactly(mean), exactly(turn)), h) for turn in (slope, 0.0 * slope)))
-
-
-def _middles(points: Sequence[Enclosure], t: FloatArray) -> FloatArray:
-    """Evaluate the middles of points at t (n,), shape (k, 3, n)."""
-    return np.asarray(points[0].mid + t * points[1].mid + t * t * points[2].mid, dtype=float)
-
-
-def _along(
-    first: Sequence[Enclosure], second: Sequence[Enclosure], n: tuple[Enclosure, Enclosure], h: FloatArray
-) -> FloatArray:
-    """Bound min n . (a - b) / |n| for |t| <= h, n = n0 + n1 t; -1 if that is not positive. Shape (n,)."""
-    a, b = (_heights(points, n) for points in (first, second))
-    gap = [one[:, None] - other[None] for one, other in zip(a, b, strict=True)]
-    spread = total(*(times(term.magnitude, power(h, k)) for k, term in enumerate(gap[1:], start=1)))
-    least = (gap[0] - exactly(spread)).lower.min(axis=(0, 1))
-    size = np.maximum(*(norm((n[0] + n[1] * exactly(t)).magnitude) for t in (-h, h)))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where((least > 0.0) & (size > 0.0), rounded_down(least / size, 1), -1.0)
-
-
-def _heights(points: Sequence[Enclosure], n: tuple[Enclosure, Enclosure]) -> list[Enclosure]:
-    """Compute the coefficients of n . a of order 0 to 3 in t, shape (k, n) each."""
-    one, two = (_each(part) for part in n)
-    return [
-        dot(one, points[0], 1),
-        dot(one, points[1], 1) + dot(two, points[0], 1),
-        dot(one, points[2], 1) + dot(two, points[1], 1),
-        dot(two, points[2], 1),
-    ]
-
-
-def _across(points: Enclosure) -> Enclosure:
-    """Leave out x of points (k, 3, n)."""
-    keep = np.array([0.0, 1.0, 1.0])[None, :, None]
-    return Enclosure(points.mid * keep, points.rad * keep)
+def _moves(hull: SweptHull, errors: Erring, joints: Enclosure, lengths: FloatArray) -> Enclosure:
+    """Enclose how the points of a hull move with each error, (k, 3, 5, n), as joints (15, 3, 5, n) do."""
+    if hull.kind == FrameKind.PLATFORM:
+        arms = contract("ijn,kj->kin", errors.hull.rotation[0], exactly(hull.points_m), 3)
+        spin = _each(errors.spin)
+        turned = cross(spin, Enclosure(arms.mid[:, :, None], arms.rad[:, :, None]), axis=1)
+        return turned + _each(errors.shift)
+    if hull.kind == FrameKind.LINK:
+        cart, platform = (_each(joints[end]) for end in (hull.number, len(ARM_OF_LINK) + hull.number))
+        parts = exactly(_parts(hull, lengths[hull.number])[:, None, None])
+        return (exactly(np.ones_like(parts.mid)) - parts) * cart + parts * platform
+    moves = np.zeros((len(hull.points_m), *joints.mid.shape[1:]))
+    if hull.kind == FrameKind.CART:
+        moves[:, 0, hull.number] = 1.0
+    return exactly(moves)
 
 
 def _points(machine: Machine, hull: SweptHull, motion: Motion, order: int, lengths: FloatArray) -> Enclosure:
@@ -171,11 +163,12 @@ def _each(values: Enclosure) -> Enclosure:
     return Enclosure(values.mid[None], values.rad[None])
 
 
-def _length_ranges(machine: Machine, boxes: Boxes) -> FloatArray:
-    """Bound the lengths of the links over the boxes from below and above, shape (6, 2, n)."""
+def _length_ranges(machine: Machine, boxes: Boxes, errors_m: FloatArray) -> FloatArray:
+    """Bound the lengths of the links over the boxes from below and above, shape (6, 2, n), for errors up to (5, n)."""
     lengths = np.repeat(np.nan_to_num(machine.lengths_m)[:, None, None], 2, axis=1) + np.zeros(len(boxes.half))
     least, largest = polynomial_ranges(boxes.q, boxes.half)
-    lengths[TELESCOPES, 0], lengths[TELESCOPES, 1] = least[3:], largest[3:]
+    lengths[TELESCOPES, 0] = (exactly(least[3:]) - exactly(errors_m[3:])).lower
+    lengths[TELESCOPES, 1] = (exactly(largest[3:]) + exactly(errors_m[3:])).upper
     return lengths
 
 

@@ -7,7 +7,9 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, dot, exactly, times, total
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, cross, dot, exactly, times, total
+from pipeline.certify.recheck.arithmetic.erring import Erring
+from pipeline.certify.recheck.arithmetic.following import EXTENSIBLE
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, power
 from pipeline.certify.recheck.arithmetic.jets import TERMS, sine_cosine
 from pipeline.certify.recheck.arithmetic.motion import Motion
@@ -31,7 +33,8 @@ def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatA
     """Bound the angles of all joints with a cone over some boxes, in degrees; none where none has one."""
     if not machine.joint_cones:
         return np.empty((0, 2))
-    return upper_bounds(angles_above_deg(joint_cosines(machine, segment.boxes, segment.inclusions.image).min(axis=1)))
+    off = segment.inclusions.image, segment.erring(machine)
+    return upper_bounds(angles_above_deg(joint_cosines(machine, segment.boxes, *off).min(axis=1)))
 
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
@@ -53,28 +56,47 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     yield Claim(ANGLES, bool(kept.all()), f"{names[shown]} {degrees}")
 
 
-def joint_cosines(machine: Machine, boxes: Boxes, deviation: FloatArray) -> FloatArray:
+def joint_cosines(machine: Machine, boxes: Boxes, deviation: FloatArray, errors: Erring | None = None) -> FloatArray:
     """Bound the cosines of all joints with a cone from below, for poses within `deviation` (6, n) of the cubics.
+
+    With errors of the actuators, for all of them: the poses are then within that of the cubics and P a.
 
     The statement is that of `pipeline.inclusion.bounds.joint_cosine`. Shape (cones, n).
     """
     h, turn, shift = boxes.half, total(*deviation[3:]), joint_shift(machine, deviation)
     along = [(motion, motion.statics()) for motion in (boxes.at, boxes.over)]
-    found = []
+    found, hull = [], boxes.over if errors is None else errors.hull
     for cone in machine.joint_cones:
         about, everywhere = (_terms(cone, *motion) for motion in along)
         ends = [(about[0] + about[1] * exactly(t)).lower for t in (-h, h)]
         moved = shift[cone.link]
         if cone.at_platform:
-            size = norm(boxes.over.vectors[0].magnitude[cone.link])
+            size = norm(hull.vectors[0].magnitude[cone.link])
             moved = total(moved, times(turn, total(size, moved)))
-        length = boxes.over.lengths[0].lower[cone.link]
+        length = hull.lengths[0].lower[cone.link]
         with np.errstate(divide="ignore", invalid="ignore"):
             by_pose = np.where(length > 0.0, total(moved / length), np.inf)
         # Cosines that bend upward are least at an end.
         rest = total(times(power(h, 2), np.maximum(-everywhere[2].lower, 0.0)), by_pose)
+        if errors is not None:
+            rest = total(rest, bound("an,an->n", _rates(cone, errors).magnitude, errors.errors, terms=5))
         found.append((exactly(np.minimum(*ends)) - exactly(rest)).lower)
     return np.array(found)
+
+
+def _rates(cone: JointCone, errors: Erring) -> Enclosure:
+    """Enclose the derivatives of the cosine by the error of each actuator, shape (5, n)."""
+    hull, link = errors.hull, cone.link
+    pointing = exactly(np.repeat(cone.axis[:, None], errors.errors.shape[-1], axis=1))
+    if cone.at_platform:
+        pointing = -contract("ijn,j->in", hull.rotation[0], exactly(cone.axis), 3)
+    vector, inverse = hull.vectors[0][link], hull.lengths[0][link].inverse()
+    change = contract("cn,can->an", pointing, errors.moved[link], 3)
+    if cone.at_platform:
+        turned = cross(errors.spin, Enclosure(pointing.mid[:, None], pointing.rad[:, None]), axis=0)
+        change = change + contract("can,cn->an", turned, vector, 3)
+    longer = exactly(EXTENSIBLE[link][:, None]) * (dot(pointing, vector, 0) * inverse)
+    return (change - longer) * inverse
 
 
 def _terms(cone: JointCone, motion: Motion, statics: Enclosure) -> list[Enclosure]:
