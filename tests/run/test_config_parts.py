@@ -79,8 +79,8 @@ def test_bodies_and_obstacles_count_where_there_are_any(bodies_config: Config, v
     config = vary(bodies_config, {"task.obstacles": [ball]})
     for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE, Stage.CERTIFY):
         for path in ("machine.bodies", "machine.link_bodies", "task.obstacles"):
-            assert found(spec_of(SPECS, stage).config_part(config), path)
-        assert not found(spec_of(SPECS, stage).config_part(bodies_config), "task.obstacles")
+            assert holds(spec_of(SPECS, stage).config_part(config), path)
+        assert not holds(spec_of(SPECS, stage).config_part(bodies_config), "task.obstacles")
 
 
 def test_config_parts_grow(fast_config: Config) -> None:
