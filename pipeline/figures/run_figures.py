@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
+from pipeline.figures.bodies import bodies_figure, has_pairs
 from pipeline.figures.clearance import clearance_figure
 from pipeline.figures.kappa import kappa_figure
 from pipeline.figures.machine import machine_figure
@@ -89,6 +90,7 @@ FIGURES = (
     RunFigure("regions", regions_figure, ("config", "regions")),
     RunFigure("kappa", kappa_figure, ("config", "route", "coarse", "refined")),
     RunFigure("clearance", clearance_figure, ("config", "machine", "coarse", "refined")),
+    RunFigure("bodies", bodies_figure, ("config", "machine", "refined"), applies=has_pairs),
     RunFigure("proof", proof_figure, ("config", "refined", "kappa_profile")),
     RunFigure("pose", pose_figure, ("config", "machine", "route", "coarse", "trajectory_samples")),
     RunFigure("trajectory", trajectory_figure, ("machine", "trajectory_samples")),

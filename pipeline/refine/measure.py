@@ -139,9 +139,7 @@ def measure_path(samples: PathSamples, steps: FloatArray) -> PathFigures:
         kappa_integral=float(kappa_trapezoids(samples.kappa, np.diff(length)).sum()),
         length=float(length[-1]),
         closure_residual_m=float(samples.closure_residual_m.max()),
-        measures={
-            measure.key: measure.reduce(samples) for measure in measures() if measure.applies(samples.machine)
-        },
+        measures={measure.key: measure.reduce(samples) for measure in measures() if measure.applies(samples.machine)},
         det_sign_constant=bool(np.all(samples.det_sign == samples.det_sign[0]) and samples.det_sign[0] != 0.0),
         modes=tuple(mode_sequence(working_modes(samples.reach_m))),
         actuator_length_m=float(np.linalg.norm(np.diff(samples.q_m, axis=0), axis=1).sum()),
