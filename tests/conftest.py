@@ -79,6 +79,18 @@ def quick_config() -> Config:
 
 
 @pytest.fixture(scope="session")
+def bodies_config(quick_config: Config) -> Config:
+    """Load the reference machine with bodies, on a coarse grid."""
+    return load_config(CONFIGS / "agder-bodies.yaml").model_copy(update={"route": quick_config.route})
+
+
+@pytest.fixture(scope="session")
+def bodies_machine(bodies_config: Config) -> Machine:
+    """Build the reference machine with bodies."""
+    return build_machine(bodies_config.machine)
+
+
+@pytest.fixture(scope="session")
 def machine(agder_config: Config) -> Machine:
     """Build the reference machine."""
     return build_machine(agder_config.machine)

@@ -14,11 +14,15 @@ from pipeline.limits import KINDS, ShownLimit, read_measures, unlimited_measures
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.actuator_space import actuator_rates, amplification, drive_figures, mode_words
+from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
 from pipeline.route.regions.size import expected_size
 from pipeline.workspace.reach import reach_step, usable_reach
+
+_NEAREST = 20
+"""Pairs of bodies that are listed."""
 
 
 def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> list[RenderableType]:
@@ -32,6 +36,7 @@ def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpo
         _grid(config, machine),
         _ends(config, machine, ends),
         _drives(machine, ends),
+        *_bodies(machine, ends),
         *machine_notes(config, machine, ends[0]),
     ]
 
@@ -193,6 +198,35 @@ def _drives(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> RenderableType
     table.add_row("TCP per actuators", "mm/mm", *(f"{one.position.value[0]:.2f}" for one in gains))
     table.add_row("", "mrad/mm", *(f"{one.angle.value[0]:.2f}" for one in gains))
     return table
+
+
+def _bodies(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[RenderableType]:
+    """List the bodies, those that touch by construction, and the distances of the nearest pairs at start and goal."""
+    if machine.bodies is None:
+        return
+    bodies, least = machine.bodies, machine.bodies.clearance_m
+    table = _table(
+        f"Bodies: {len(bodies.names)} pairs are kept {least:g} m apart",
+        "body",
+        "moves with",
+        "points",
+        "radius m",
+        text=2,
+    )
+    for hull in {hull.name: hull for hull in bodies.hulls}.values():
+        table.add_row(hull.name, hull.moves_with, str(len(hull.points_m)), f"{hull.radius_m:g}")
+    yield table
+    if bodies.neighbours:
+        neighbours = [(one.name, one.why, one.treatment) for one in bodies.neighbours]
+        yield text_table("Bodies that touch by construction", ("pair", "why", "treatment"), neighbours, range(3))
+    distances = np.concatenate([body_distances(machine, end.samples) for end in ends])
+    nearest = np.argsort(distances.min(axis=0), kind="stable")
+    more = len(nearest) - _NEAREST
+    rest = f"; {more} more pairs are farther apart" if more > 0 else ""
+    table = _table(f"Distances of bodies, the nearest first{rest}", "pair", "start m", "goal m")
+    for k in nearest[:_NEAREST].tolist():
+        table.add_row(bodies.names[k], *(f"{value:.4f}" for value in distances[:, k]))
+    yield table
 
 
 def _resting(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[tuple[str, list[float], str]]:

@@ -62,7 +62,7 @@ def explain(error: ErrorDetails) -> ConfigIssue:
 def _refused(location: tuple[int | str, ...], value: object) -> ConfigIssue:
     """Say what is found at a key, and what is allowed there."""
     path, schema = key_path(_without_choices(location)), _allowing(location)
-    hint = _unit_hint(location, value, schema) or _quotes_hint(value, schema)
+    hint = _unit_hint(location, value, _given(schema)) or _quotes_hint(value, schema)
     return ConfigIssue(path, f"is {_shown(value)}; allowed is {_allowed(schema)}{hint}", value)
 
 

@@ -53,6 +53,7 @@ class AxisDistance:
     cost: int
     rounding: float = 1e-9
     slack: float = 0.0005
+    near: float = 0.1
 
     @property
     def requirement(self) -> str:
@@ -110,7 +111,7 @@ class AxisDistance:
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the distances of all pairs over a proven box from below, shape (pairs, 2)."""
-        from pipeline.inclusion.distances import AxisPairs, distance_bounds
+        from pipeline.inclusion.distances.axes import AxisPairs, distance_bounds
 
         pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine.rails_m)
         least = np.maximum(distance_bounds(box.balls, pairs, box.series, box.inclusion.image) - PROOF_SLACK_M, 0.0)

@@ -61,6 +61,7 @@ class GravityStiffness:
     cost: int = 5
     rounding: float = 1e-9
     slack: float = 0.001
+    near: float = 0.1
     least: float = 0.0
 
     @property

@@ -71,6 +71,7 @@ class HoldingForce:
     cost: int = 4
     rounding: float = 1e-9
     slack: float = 0.001
+    near: float = 0.1
     least: float = 0.0
 
     @property

@@ -19,8 +19,9 @@ from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck.arithmetic import enclosure
 from pipeline.certify.result import proven_chain
 from pipeline.config.file import load_config
-from pipeline.inclusion import bounds, condition, distances, krawczyk
+from pipeline.inclusion import bounds, condition, krawczyk
 from pipeline.inclusion.closure import geometry, pose_series, shifted, working_precision
+from pipeline.inclusion.distances import axes
 from pipeline.inclusion.krawczyk import Box, Inclusion, Piecewise, along, include
 from pipeline.inclusion.pieces import Piece, pieces
 from pipeline.inclusion.proven_box import ProvenBox
@@ -100,8 +101,8 @@ def witness_deviation(path: Path) -> None:
 def witness_distance(path: Path) -> None:
     """Bounds of distances are below every sample of a box."""
     box, series = _whole(path)
-    pairs = distances.AxisPairs.of(link_pairs(path.machine), False, path.machine.rails_m)
-    least = distances.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
+    pairs = axes.AxisPairs.of(link_pairs(path.machine), False, path.machine.rails_m)
+    least = axes.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
     s = samples_in(box)
     assert (least <= link_distances(path.machine, path.pose(s), path.q(s)[:, :3]).min(axis=0) + ROUNDING).all()
 
@@ -223,7 +224,7 @@ BROKEN: dict[str, Broken] = {
     "distances are taken in the middle": Broken(
         witness_distance,
         {
-            "inclusion.distances._end_points": lambda pairs, series: [
+            "inclusion.distances.axes._end_points": lambda pairs, series: [
                 table if order == 0 else 0 * table for order, table in enumerate(_END_POINTS(pairs, series))
             ]
         },
@@ -247,7 +248,7 @@ BROKEN: dict[str, Broken] = {
         {"certify.recheck.arithmetic.inclusion.on_one_piece": lambda spline, first, last: np.ones(len(first), bool)},
     ),
 }
-_END_POINTS = distances._end_points
+_END_POINTS = axes._end_points
 
 
 @pytest.mark.parametrize("step", BROKEN)

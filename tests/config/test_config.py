@@ -62,7 +62,11 @@ def messages(data: dict[str, Any]) -> list[str]:
             "[1]: is 2100; allowed is a number from -20 to 20 (the unit is metres: is 2100 in millimetres?)",
         ),
         ("machine.links.l1.length_m", 1090, f"is 1090; allowed is {POSITIVE} (the unit is metres: is 1090 in milli"),
-        ("machine.clearance.link_link_m", 30, "is 30; allowed is a number from 0 to 1 (the unit is metres: is 30 in m"),
+        (
+            "machine.clearance.link_link_m",
+            30,
+            "is 30; allowed is a number from 0 to 1 or null (the unit is metres: is 30",
+        ),
         (
             "machine.limits.carts.velocity_mps",
             500,
@@ -211,7 +215,7 @@ def test_a_rule_between_keys_names_the_key_to_look_at(data: dict[str, Any], mess
         (
             "machine",
             "is missing; allowed is a section with the keys rails, links, triangle_branch, characteristic_length_m, "
-            "clearance, limits, dynamics",
+            "clearance, bodies, link_bodies, limits, dynamics",
         ),
     ],
 )

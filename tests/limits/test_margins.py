@@ -23,6 +23,16 @@ from pipeline.machine import Machine, build_machine
 from pipeline.machine.samples import PoseSamples
 
 BOX = {"y_m": [0.1, 0.6], "z_m": [0.5, 1.0]}
+PLATE = {
+    "name": "plate",
+    "attached_to": "platform",
+    "box": {"centre_m": [0.0, 0.25, -0.05], "size_m": [0.2, 0.4, 0.02], "rounding_m": 0.005},
+}
+NOSE = {
+    "name": "nose",
+    "attached_to": "platform",
+    "capsule": {"from_m": [0.0, 0.02, 0.0], "to_m": [0.0, 0.07, 0.0], "radius_m": 0.02},
+}
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +43,7 @@ def strict_config(agder_config: Config, vary) -> Config:
         {
             "machine.clearance.link_link_m": 0.1,
             "machine.clearance.link_rail_m": 0.15,
+            "machine.bodies": [PLATE, NOSE],
             "machine.dynamics.friction": {"carts_n": 60.0, "telescopes_n": 40.0},
             "machine.limits.holding_fraction": 0.3,
             "machine.limits.gravity_stiffness_npm": -800.0,

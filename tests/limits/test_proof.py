@@ -23,6 +23,7 @@ def test_keys_are_those_of_the_format() -> None:
         "kappa",
         "det_sign",
         "distance_m",
+        "body_distance_m",
         "actuators_m",
         "tilt_deg",
         "holding_force_n",

@@ -70,6 +70,10 @@ class LinksConfig(Section):
     l3c: TriangleLinkConfig
 
 
+OF_BODIES = {"bodies_m", "joint_trim_m", "ignore"}
+"""Keys of clearances that are of bodies; left out where they are not given."""
+
+
 class ClearanceConfig(Section):
     """Least distances between axes (link diameter plus margin), and between the surfaces of bodies."""
 

@@ -44,6 +44,7 @@ class BodyDistance:
     cost: int = 7
     rounding: float = 1e-9
     slack: float = 0.0005
+    near: float = 0.03
 
     @property
     def least(self) -> float:
@@ -124,7 +125,7 @@ class BodyDistance:
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the distances of all pairs over a proven box from below, shape (pairs, 2)."""
-        from pipeline.inclusion.bodies import body_distance_bounds
+        from pipeline.inclusion.distances.bodies import body_distance_bounds
 
         least = np.maximum(body_distance_bounds(box, self.bodies) - PROOF_SLACK_M, 0.0)
         return np.column_stack([least, np.full(len(least), np.inf)])

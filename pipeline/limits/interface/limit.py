@@ -135,6 +135,10 @@ class NodeLimit(Protocol):
     def slack(self) -> float:
         """How far the sequential programs may exceed the limit before their last iterate."""
 
+    @property
+    def near(self) -> float:
+        """How far above its least a value is left out of a step of the sequential programs."""
+
     def values(self, samples: PoseSamples) -> FloatArray:
         """Compute the limited values at n poses, to be at least `least`, shape (n, m)."""
 

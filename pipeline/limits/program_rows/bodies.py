@@ -17,7 +17,7 @@ from pipeline.machine.bodies.symbolic import hull_function
 from pipeline.machine.shapes.gjk import hull_separation
 from pipeline.machine.shapes.model import Bodies
 
-_REACH_M = 0.03
+_REACH_M = 0.02
 """Pairs farther than this above their distance get no row: their unknowns cost more than adding them when needed."""
 _NO_DIRECTION = 0.5
 """A direction shorter than this is none: the hulls overlap."""

@@ -46,6 +46,15 @@ class SweptHull:
     radius_m: float
     endless: bool = False
 
+    @property
+    def moves_with(self) -> str:
+        """What it moves with, in words."""
+        if self.kind == FrameKind.FIXED:
+            return f"rail {self.number}" if self.number else "frame"
+        if self.kind == FrameKind.PLATFORM:
+            return "platform"
+        return f"cart {self.number + 1}" if self.kind == FrameKind.CART else "link"
+
 
 @dataclass(frozen=True)
 class Neighbours:

@@ -25,7 +25,8 @@ class Constraint:
     """Values (m,) to be kept between `low` and `high` (m,).
 
     `slope` gives the derivatives of some rows by the unknowns; `slack` is how far a value may be beyond its bound
-    before the last iterate.
+    before the last iterate, and a bound farther than `near` from its value (metres, radians, shares of the mean speed)
+    is left out of a step.
     """
 
     value: FloatArray
@@ -33,6 +34,7 @@ class Constraint:
     high: FloatArray
     slack: float
     slope: Callable[[IntArray], csr_array]
+    near: float = 0.1
 
     @property
     def excess(self) -> float:
@@ -110,7 +112,7 @@ def _limit(points: EvaluationPoints, required: LeastValues, iterate: Iterate, fr
         return by_unknowns(points, at, iterate.slopes(limit.values)[at, rows % count])
 
     value = limit.values(iterate.samples)[free].ravel()
-    return Constraint(value, least.ravel(), np.full(len(value), np.inf), limit.slack, slope)
+    return Constraint(value, least.ravel(), np.full(len(value), np.inf), limit.slack, slope, limit.near)
 
 
 def _sides(points: EvaluationPoints, corridor: Corridor, iterate: Iterate) -> Constraint:

@@ -19,9 +19,6 @@ from pipeline.refine.peak.problem import PeakObjective, PeakProblem
 from pipeline.refine.peak.speed import chord_curvature, chord_slopes
 from pipeline.solvers import DampedProgram
 
-_NEAR = 0.1
-"""A bound farther than this (metres, radians, shares of the mean speed) from its value is left out of a step."""
-
 
 class StepProgram:
     """The quadratic program of a step from an iterate, to be solved with different damping."""
@@ -36,7 +33,7 @@ class StepProgram:
         low, high = [np.full(len(points.s), -np.inf)], [-iterate.kappa]
         for constraint in problem.constraints(iterate):
             value, least, largest = constraint.value, constraint.low, constraint.high
-            near = np.flatnonzero((value - least < _NEAR) | (largest - value < _NEAR))
+            near = np.flatnonzero((value - least < constraint.near) | (largest - value < constraint.near))
             if len(near):
                 rows.append(constraint.slope(near))
                 low.append((least - value)[near])

@@ -13,7 +13,7 @@ from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
-from pipeline.inclusion.distances import AxisPairs, separating_directions
+from pipeline.inclusion.distances.axes import AxisPairs, separating_directions
 from pipeline.limits.axis_distance import pair_names
 from pipeline.machine.clearance import link_pairs, rail_pairs
 from pipeline.machine.geometry import Machine

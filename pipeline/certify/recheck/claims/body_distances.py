@@ -54,7 +54,7 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
 def body_distance_bounds(machine: Machine, bodies: Bodies, boxes: Boxes, deviation: FloatArray) -> FloatArray:
     """Bound the distances of all pairs from below, for poses within `deviation` (6, n) of the cubics. Shape (pairs, n).
 
-    The statement is that of `pipeline.inclusion.bodies`.
+    The statement is that of `pipeline.inclusion.distances.bodies`.
     """
     motions = ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2))
     lengths = _length_ranges(machine, boxes)

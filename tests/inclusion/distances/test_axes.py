@@ -5,9 +5,9 @@ import pytest
 from flint import arb
 
 from pipeline.certify.guess import guess_box
-from pipeline.inclusion import distances
 from pipeline.inclusion.closure import geometry, working_precision
-from pipeline.inclusion.distances import AxisPairs, distance_bounds, separating_directions
+from pipeline.inclusion.distances import axes
+from pipeline.inclusion.distances.axes import AxisPairs, distance_bounds, separating_directions
 from pipeline.inclusion.krawczyk import along
 from pipeline.inclusion.pieces import pieces
 from pipeline.machine import link_distances
@@ -46,7 +46,7 @@ def test_wrong_directions_give_weaker_bounds(line: Path, monkeypatch: pytest.Mon
         right = separating_directions(pairs, points)
         return right + 0.3 * right[..., [1, 2, 0]]
 
-    monkeypatch.setattr(distances, "separating_directions", turned)
+    monkeypatch.setattr(axes, "separating_directions", turned)
     weak, _ = bounds_and_samples(line, from_rail=False)
     assert (weak <= sampled).all()
     assert (weak < good).any()

@@ -1,0 +1,1 @@
+"""Rigorous lower bounds of distances over a whole box."""

@@ -1,0 +1,141 @@
+"""Certificates of machines with bodies: proven, verified again, and refused where bodies come too close."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.certify import Certificate, prove_path
+from pipeline.certify.bounds import Bounds, Ranges
+from pipeline.certify.recheck import verify
+from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
+from pipeline.certify.recheck.claims.body_distances import check, measure
+from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.config import Config
+from pipeline.inclusion.closure import working_precision
+from pipeline.machine import Machine
+from pipeline.machine.bodies.distances import body_distances
+from pipeline.machine.samples import PoseSamples
+from pipeline.refine import Path
+from tests.certify.paths import START, ends_of, pose_path, state
+
+KEY = "body_distance_m"
+PATHS = 2
+"""Random paths that are tried; thirty hold as well."""
+
+
+@pytest.fixture(scope="module")
+def path(bodies_machine: Machine) -> Path:
+    """Make a short path in working mode LLL that keeps all bodies apart."""
+    return pose_path(bodies_machine, np.linspace(START, [1.05, 0.33, 0.88, -0.05, 0.02], 41), 0)
+
+
+@pytest.fixture(scope="module")
+def prove(bodies_config: Config) -> Callable[[Machine, Path], Certificate]:
+    """Give a function that proves a path between its own ends."""
+    certify = bodies_config.certify.model_copy(update={"least_width": 4e-3})
+    config = bodies_config.model_copy(update={"certify": certify})
+
+    def run(machine: Machine, path: Path) -> Certificate:
+        with working_precision(certify.precision_bits):
+            return prove_path(config, machine, path, ends_of(machine, path, (0, 0)))
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def proven(bodies_machine: Machine, path: Path, prove) -> Certificate:
+    """Prove it."""
+    found = prove(bodies_machine, path)
+    assert found.failure is None
+    return found
+
+
+def sampled(machine: Machine, path: Path, count: int = 2_001) -> np.ndarray:
+    """Measure all pairs along a path, (samples, pairs)."""
+    s = np.linspace(0.0, 1.0, count)
+    return body_distances(machine, PoseSamples(machine, path.pose(s), path.q(s)))
+
+
+@pytest.fixture(scope="module")
+def verify_again(bodies_config: Config) -> Callable[[Machine, Path, Certificate], Callable[[Bounds], bool]]:
+    """Give a function that evaluates a chain again, and gives another that says whether stated bounds are verified."""
+
+    def evaluate(machine: Machine, path: Path, certificate: Certificate) -> Callable[[Bounds], bool]:
+        (segment,) = evaluate_chain(machine, path, certificate.chain)
+        evidence = Evidence(bodies_config, machine, measure(machine, segment))
+        return lambda stated: all(claim.verified for claim in check(evidence, stated))
+
+    return evaluate
+
+
+def test_proven_distances_are_below_all_samples(bodies_machine: Machine, path: Path, proven: Certificate) -> None:
+    """Of every pair, and by no more than a few millimetres."""
+    assert proven.bounds is not None
+    ranges, least = proven.bounds.ranges[KEY], sampled(bodies_machine, path).min(axis=0)
+    assert bodies_machine.bodies is not None
+    assert ranges.subjects == bodies_machine.bodies.names
+    assert (ranges.values[:, 0] <= least).all()
+    np.testing.assert_allclose(ranges.values[:, 0], np.maximum(least, 0.0), atol=5e-3)
+
+
+def test_they_are_verified_by_other_arithmetic(bodies_config: Config, path: Path, proven: Certificate) -> None:
+    """All claims of the certificate."""
+    claims = verify(bodies_config, path.machine, path, ends_of(path.machine, path, (0, 0)), state(proven))
+    assert [claim.what for claim in claims if not claim.verified] == []
+
+
+def test_other_statements_are_refused(bodies_machine: Machine, path: Path, proven: Certificate, verify_again) -> None:
+    """A bound above the truth, of other pairs, none at all, or one that does not keep the limit."""
+    bounds, verified = proven.bounds, verify_again(bodies_machine, path, proven)
+    assert bounds is not None
+    assert verified(bounds)
+    ranges, others = bounds.ranges[KEY], {key: one for key, one in bounds.ranges.items() if key != KEY}
+    larger, smaller = ranges.values.copy(), ranges.values.copy()
+    larger[3, 0] += 1e-3
+    smaller[smaller[:, 0].argmin(), 0] = 0.004
+    for stated in (
+        Ranges(ranges.subjects, larger),
+        Ranges(ranges.subjects, smaller),
+        Ranges(ranges.subjects[::-1], ranges.values),
+    ):
+        assert not verified(replace(bounds, ranges={**others, KEY: stated}))
+    assert not verified(replace(bounds, ranges=others))
+
+
+def test_brief_grazing_is_refused(bodies_machine: Machine, prove, verify_again) -> None:
+    """Paths that come a tenth of a millimetre too close somewhere between their ends; less asked, all hold."""
+    rng, refused = np.random.default_rng(2), 0
+    bodies = bodies_machine.bodies
+    assert bodies is not None
+    s = np.linspace(0.0, 1.0, 41)[:, None]
+    while refused < PATHS:
+        bulge = np.sin(np.pi * s) * rng.uniform(-1.0, 1.0, 5) * [0.0, 0.05, 0.05, 0.1, 0.1]
+        path = pose_path(bodies_machine, START + [0.2, 0.0, 0.0, 0.0, 0.0] + bulge + 1e-3 * s, 0)
+        distances = sampled(bodies_machine, path, 401)
+        least = distances.min(axis=0)
+        # The pair that comes nearest between the ends, among those that are not far apart.
+        dip = np.minimum(distances[0], distances[-1]) - least
+        dip[(least <= 3e-3) | (least > 0.3)] = 0.0
+        pair = int(dip.argmax())
+        if dip[pair] < 2e-4:
+            continue
+        refused += 1
+        kept, broken = (_of_one_pair(bodies_machine, pair, least[pair] + change) for change in (-2e-3, 1e-4))
+        assert prove(kept, path).failure is None
+        failure = prove(broken, path).failure
+        assert failure is not None
+        assert bodies.names[pair] in failure.reason.text
+        forged = prove(_of_one_pair(bodies_machine, pair, 0.0), path)
+        assert forged.bounds is not None
+        assert verify_again(kept, path, forged)(forged.bounds)
+        assert not verify_again(broken, path, forged)(forged.bounds)
+
+
+def _of_one_pair(machine: Machine, pair: int, asked_m: float) -> Machine:
+    """Give the machine with one pair of its bodies, to be so far apart."""
+    bodies = machine.bodies
+    assert bodies is not None
+    one = replace(bodies, pairs=(bodies.pairs[pair],), names=(bodies.names[pair],), clearance_m=asked_m)
+    return replace(machine, bodies=one)

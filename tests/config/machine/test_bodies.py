@@ -1,0 +1,126 @@
+"""Bodies in the configuration: what is refused, with its key, and what changes nothing."""
+
+import copy
+from typing import Any
+
+import pytest
+import yaml
+
+from pipeline.config import Config
+from pipeline.config.file import config_sha256, dump_config, parse_config
+from pipeline.errors import ConfigError
+from tests.conftest import CONFIGS
+
+SPHERE = {"from_m": [0.0, 0.0, 0.0], "to_m": [0.0, 0.0, 0.0], "radius_m": 0.02}
+BEAM = {"points_m": [[0.0, 0.0]], "radius_m": 0.02}
+DATA = yaml.safe_load((CONFIGS / "agder-bodies.yaml").read_text())
+PLAIN = yaml.safe_load((CONFIGS / "agder.yaml").read_text())
+
+
+def messages(change: dict[str, Any], data: dict[str, Any] = DATA) -> list[str]:
+    """Say what is wrong with a changed section of the machine."""
+    changed = copy.deepcopy(data)
+    for key, value in change.items():
+        section, _, inner = key.partition(".")
+        if inner:
+            changed["machine"][section][inner] = value
+        else:
+            changed["machine"][section] = value
+    with pytest.raises(ConfigError) as error:
+        parse_config(changed)
+    return [f"{issue.path}: {issue.message}".removeprefix("machine.") for issue in error.value.issues]
+
+
+def body(**keys: Any) -> list[dict[str, Any]]:
+    """Make a list of one body."""
+    return [{"name": "it", "attached_to": "platform", **keys}]
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"bodies": body()}, "bodies[0]: has no shape: give exactly one of capsule, box, hull and beam"),
+        (
+            {"bodies": body(capsule=SPHERE, hull={"points_m": [[0.0, 0.0, 0.0]]})},
+            "bodies[0]: has capsule and hull: give exactly one of capsule, box, hull and beam",
+        ),
+        (
+            {"bodies": body(beam=BEAM)},
+            "bodies[0].beam: is endless along X and moves with platform; attach it to a rail or the frame",
+        ),
+        (
+            {"bodies": body(capsule=SPHERE) * 2},
+            "bodies: has it more than once, or as the name of a link; every body needs its own name",
+        ),
+        (
+            {"bodies": [{"name": "l2a", "attached_to": "cart1", "capsule": SPHERE}]},
+            "bodies: has l2a more than once, or as the name of a link; every body needs its own name",
+        ),
+        (
+            {"bodies": body(box={"size_m": [0.1, 0.1, 0.02], "rounding_m": 0.011})},
+            "bodies[0].box.rounding_m: is 0.011; allowed is at most half the least side of size_m",
+        ),
+        (
+            {"bodies": body(attached_to="cart4", capsule=SPHERE)},
+            'bodies[0].attached_to: is "cart4"; allowed is platform or cart1 or cart2 or cart3 or rail1 or rail2 or '
+            "rail3 or frame",
+        ),
+        (
+            {"clearance.ignore": [["nose", "l4"]]},
+            "clearance.ignore: names l4; allowed are the names of bodies and l1, l2a, l2b, l3a, l3b, l3c",
+        ),
+        (
+            {"clearance.link_link_m": 0.03},
+            "clearance.link_link_m: is 0.03, between axes, where machine.link_bodies gives the links surfaces: leave "
+            "it out; machine.clearance.bodies_m is kept between these",
+        ),
+        (
+            {"clearance.joint_trim_m": {"platform": 0.5, "cart": 0.46}},
+            "clearance.joint_trim_m: leaves nothing of link l2b, 0.95 m long at least",
+        ),
+        (
+            {"link_bodies.l2b": {"rod_radius_m": 0.02, "tube_radius_m": 0.01, "tube_length_m": 0.5}},
+            "link_bodies.l2b.tube_radius_m: is 0.01; allowed is at least rod_radius_m",
+        ),
+        (
+            {"link_bodies.l2b": {"rod_radius_m": 0.01, "tube_radius_m": 0.01, "tube_length_m": 0.96}},
+            "link_bodies.l2b.tube_length_m: is 0.96; allowed is more than clearance.joint_trim_m.cart (0.12), at most "
+            "the least stroke (0.95)",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_key(change: dict[str, Any], expected: str) -> None:
+    """One message per fault."""
+    assert messages(change) == [expected]
+
+
+def test_a_distance_of_links_is_needed_of_axes_or_bodies() -> None:
+    """Links without either would pass through each other."""
+    expected = "clearance.link_link_m: is missing; allowed is a number from 0 to 1, or machine.link_bodies"
+    assert messages({"clearance": {}}, PLAIN) == [expected]
+
+
+@pytest.mark.parametrize("key", ["bodies_m", "joint_trim_m", "ignore"])
+def test_clearances_of_bodies_without_bodies_are_refused(key: str) -> None:
+    """No key is read and ignored."""
+    value = {"bodies_m": 0.01, "joint_trim_m": {"cart": 0.1}, "ignore": [["l1", "l2a"]]}[key]
+    found = messages({f"clearance.{key}": value}, PLAIN)
+    assert found == [f"clearance.{key}: is of bodies, and there are none: leave it out, or give machine.bodies"]
+
+
+def test_configurations_without_bodies_keep_their_hash(agder_config: Config) -> None:
+    """Nothing of bodies is written where there are none, and results of before stay up to date."""
+    written = yaml.safe_load(dump_config(agder_config))
+    assert (
+        list(written["machine"]) == list(PLAIN["machine"]) + ["characteristic_length_m"]
+        or "bodies" not in written["machine"]
+    )
+    assert written["machine"]["clearance"] == {"link_link_m": 0.03, "link_rail_m": None}
+    assert config_sha256(agder_config).startswith("48c54602b04b")
+
+
+def test_it_is_written_as_it_was_given(bodies_config: Config) -> None:
+    """The resolved configuration is read back, and means the same."""
+    written = yaml.safe_load(dump_config(bodies_config))
+    assert parse_config(written) == bodies_config
+    assert list(written["machine"]["bodies"][0]) == ["name", "attached_to", "capsule"]
