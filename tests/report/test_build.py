@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 from pipeline.errors import NoSolutionError
 from pipeline.figures.maps.kappa_map import kappa_map
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
+from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.geometry import ACTUATORS, MODES
+from pipeline.machine.samples import PoseSamples
 from pipeline.report import Report, RunResults, build_report
 from pipeline.report.motion import build_scene, singular_loops
 from pipeline.report.payload import OUT_OF_REACH, levels, packed, payload
@@ -58,17 +60,26 @@ class TestMotion:
             around = maps.kappa[instant, i - 1 : i + 2, j - 1 : j + 2]
             assert np.nanmin(around) <= motion.kappa[frame] <= np.nanmax(around)
 
-    def test_the_platform_is_a_closed_surface(self, machine: Machine) -> None:
-        """Every edge of the platform's triangles belongs to exactly two of them."""
-        faces = build_scene(machine).platform_faces
-        edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        _, counts = np.unique(edges, axis=0, return_counts=True)
-        assert np.all(counts == 2)
+    def test_the_platform_is_drawn_as_bars_or_bodies(self, machine: Machine, bodies_machine: Machine) -> None:
+        """Bars are there in any case; bodies, and the two of every pair, where they are declared."""
+        assert len(build_scene(machine).platform_bars) == 6
+        assert build_scene(machine).meshes == build_scene(machine).pairs == ()
+        scene = build_scene(bodies_machine)
+        assert scene.alarm_m == pytest.approx(0.01)
+        for name, (first, second) in zip(scene.pair_names, scene.pairs, strict=True):
+            assert name == f"{scene.meshes[first].name} and {scene.meshes[second].name}"
 
-    def test_a_flat_platform_has_a_surface_too(self, machine: Machine) -> None:
-        """Joints on one plane make no error."""
-        flat = replace(machine, platform_points_m=machine.platform_points_m * [1.0, 1.0, 0.0])
-        assert len(build_scene(flat).platform_faces) >= 2
+    def test_the_nearest_pair_is_that_of_each_instant(self, bodies_report: Report, bodies_machine: Machine) -> None:
+        """Its distance is the least of all, computed for that pair alone."""
+        motion = bodies_report.motions[0]
+        assert motion.nearest_pair is not None
+        assert motion.nearest_m is not None
+        names = bodies_report.scene.pair_names
+        for frame in range(0, len(motion.t_s), 40):
+            samples = PoseSamples(bodies_machine, motion.pose[[frame]], motion.q_m[[frame]])
+            distances = dict(zip(names, body_distances(bodies_machine, samples)[0], strict=True))
+            pair = names[motion.nearest_pair[frame]]
+            assert distances[pair] == min(distances.values()) == pytest.approx(motion.nearest_m[frame], abs=1e-9)
 
 
 class TestLoops:
