@@ -43,7 +43,7 @@ _PIECES = 12
 
 
 @dataclass(frozen=True, eq=False)
-class _Stance:
+class Stance:
     """A machine to draw: pose (6,), actuators (5,), sides of its arms (3,), title, and the path of the TCP so far."""
 
     pose: FloatArray
@@ -61,7 +61,7 @@ def machine_figure(machine: Machine, route: Route) -> Figure:
     TCP, the line its path so far.
     """
     stances = [
-        _Stance(
+        Stance(
             pose=route.pose[step],
             q_m=route.q_m[step],
             sides=MODE_SIGNS[route.modes[step]],
@@ -89,18 +89,22 @@ def postures_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles:
     require_one_length(pose=pose, q_m=q_m, titles=pose if titles is None else titles)
     if not len(pose):
         raise ArgumentError("pose: expected at least one")
+    return _draw(machine, stances_at(machine, pose, q_m, titles), pose[:, :3])
+
+
+def stances_at(machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequence[str] | None) -> list[Stance]:
+    """Collect what is drawn at poses (n, 6) with actuators (n, 5); without titles these are the working modes."""
     sides = np.where(reach_along_rails(machine, pose, q_m[:, :3]) < 0.0, -1.0, 1.0)
     names = mode_names(sides) if titles is None else titles
-    stances = [
-        _Stance(pose=a_pose, q_m=q, sides=side, title=name, way_m=a_pose[None, :3])
+    return [
+        Stance(pose=a_pose, q_m=q, sides=side, title=name, way_m=a_pose[None, :3])
         for a_pose, q, side, name in zip(pose, q_m, sides, names, strict=True)
     ]
-    return _draw(machine, stances, pose[:, :3])
 
 
-def _draw(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> Figure:
+def _draw(machine: Machine, stances: list[Stance], tcp_m: FloatArray) -> Figure:
     meshes = body_meshes(machine, _PIECES)
-    low, high = _window(machine, meshes, stances, tcp_m)
+    low, high = drawn_window(machine, meshes, stances, tcp_m)
     columns = min(5 if len(stances) > 12 else 4, len(stances))
     rows = -(-len(stances) // columns)
     size = high - low + np.array([0.0, _TITLE_M * min(1.0, columns / 4.0)])
@@ -111,7 +115,7 @@ def _draw(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> Figure
     for number, stance in enumerate(stances):
         row, column = divmod(number, columns)
         origin = np.array([column, -row]) * size - low
-        _draw_machine(axes, machine, meshes, stance, origin)
+        draw_machine(axes, machine, meshes, stance, origin)
         axes.text(
             origin[0] + low[0] + size[0] / 2.0,
             origin[1] + high[1],
@@ -126,19 +130,19 @@ def _draw(machine: Machine, stances: list[_Stance], tcp_m: FloatArray) -> Figure
     axes.set_aspect("equal")
     way = any(len(stance.way_m) > 1 for stance in stances)
     figure.legend(
-        handles=_legend_handles(way, any(mesh.kind == FrameKind.LINK for mesh in meshes)),
+        handles=legend_handles(way, any(mesh.kind == FrameKind.LINK for mesh in meshes)),
         loc="outside lower center",
         ncols=4,
     )
     return figure
 
 
-def _points(machine: Machine, stance: _Stance) -> DrawnPoints:
+def _points(machine: Machine, stance: Stance) -> DrawnPoints:
     return drawn_points(machine, stance.pose, stance.q_m)
 
 
-def _window(
-    machine: Machine, meshes: tuple[BodyMesh, ...], stances: list[_Stance], tcp_m: FloatArray
+def drawn_window(
+    machine: Machine, meshes: tuple[BodyMesh, ...], stances: list[Stance], tcp_m: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Compute the least and largest projected coordinates of everything that is drawn, each (2,)."""
     drawn = [_points(machine, stance) for stance in stances]
@@ -149,9 +153,10 @@ def _window(
     return seen.min(axis=0) - _MARGIN_M / 2.0, seen.max(axis=0) + _MARGIN_M / 2.0
 
 
-def _draw_machine(
-    axes: Axes, machine: Machine, meshes: tuple[BodyMesh, ...], stance: _Stance, origin: FloatArray
+def draw_machine(
+    axes: Axes, machine: Machine, meshes: tuple[BodyMesh, ...], stance: Stance, origin: FloatArray
 ) -> None:
+    """Draw a machine at an origin (2,) of the drawing: its bodies, and lines for what has none."""
     points = _points(machine, stance)
     colours = [_COLOURS[side] for side in stance.sides]
     of_link = [colours[arm] for arm in ARM_OF_LINK]
@@ -233,7 +238,8 @@ def _draw_triad(axes: Axes, place: FloatArray) -> None:
         )
 
 
-def _legend_handles(way: bool, rods: bool) -> list[Line2D]:
+def legend_handles(way: bool, rods: bool) -> list[Line2D]:
+    """Make the legend of drawn machines: whether paths of the TCP, and rods as bodies, are drawn."""
     tcp = Line2D([], [], color=style.VERMILLION, linewidth=0.6, label="way of the TCP")
     if not way:
         tcp = Line2D([], [], color=style.VERMILLION, marker="o", markersize=1.8, linestyle="none", label="TCP")
