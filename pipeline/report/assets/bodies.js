@@ -85,7 +85,8 @@ function bodiesTrace(name, bodies, opacity) {
     first += shares.length;
     names.push(...Array(shares.length).fill(body));
   }
-  return { type: "mesh3d", name, opacity, flatshading: true, hoverinfo: "text", hovertext: names, i, j, k, x: [], y: [], z: [] };
+  const looks = { opacity, flatshading: true, hoverinfo: "text", hovertext: names };
+  return { type: "mesh3d", name, ...looks, i, j, k, x: [], y: [], z: [] };
 }
 
 /** A colour for every triangle: `colourOf` gives that of a body. */

@@ -1,8 +1,22 @@
 "use strict";
 // The machine in 3-D: rails, carts, links of both kinds and the platform, or their bodies, at one instant of a motion.
 
-const PARTS = ["rails", "way", "beams", "fixed links", "telescopes", "platform", "joints", "carts", "TCP", "bodies", "rail bodies", "frame bodies"];
-const MOVING = PARTS.slice(2).map((part) => PARTS.indexOf(part));
+const PARTS = [
+  "rails",
+  "way",
+  "beams",
+  "fixed links",
+  "telescopes",
+  "platform",
+  "joints",
+  "carts",
+  "TCP",
+  "bodies",
+  "rail bodies",
+  "frame bodies",
+];
+const STILL_BODIES = ["rail bodies", "frame bodies"];
+const MOVING = PARTS.slice(2, -STILL_BODIES.length).map((part) => PARTS.indexOf(part));
 const SEEN_THROUGH = 0.3;
 const ARM_OF_LINK = [0, 1, 1, 2, 2, 2];
 
@@ -11,12 +25,12 @@ function createMachineView(div, report) {
   const isTelescope = (link) => names.telescopes.includes(link);
   const links = names.links.map((_, link) => link);
   const bodies = {
-    "bodies": scene.bodies.filter((body) => body.frame !== "fixed"),
+    bodies: scene.bodies.filter((body) => body.frame !== "fixed"),
     "rail bodies": scene.bodies.filter((body) => body.frame === "fixed" && body.number > 0),
     "frame bodies": scene.bodies.filter((body) => body.frame === "fixed" && body.number === 0),
   };
   const covered = coveredParts(scene.bodies);
-  let [motion, solid] = [null, true];
+  let [motion, solid, red] = [null, true, ""];
 
   function traces() {
     const { colours } = report;
@@ -40,6 +54,12 @@ function createMachineView(div, report) {
       y: [],
       z: [],
     });
+    const still = (name, opacity) => ({
+      ...bodiesTrace(name, bodies[name], opacity),
+      ...cornersOf(bodies[name]),
+      facecolor: faceColours(bodies[name], () => colours.rail),
+    });
+    red = "";
     return [
       {
         ...line("rails", colours.rail, 7),
@@ -55,8 +75,8 @@ function createMachineView(div, report) {
       dots("carts", { size: 8, symbol: "square", line: { color: colours.frame, width: 2 } }),
       dots("TCP", { size: 6, color: colours.refined, line: { color: colours.frame, width: 1 } }),
       bodiesTrace("bodies", bodies.bodies, 1),
-      bodiesTrace("rail bodies", bodies["rail bodies"], 1),
-      bodiesTrace("frame bodies", bodies["frame bodies"], SEEN_THROUGH),
+      still("rail bodies", 1),
+      still("frame bodies", SEEN_THROUGH),
     ].map((trace) => ({ ...trace, visible: isVisible(trace.name) }));
   }
 
@@ -134,11 +154,22 @@ function createMachineView(div, report) {
         colour: [...mode].map((letter) => (letter === "L" ? colours.first : colours.second)),
       },
       { ...coordinates([tcp]), hovertext: [`TCP: ${tcp.map((value) => formatted(value, 4)).join(", ")} m`] },
-      ...Object.values(bodies).map((some) => ({
-        ...cornersOf(some, motion, frame),
-        faces: faceColours(some, (body) => colourOf(body, mode, near)),
-      })),
+      {
+        ...cornersOf(bodies.bodies, motion, frame),
+        faces: faceColours(bodies.bodies, (body) => colourOf(body, mode, near)),
+      },
     ];
+  }
+
+  /** Colour what does not move where that changes; drawing it again at every instant would take as long as all else. */
+  function colourStill(frame) {
+    const near = alarmed(report, motion, frame).filter((body) => body.frame === "fixed");
+    const names = near.map((body) => body.name).join();
+    if (names === red) return;
+    red = names;
+    const colours = STILL_BODIES.map((part) => faceColours(bodies[part], (body) => colourOf(body, "", near)));
+    const places = STILL_BODIES.map((part) => PARTS.indexOf(part));
+    Plotly.restyle(div, { facecolor: colours }, places);
   }
 
   return {
@@ -157,6 +188,7 @@ function createMachineView(div, report) {
     },
     moveTo(frame) {
       const parts = partsAt(frame);
+      colourStill(frame);
       const all = (key) => parts.map((part) => part[key]);
       const update = { x: all("x"), y: all("y"), z: all("z"), hovertext: all("hovertext") };
       // Carts and bodies alone change their colours: what is undefined stays as it is.
@@ -176,7 +208,8 @@ function createMachineView(div, report) {
 /** Parts whose lines are within bodies. */
 function coveredParts(bodies) {
   const has = (frame) => bodies.some((body) => body.frame === frame);
-  const rails = new Set(bodies.filter(({ frame, number }) => frame === "fixed" && number > 0).map(({ number }) => number));
+  const onRails = bodies.filter(({ frame, number }) => frame === "fixed" && number > 0);
+  const rails = new Set(onRails.map(({ number }) => number));
   return [
     ...(has("link") ? ["fixed links", "telescopes"] : []),
     ...(has("platform") ? ["platform"] : []),
