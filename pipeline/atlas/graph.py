@@ -25,7 +25,7 @@ from pipeline.route.moves.candidates import Moves, find_moves
 from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.endpoints import place_pose
 from pipeline.route.regions.table import RegionTable
-from pipeline.route.regions.task_rows import endpoint_row, without_boxes
+from pipeline.route.regions.task_rows import endpoint_row, without_obstructions
 
 _KEPT_BYTES = 16
 """Memory of a move between regions that is kept beside those of the pair, and of a distance from and to a station."""
@@ -117,7 +117,7 @@ def build_graph(
     NoSolutionError
         When regions, moves and shortest paths would take up more than `route.memory_gb`.
     """
-    grid = without_boxes(config, grid)
+    grid = without_obstructions(config, machine, grid)
     departures, arrivals = _ends(config, machine, stations)
     n, count = len(grid), len(stations)
     # The table ends with a start and a goal that nothing is asked of.

@@ -219,7 +219,7 @@ def _bodies(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[Rende
     if bodies.neighbours:
         neighbours = [(one.name, one.why, one.treatment) for one in bodies.neighbours]
         yield text_table("Bodies that touch by construction", ("pair", "why", "treatment"), neighbours, range(3))
-    distances = np.concatenate([body_distances(machine, end.samples) for end in ends])
+    distances = np.concatenate([body_distances(bodies, end.samples) for end in ends])
     nearest = np.argsort(distances.min(axis=0), kind="stable")
     more = len(nearest) - _NEAREST
     rest = f"; {more} more pairs are farther apart" if more > 0 else ""

@@ -16,6 +16,9 @@ from .export import (
 from .machine.bodies import (
     BodyConfig as BodyConfig,
 )
+from .machine.bodies import (
+    ObstacleConfig as ObstacleConfig,
+)
 from .machine.limits import (
     ActuatorLimitsConfig as ActuatorLimitsConfig,
 )

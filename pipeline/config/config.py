@@ -8,6 +8,8 @@ from pydantic import Field, model_validator
 from pipeline.config.atlas import AtlasConfig
 from pipeline.config.drives import DrivesConfig
 from pipeline.config.export import ExportConfig
+from pipeline.config.machine.bodies import require_known, require_names
+from pipeline.config.machine.links import OF_BODIES
 from pipeline.config.machine.machine import MachineConfig
 from pipeline.config.section import MOST_NAME, NAME_PATTERN, Section, wrong
 from pipeline.config.stages.certify import CertifyConfig
@@ -40,6 +42,19 @@ class Config(Section):
         for k, station in enumerate(self.atlas.stations):
             if fault := self.task.tilt_fault(f"atlas.stations[{k}].pose", station.pose):
                 raise fault
+        return self
+
+    @model_validator(mode="after")
+    def _bodies_are_told_apart(self) -> Self:
+        machine, obstacles = self.machine, self.task.obstacles
+        unused = sorted(OF_BODIES & machine.clearance.model_dump().keys())
+        if unused and not (machine.bodies or machine.link_bodies or obstacles):
+            raise wrong(
+                f"machine.clearance.{unused[0]}",
+                "is of bodies, and there are none: leave it out, or give machine.bodies",
+            )
+        require_names("task.obstacles", [*machine.bodies, *obstacles])
+        require_known("machine.clearance.ignore", machine.clearance.ignore, [*machine.bodies, *obstacles])
         return self
 
     @model_validator(mode="after")

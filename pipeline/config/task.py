@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from pipeline.config.choices import TiltAxis
+from pipeline.config.machine.bodies import Obstacles
 from pipeline.config.section import MODE_PATTERN, Interval, Length, Section, Tilt, require_ordered, wrong
 
 
@@ -97,6 +98,12 @@ class TaskConfig(Section):
         (),
         max_length=200,
         description="boxes the TCP must not enter (with tilts: so tilted), such as {y_m: [0.4, 0.5], z_m: [0.5, 0.7]}",
+    )
+    obstacles: Obstacles = Field(
+        (),
+        description="convex bodies fixed in space that nothing of the machine may touch, such as "
+        "{name: workpiece, box: {centre_m: [1, -0.1, 0.7], size_m: [0.4, 0.3, 0.3]}}",
+        exclude_if=lambda value: not value,
     )
     budget: BudgetConfig = Field(default_factory=lambda: BudgetConfig())
     tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")

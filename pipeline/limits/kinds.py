@@ -4,7 +4,7 @@ from typing import Protocol
 
 from pipeline.config import Config
 from pipeline.limits import actuators, avoid, gravity_stiffness, holding_force, kappa, link_link, link_rail, tilt
-from pipeline.limits.bodies import body_distance
+from pipeline.limits.bodies import body_distance, obstacle_distance
 from pipeline.limits.interface.limit import Limit, NodeLimit, ProvenLimit
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey
@@ -36,6 +36,7 @@ KINDS: tuple[LimitKind, ...] = (
     link_link,
     link_rail,
     body_distance,
+    obstacle_distance,
     holding_force,
     gravity_stiffness,
     tilt,
@@ -43,6 +44,8 @@ KINDS: tuple[LimitKind, ...] = (
     actuators,
 )
 """All kinds, in the order in which messages name them."""
+BOUND_TO_X: tuple[LimitKind, ...] = (obstacle_distance, avoid)
+"""Those that x decides about: they cut the windows of regions."""
 
 
 def pose_limits(machine: Machine, kappa_max: float) -> list[Limit]:
@@ -70,9 +73,10 @@ def unlimited_measures(config: Config, machine: Machine) -> tuple[Measure, ...]:
     return tuple(measure for kind in without for measure in kind.MEASURES if measure.applies(machine))
 
 
-def move_limits(config: Config, machine: Machine) -> list[Limit]:
-    """Return what has to hold all along a move between two regions."""
-    return [limit for kind in KINDS for limit in kind.for_moves(config, machine)]
+def move_limits(config: Config, machine: Machine, *, given_x: bool = True) -> list[Limit]:
+    """Return what has to hold all along a move between two regions; without a given x what does not depend on it."""
+    kinds = KINDS if given_x else [kind for kind in KINDS if kind not in BOUND_TO_X]
+    return [limit for kind in kinds for limit in kind.for_moves(config, machine)]
 
 
 def path_limits(config: Config, machine: Machine) -> list[Limit]:

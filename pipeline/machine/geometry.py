@@ -18,6 +18,7 @@ from pipeline.config.machine.limits import push_and_pull
 from pipeline.machine.masses import Masses, build_masses
 from pipeline.machine.shapes.build import build_bodies
 from pipeline.machine.shapes.model import Bodies
+from pipeline.machine.shapes.obstacles import build_obstacles
 
 LINKS = ("1", "2a", "2b", "3a", "3b", "3c")
 ARM_OF_LINK = np.array([0, 1, 1, 2, 2, 2])
@@ -69,6 +70,8 @@ class Machine:
         What forces follow from; None where the configuration gives no masses.
     bodies : Bodies or None
         What is kept apart beside axes; None where the configuration gives no bodies.
+    obstacles : Bodies or None
+        The pairs of what moves and bodies fixed to the frame, whose distances depend on x; None where there are none.
     """
 
     rails_m: FloatArray
@@ -92,6 +95,7 @@ class Machine:
     gravity_stiffness_npm: float = -np.inf
     masses: Masses | None = None
     bodies: Bodies | None = None
+    obstacles: Bodies | None = None
 
     @property
     def known_masses(self) -> Masses:
@@ -154,6 +158,7 @@ def build_machine(config: MachineConfig) -> Machine:
         gravity_stiffness_npm=_given(config.limits.gravity_stiffness_npm, -np.inf),
         masses=None if config.dynamics is None else build_masses(config.dynamics),
         bodies=build_bodies(config),
+        obstacles=build_obstacles(config, ()),
     )
 
 

@@ -10,7 +10,7 @@ depend on all of it; how results are drawn is no part of the hash, and costs new
 from typing import Any
 
 from pipeline.config import Config
-from pipeline.config.choices import PathObjective, Proof, RouteObjective
+from pipeline.config.choices import BodyFrame, PathObjective, Proof, RouteObjective
 
 _OF_MOTION = ("limits", "dynamics")
 """Parts of the machine of which stages one and two read what holds it, and no more."""
@@ -33,8 +33,10 @@ def whole_config(config: Config) -> Part:
 def regions_part(config: Config) -> Part:
     """Give the keys that the region table depends on."""
     whole = whole_config(config)
-    # The margin around boxes to avoid is measured in steps.
-    margin = ("avoid_margin", "x_step_m") if config.task.avoid else ()
+    # The margin around boxes to avoid and obstacles is measured in steps.
+    machine, task = config.machine, config.task
+    fixed = any(body.attached_to == BodyFrame.FRAME and body.beam is None for body in machine.bodies)
+    margin = ("avoid_margin", "x_step_m") if task.avoid or task.obstacles or fixed else ()
     return {
         "machine": _machine_part(config),
         "task": _without(whole["task"], "budget"),

@@ -34,9 +34,12 @@ def certificate_section(certificate: "Certificate") -> Section:
 
 
 def _body_part(bounds: "Bounds") -> Section:
-    """Give the least of the proven distances of bodies, if there are any."""
-    ranges = bounds.ranges.get("body_distance_m")
-    return {} if ranges is None else {"min_body_distance_bound_m": min(ranges.values[:, 0].tolist(), default=None)}
+    """Give the least of the proven distances of bodies, and from obstacles, where there are any."""
+    return {
+        f"min_{what}_distance_bound_m": min(ranges.values[:, 0].tolist(), default=None)
+        for what in ("body", "obstacle")
+        if (ranges := bounds.ranges.get(f"{what}_distance_m")) is not None
+    }
 
 
 def _following_part(certificate: "Certificate") -> Section:

@@ -19,6 +19,7 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.errors import UsageError
 from pipeline.limits import admitted, pose_limits
 from pipeline.limits.actuators import x_windows
+from pipeline.machine.bodies.intervals import excluded_shifts, longest_free
 from pipeline.machine.geometry import MODES, PRIMARY, Machine
 from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.machine.samples import PoseSamples
@@ -169,15 +170,19 @@ def _windows_of_mode(machine: Machine, setting: WorkspaceSetting, controlled: Fl
 def usable_windows(machine: Machine, kappa_max: float, controlled: FloatArray, modes: IntArray) -> FloatArray:
     """[least, largest] usable x of controlled poses (n, 5), x zero, in working modes (n,); NaN for none. Shape (n, 2).
 
-    Usable is what is in reach, with all carts on their rails, and within all limits of poses.
+    Usable is what is in reach, with all carts on their rails, and within all limits of poses; of what bodies fixed to
+    the frame leave of it, the longest piece.
     """
     solution = inverse_kinematics(machine, controlled, modes)
     windows = x_windows(machine, solution.q_m)
     rows = np.flatnonzero(solution.reachable & (windows[:, 0] <= windows[:, 1]))
     samples = PoseSamples(machine, solution.pose[rows], solution.q_m[rows])
-    kept, _ = admitted(pose_limits(machine, kappa_max), samples)
+    kept, samples = admitted(pose_limits(machine, kappa_max), samples)
     usable = np.full_like(windows, np.nan)
     usable[rows[kept]] = windows[rows[kept]]
+    if machine.obstacles is not None:
+        excluded = excluded_shifts(machine.obstacles, samples, windows[rows[kept]])
+        usable[rows[kept]] = longest_free(windows[rows[kept]], excluded)
     return usable
 
 

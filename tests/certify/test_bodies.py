@@ -55,7 +55,7 @@ def proven(bodies_machine: Machine, path: Path, prove) -> Certificate:
 def sampled(machine: Machine, path: Path, count: int = 2_001) -> np.ndarray:
     """Measure all pairs along a path, (samples, pairs)."""
     s = np.linspace(0.0, 1.0, count)
-    return body_distances(machine, PoseSamples(machine, path.pose(s), path.q(s)))
+    return body_distances(machine.bodies, PoseSamples(machine, path.pose(s), path.q(s)))
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def verify_again(bodies_config: Config) -> Callable[[Machine, Path, Certificate]
 
     def evaluate(machine: Machine, path: Path, certificate: Certificate) -> Callable[[Bounds], bool]:
         (segment,) = evaluate_chain(machine, path, certificate.chain)
-        evidence = Evidence(bodies_config, machine, measure(machine, segment))
+        evidence = Evidence(bodies_config, machine, measure(bodies_config, machine, segment))
         return lambda stated: all(claim.verified for claim in check(evidence, stated))
 
     return evaluate

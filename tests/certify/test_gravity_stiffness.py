@@ -42,7 +42,7 @@ def held(soft: Machine, line: Path, prove: Callable[..., Certificate]) -> Certif
 def evidence(agder_config: Config, soft: Machine, line: Path, held: Certificate) -> Evidence:
     """Evaluate the boxes of the short path again."""
     (segment,) = evaluate_chain(soft, line, held.chain)
-    return Evidence(agder_config, soft, measure(soft, segment))
+    return Evidence(agder_config, soft, measure(agder_config, soft, segment))
 
 
 def _stating(certificate: Certificate, least_npm: float) -> Bounds:

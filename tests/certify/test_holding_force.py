@@ -30,7 +30,7 @@ def held(machine: Machine, line: Path, prove: Callable[..., Certificate]) -> Cer
 def evidence(agder_config: Config, machine: Machine, line: Path, held: Certificate) -> Evidence:
     """Evaluate the boxes of the short path again."""
     (segment,) = evaluate_chain(machine, line, held.chain)
-    return Evidence(agder_config, machine, measure(machine, segment))
+    return Evidence(agder_config, machine, measure(agder_config, machine, segment))
 
 
 def _stating(certificate: Certificate, bounds_n: np.ndarray) -> object:

@@ -55,7 +55,7 @@ def test_margins_are_verified_again(own_task: Config, vary, machine: Machine, de
     (segment,) = evaluate_chain(machine, detour, certificate.chain)
     for margin_m, verified in ((0.005, True), (0.015, False), (0.03, False)):
         asked = vary(config, {"refine.travel_margin_m": margin_m})
-        evidence = Evidence(asked, machine, measure(machine, segment))
+        evidence = Evidence(asked, machine, measure(asked, machine, segment))
         (claim,) = check(evidence, certificate.bounds)
         assert claim.verified == verified
         assert f"limits {min(margin_m, 0.0201727):g} to" in claim.found

@@ -24,6 +24,7 @@ def test_keys_are_those_of_the_format() -> None:
         "det_sign",
         "distance_m",
         "body_distance_m",
+        "obstacle_distance_m",
         "actuators_m",
         "tilt_deg",
         "holding_force_n",

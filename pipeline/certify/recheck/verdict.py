@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.premises import premises_sha256
-from pipeline.certify.recheck.arithmetic.chain import evaluate_chain, evaluate_ends
+from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain, evaluate_chain, evaluate_ends
 from pipeline.certify.recheck.claims import chain, checks, endpoints, inventory
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.poses import POSES, pose_claim
@@ -49,6 +49,9 @@ def verify(
         *inventory.inventory_claims(machine, stated),
     ]
 
+    def measured(segment: EvaluatedChain, before: list[FloatArray] | None) -> list[FloatArray]:
+        return checks.measure_all(config, machine, segment, before)
+
     def bounds_of(found: list[FloatArray]) -> list[Claim]:
         return list(checks.bound_claims(config, machine, found, stated.bounds))
 
@@ -60,7 +63,7 @@ def verify(
     if splines.verified:
         for proven in stated.chains:
             claims += _chain_claims(
-                machine, path, proven, _Configured(bounds_of, ends_of), refused=_any_refused(claims)
+                machine, path, proven, _Configured(measured, bounds_of, ends_of), refused=_any_refused(claims)
             )
     known = {claim.what for claim in claims}
     absent = "missing, or not evaluated for what else is wrong" if _any_refused(claims) else "missing"
@@ -71,6 +74,7 @@ def verify(
 class _Configured:
     """What else is claimed of the chain of the configured machine."""
 
+    measured: Callable[[EvaluatedChain, list[FloatArray] | None], list[FloatArray]]
     bounds_of: Callable[[list[FloatArray]], list[Claim]]
     ends_of: Callable[[ProvenChain], Iterable[Claim]]
 
@@ -92,7 +96,7 @@ def _chain_claims(
             for segment in evaluate_chain(machine, path, proven):
                 counted += chain.count_boxes(segment)
                 if not proven.uncertainty.any:
-                    found = checks.measure_all(machine, segment, found)
+                    found = configured.measured(segment, found)
                     bounds = configured.bounds_of(found)
                 # What is wrong over some boxes is wrong over all: bounds get only wider.
                 if counted.boxes < len(proven.boxes) and (refused or not counted.all_hold or _any_refused(bounds)):

@@ -1,8 +1,8 @@
 """Bodies of the machine: sphere-swept convex shapes, what they are attached to, and how far apart they stay."""
 
 from collections import Counter
-from collections.abc import Iterable
-from typing import Annotated, ClassVar, Self
+from collections.abc import Iterable, Sequence
+from typing import Annotated, ClassVar, Self, TypeVar
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -62,6 +62,21 @@ class BeamConfig(Section):
     radius_m: Radius = 0.0
 
 
+class ObstacleConfig(Section):
+    """A convex obstacle fixed in space: exactly one of capsule, box and hull, in the axes of the frame."""
+
+    on_one_line: ClassVar[bool] = True
+
+    name: BodyName = Field(description="names the obstacle in messages")
+    capsule: CapsuleConfig | None = Field(None, exclude_if=lambda value: value is None)
+    box: BodyBoxConfig | None = Field(None, exclude_if=lambda value: value is None)
+    hull: HullConfig | None = Field(None, exclude_if=lambda value: value is None)
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        return _require_one(self, ("capsule", "box", "hull"))
+
+
 class BodyConfig(Section):
     """A convex body: exactly one of capsule, box, hull and beam, in the axes of what it is attached to."""
 
@@ -79,24 +94,28 @@ class BodyConfig(Section):
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        given = [key for key in ("capsule", "box", "hull", "beam") if getattr(self, key) is not None]
-        if len(given) != 1:
-            found = f"has {' and '.join(given)}" if given else "has no shape"
-            raise PydanticCustomError(
-                "rule", "{found}: give exactly one of capsule, box, hull and beam", {"found": found}
-            )
-        fixed = self.attached_to in (BodyFrame.RAIL1, BodyFrame.RAIL2, BodyFrame.RAIL3, BodyFrame.FRAME)
-        if self.beam is not None and not fixed:
+        _require_one(self, ("capsule", "box", "hull", "beam"))
+        rail = self.attached_to in (BodyFrame.RAIL1, BodyFrame.RAIL2, BodyFrame.RAIL3)
+        if self.beam is not None and not rail and self.attached_to != BodyFrame.FRAME:
             raise wrong(
                 "beam", f"is endless along X and moves with {self.attached_to}; attach it to a rail or the frame"
             )
-        if self.beam is None and fixed:
-            raise wrong(
-                "attached_to",
-                f"is {self.attached_to}; what is fixed there can only be a beam, endless along X: distances must not "
-                "depend on x",
-            )
+        if self.beam is None and rail:
+            raise wrong("attached_to", f"is {self.attached_to}, of which a body is a beam; attach others to the frame")
         return self
+
+
+S = TypeVar("S", bound=Section)
+
+
+def _require_one(section: S, keys: tuple[str, ...]) -> S:
+    """Refuse a body without a shape, or with several."""
+    given = [key for key in keys if getattr(section, key) is not None]
+    if len(given) != 1:
+        found = f"has {' and '.join(given)}" if given else "has no shape"
+        choice = f"{', '.join(keys[:-1])} and {keys[-1]}"
+        raise PydanticCustomError("rule", "{found}: give exactly one of {choice}", {"found": found, "choice": choice})
+    return section
 
 
 class LinkBodyConfig(Section):
@@ -144,20 +163,20 @@ class JointTrimConfig(Section):
 
 
 IgnoredPairs = Annotated[tuple[tuple[BodyName, BodyName], ...], Field(max_length=_MOST_IGNORED)]
+Obstacles = Annotated[tuple[ObstacleConfig, ...], Field(max_length=_MOST_BODIES)]
 Bodies = Annotated[tuple[BodyConfig, ...], Field(max_length=_MOST_BODIES)]
 LINK_NAMES = tuple(LinkBodiesConfig.model_fields)
 
 
-def require_names(bodies: Iterable[BodyConfig], ignored: Iterable[tuple[str, str]]) -> None:
-    """Refuse names that are given twice, are those of links, or are ignored without being known."""
-    names = [body.name for body in bodies]
-    twice = [name for name, count in Counter([*names, *LINK_NAMES]).items() if count > 1]
+def require_names(key: str, bodies: Sequence[BodyConfig | ObstacleConfig]) -> None:
+    """Refuse names that are given twice, or are those of links; `key` is the one to look at."""
+    twice = [name for name, count in Counter([*(body.name for body in bodies), *LINK_NAMES]).items() if count > 1]
     if twice:
-        raise wrong("bodies", f"has {twice[0]} more than once, or as the name of a link; every body needs its own name")
-    known = {*names, *LINK_NAMES}
-    for pair in ignored:
-        for name in pair:
-            if name not in known:
-                raise wrong(
-                    "clearance.ignore", f"names {name}; allowed are the names of bodies and {', '.join(LINK_NAMES)}"
-                )
+        raise wrong(key, f"has {twice[0]} more than once, or as the name of a link; every body needs its own name")
+
+
+def require_known(key: str, ignored: Iterable[tuple[str, str]], bodies: Sequence[BodyConfig | ObstacleConfig]) -> None:
+    """Refuse ignored pairs of what is neither a body nor a link."""
+    known = {*(body.name for body in bodies), *LINK_NAMES}
+    for name in (name for pair in ignored for name in pair if name not in known):
+        raise wrong(key, f"names {name}; allowed are the names of bodies and {', '.join(LINK_NAMES)}")

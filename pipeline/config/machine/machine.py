@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from pipeline.config.choices import TriangleBranch
 from pipeline.config.machine.bodies import Bodies, LinkBodiesConfig, require_names
 from pipeline.config.machine.limits import LimitsConfig
-from pipeline.config.machine.links import OF_BODIES, ClearanceConfig, LinksConfig, RailConfig
+from pipeline.config.machine.links import ClearanceConfig, LinksConfig, RailConfig
 from pipeline.config.machine.masses import DynamicsConfig
 from pipeline.config.section import PositiveLength, Section, wrong
 
@@ -77,12 +77,8 @@ class MachineConfig(Section):
 
     @model_validator(mode="after")
     def _bodies_fit(self) -> Self:
-        require_names(self.bodies, self.clearance.ignore)
+        require_names("bodies", self.bodies)
         if not self.bodies and self.link_bodies is None:
-            if unused := sorted(OF_BODIES & self.clearance.model_dump().keys()):
-                raise wrong(
-                    f"clearance.{unused[0]}", "is of bodies, and there are none: leave it out, or give machine.bodies"
-                )
             return self
         lengths = {"l1": self.links.l1.length_m, "l2a": self.links.l2a.length_m, "l3a": self.links.l3a.length_m}
         lengths |= {"l2b": self.links.l2b.stroke_m[0], "l3b": self.links.l3b.stroke_m[0]}

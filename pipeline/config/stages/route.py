@@ -69,7 +69,10 @@ class RouteConfig(Section):
         "mode is another it is farther than any distance",
     )
     avoid_margin: float = Field(
-        0.25, ge=0.0, le=2.0, description="grid steps that regions keep from the boxes of task.avoid"
+        0.25,
+        ge=0.0,
+        le=2.0,
+        description="grid steps that regions keep from task.avoid, and along X from obstacles",
     )
     kappa_max: float = Field(100.0, gt=1.0, description="regions and moves with a larger kappa are not admitted")
     threshold_margin: float = Field(

@@ -13,7 +13,6 @@ import numpy as np
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.machine.bodies.placement import Frames
 from pipeline.machine.clearance import segment_distance
-from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.shapes.gjk import hull_separation
 from pipeline.machine.shapes.model import Bodies
@@ -71,19 +70,12 @@ class _Placed:
         return hull_separation(first, second, beyond_m + radii).distance_m - radii
 
 
-def body_distances(machine: Machine, samples: PoseSamples, reach_m: float = np.inf) -> FloatArray:
-    """Compute the distances of all pairs at n poses, shape (n, pairs); what is beyond `reach_m` has that value.
-
-    Raises
-    ------
-    ValueError
-        For a machine without bodies.
-    """
-    bodies = _required(machine)
+def body_distances(bodies: Bodies, samples: PoseSamples, reach_m: float = np.inf) -> FloatArray:
+    """Compute the distances of all pairs at n poses, shape (n, pairs); what is beyond `reach_m` has that value."""
     found = np.full((len(samples), len(bodies.pairs)), reach_m)
     for begin in range(0, len(samples), _BLOCK):
         part = slice(begin, begin + _BLOCK)
-        placed = _Placed.of(bodies, Frames.of(machine, samples.pose[part], samples.carts_m[part]))
+        placed = _Placed.of(bodies, Frames.of(samples.machine, samples.pose[part], samples.carts_m[part]))
         for k, pair in enumerate(bodies.pairs):
             rows = np.flatnonzero(placed.near(pair, reach_m))
             if len(rows):
@@ -91,18 +83,12 @@ def body_distances(machine: Machine, samples: PoseSamples, reach_m: float = np.i
     return found
 
 
-def are_clear(machine: Machine, samples: PoseSamples) -> BoolArray:
+def are_clear(bodies: Bodies, samples: PoseSamples) -> BoolArray:
     """Tell at which of n poses all pairs keep their clearance. Shape (n,).
 
     Pairs are tried in the order in which they refuse most of a few poses; poses that are refused are left out then.
-
-    Raises
-    ------
-    ValueError
-        For a machine without bodies.
     """
-    bodies = _required(machine)
-    frames = Frames.of(machine, samples.pose, samples.carts_m)
+    frames = Frames.of(samples.machine, samples.pose, samples.carts_m)
     clear = np.ones(len(samples), dtype=bool)
     order = _deadliest_first(bodies, frames)
     for begin in range(0, len(samples), _BLOCK):
@@ -142,9 +128,3 @@ def _all_clear(placed: _Placed, order: list[int]) -> BoolArray:
                 break
     clear[carried[~alive]] = False
     return clear
-
-
-def _required(machine: Machine) -> Bodies:
-    if machine.bodies is None:
-        raise ValueError("this machine has no bodies")
-    return machine.bodies

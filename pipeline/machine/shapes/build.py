@@ -5,23 +5,20 @@ touches what its joint sits on, by construction: where a body that does not move
 link is cut short there by `clearance.joint_trim_m`, and the rest of it checked.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.config import BodyConfig, MachineConfig
-from pipeline.config.choices import BodyFrame
-from pipeline.config.machine.bodies import LINK_NAMES, TelescopeBodyConfig
+from pipeline.config import MachineConfig
+from pipeline.config.machine.bodies import LINK_NAMES
 from pipeline.machine.shapes.gjk import hull_separation
+from pipeline.machine.shapes.hulls import body_hull, config_name, link_hulls
 from pipeline.machine.shapes.model import Bodies, FrameKind, Neighbours, SweptHull
 
 _NEAR_M = 0.02
 """A body counts as touching a joint if it is nearer to it than this, or than the required distance."""
-_CARTS = (BodyFrame.CART1, BodyFrame.CART2, BodyFrame.CART3)
-_RAILS = (BodyFrame.RAIL1, BodyFrame.RAIL2, BodyFrame.RAIL3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,24 +48,30 @@ class _Joints:
 
 
 def build_bodies(config: MachineConfig) -> Bodies | None:
-    """Build the bodies of a machine and their pairs; None if the configuration has none."""
+    """Build the bodies of a machine and the pairs whose distances do not depend on x; None if there are none.
+
+    What is fixed in space and not endless along X is left to `obstacles.build_obstacles`.
+    """
     if not config.bodies and config.link_bodies is None:
         return None
     joints = _joints(config)
-    hulls = [*(_body(joints, body) for body in config.bodies), *_links(config)]
+    hulls = [hull for hull in (body_hull(config, body) for body in config.bodies) if not hull.is_obstacle]
+    hulls += link_hulls(config)
     found = _Pairs(hulls, [], [], [])
     ignored = {frozenset(pair) for pair in config.clearance.ignore}
     for i, j in combinations(range(len(hulls)), 2):
         a, b = hulls[i], hulls[j]
         if config.link_bodies is None and a.kind == b.kind == FrameKind.LINK:
             continue
-        if frozenset((_key(a), _key(b))) in ignored:
+        if frozenset((config_name(a), config_name(b))) in ignored:
             found.leave_out(a, b, "machine.clearance.ignore", "not checked")
         elif why := _never_checked(joints, a, b):
             if why != _ONE_FRAME:
                 found.leave_out(a, b, why, "not checked")
         else:
             found.add(joints, i, j)
+    if not found.pairs:
+        return None
     return Bodies(
         tuple(found.hulls), tuple(found.pairs), tuple(found.names), joints.required_m, tuple(found.neighbours)
     )
@@ -180,50 +183,3 @@ def _joints(config: MachineConfig) -> _Joints:
         trim_m=(trim.platform, trim.cart),
         required_m=config.clearance.bodies_m,
     )
-
-
-def _key(hull: SweptHull) -> str:
-    """Return the name by which a body is given in the configuration."""
-    return LINK_NAMES[hull.number] if hull.kind == FrameKind.LINK else hull.name
-
-
-def _body(joints: _Joints, body: BodyConfig) -> SweptHull:
-    """Turn a body into a hull in the frame it is attached to."""
-    points, radius = _shape(body)
-    frame = body.attached_to
-    if frame == BodyFrame.PLATFORM:
-        return SweptHull(body.name, FrameKind.PLATFORM, 0, points, radius)
-    if frame in _CARTS:
-        return SweptHull(body.name, FrameKind.CART, _CARTS.index(frame), points, radius)
-    rail = _RAILS.index(frame) + 1 if frame in _RAILS else 0
-    if rail:
-        points = points + joints.rails_m[rail - 1]
-    return SweptHull(body.name, FrameKind.FIXED, rail, points, radius, endless=True)
-
-
-def _shape(body: BodyConfig) -> tuple[FloatArray, float]:
-    """Return the points (k, 3) and the radius of a body's shape."""
-    if body.capsule is not None:
-        ends = dict.fromkeys([body.capsule.from_m, body.capsule.to_m])
-        return np.array(list(ends)), body.capsule.radius_m
-    if body.hull is not None:
-        return np.array(body.hull.points_m), body.hull.radius_m
-    if body.box is not None:
-        half = np.array(body.box.size_m) / 2.0 - body.box.rounding_m
-        corners = [np.array(body.box.centre_m) + half * sides for sides in product((-1.0, 1.0), repeat=3)]
-        return np.unique(corners, axis=0), body.box.rounding_m
-    assert body.beam is not None
-    return np.array([(0.0, *corner) for corner in body.beam.points_m]), body.beam.radius_m
-
-
-def _links(config: MachineConfig) -> Iterator[SweptHull]:
-    """Give the links as rods and tubes, or as axes where they have no bodies."""
-    whole = np.array([[0.0, 0.0], [1.0, 0.0]])
-    for number, key in enumerate(LINK_NAMES):
-        name, body = key[1:], None if config.link_bodies is None else getattr(config.link_bodies, key)
-        if isinstance(body, TelescopeBodyConfig):
-            yield SweptHull(f"rod {name}", FrameKind.LINK, number, whole, body.rod_radius_m)
-            tube = np.array([[0.0, 0.0], [0.0, body.tube_length_m]])
-            yield SweptHull(f"tube {name}", FrameKind.LINK, number, tube, body.tube_radius_m)
-        else:
-            yield SweptHull(f"link {name}", FrameKind.LINK, number, whole, 0.0 if body is None else body.radius_m)

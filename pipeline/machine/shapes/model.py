@@ -47,6 +47,11 @@ class SweptHull:
     endless: bool = False
 
     @property
+    def is_obstacle(self) -> bool:
+        """Whether it is fixed in space, with ends along X: distances from it depend on x."""
+        return self.kind == FrameKind.FIXED and not self.endless
+
+    @property
     def moves_with(self) -> str:
         """What it moves with, in words."""
         if self.kind == FrameKind.FIXED:

@@ -21,6 +21,7 @@ from pipeline.route.memory import memory_gb, require_memory
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.body_passing import body_codes
 from pipeline.route.moves.neighbours import Cells
+from pipeline.route.moves.obstacle_passing import obstacle_codes
 from pipeline.route.regions.boxes import crossings, grown_boxes
 from pipeline.route.regions.gates import gate_bit
 from pipeline.route.regions.table import RegionTable
@@ -79,7 +80,13 @@ def find_moves(config: Config, machine: Machine, regions: RegionTable, monitor: 
         When moves and shortest paths would take up more than `route.memory_gb`.
     """
     steps = step_sizes(config.route)
-    codes = np.vstack([passing_codes(machine, regions), body_codes(machine, regions, _SHIFT)])
+    codes = np.vstack(
+        [
+            passing_codes(machine, regions),
+            body_codes(machine, regions, _SHIFT),
+            obstacle_codes(config, machine, regions, _SHIFT),
+        ]
+    )
     search = MoveSearch.of(regions, steps, codes, steps[0])
     expected = search.expected_moves()
     require_memory(

@@ -16,11 +16,13 @@ from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.limits import DirectedLimit, Limit, applying, move_limits
 from pipeline.limits.avoid import AvoidedBox, boxes_to_avoid
+from pipeline.limits.bodies import obstacle_distance
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import follow
 from pipeline.machine.samples import PoseSamples
 from pipeline.route.metric import step_sizes
 from pipeline.route.moves.bisection import ROUNDING, BisectionResult, LineSamples, bisect, sample_lines
+from pipeline.route.moves.obstacle_passing import obstacles_hit
 from pipeline.route.moves.rejections import BRANCH_REJECTIONS, Rejection
 from pipeline.route.regions.boxes import grown_boxes
 from pipeline.route.regions.table import RegionTable
@@ -90,7 +92,7 @@ def check_pairs(
     A move and its reverse are one line, which is followed once unless limits depend on the direction; memory is
     bounded by working in blocks.
     """
-    without_x = [limit for limit in move_limits(config, machine) if not isinstance(limit, AvoidedBox)]
+    without_x = move_limits(config, machine, given_x=False)
     follower = _Follower.of(config, machine, without_x)
     pose, q = regions.pose, regions.q_m.copy()
     q[:, :3] -= pose[:, :1]
@@ -109,7 +111,19 @@ def check_pairs(
     for limit, entering in _boxes_entered(config, machine, regions, ends):
         for k in np.flatnonzero(entering):
             checks.rejections[k] = checks.rejections[k] or Rejection.of(limit)
+    _reject_at_obstacles(config, machine, regions, ends, checks.rejections)
     return MoveChecks([checks.rejections[k] for k in line.tolist()], checks.kappa_max[line])
+
+
+def _reject_at_obstacles(
+    config: Config, machine: Machine, regions: RegionTable, ends: IntArray, rejections: list[Rejection | None]
+) -> None:
+    """Reject the moves between rows (n, 2), of those not rejected yet, that come too close to an obstacle."""
+    for limit in obstacle_distance.for_moves(config, machine):
+        rows = np.array([k for k, found in enumerate(rejections) if found is None], dtype=np.int64)
+        hit = obstacles_hit(config, machine, regions, ends[rows])
+        for k in rows[hit].tolist():
+            rejections[k] = Rejection.of(limit)
 
 
 def is_directed(limits: Sequence[Limit]) -> bool:

@@ -12,6 +12,7 @@ from pipeline.limits.actuator_margins import controlled_pose, given_poses
 from pipeline.limits.actuators import cart_travel, x_windows
 from pipeline.limits.approach import Approach, approaches
 from pipeline.limits.avoid import boxes_to_avoid
+from pipeline.limits.bodies import obstacle_distance
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.machine.samples import PoseSamples
@@ -143,7 +144,11 @@ def place_pose(config: Config, machine: Machine, key: str, pose: PoseConfig) -> 
     end = Endpoint(mode, PoseSamples(machine, solution.pose, solution.q_m))
     if not solution.reachable[0]:
         return end, [ConfigIssue(key, _why_unreachable(solution.discriminants_m2[0]))]
-    limits = [cart_travel(machine), *pose_limits(machine, config.route.kappa_max)]
+    limits = [
+        cart_travel(machine),
+        *pose_limits(machine, config.route.kappa_max),
+        *obstacle_distance.for_path(config, machine),
+    ]
     broken = [ConfigIssue(key, message) for limit in limits for message in limit.violations(end.samples)]
     return end, _box_issues(config, key, end.samples.controlled[0]) + broken + _x_issues(machine, key, end)
 

@@ -74,7 +74,7 @@ def require_table_fits(config: Config, machine: Machine) -> None:
     """
     points, allowed = math.prod(grid_shape(config)), config.route.memory_gb
     most = points * POINT_BYTES / 1e9
-    repeated = 2 + len(config.task.visit) + 2 * len(config.task.avoid)
+    repeated = 2 + len(config.task.visit) + 2 * (len(config.task.avoid) + len(config.task.obstacles))
     if most <= allowed and memory_gb(1.0, repeated * _MOVES_PER_REGION) * repeated**2 * len(MODES) * points <= allowed:
         return
     size = expected_size(config, machine) if most <= allowed else TableSize(points, 0.0, 0.0, most / _SURE)

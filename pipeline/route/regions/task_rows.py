@@ -1,4 +1,4 @@
-"""What the task adds to the regions: boxes to avoid cut windows, visits, start and goal are rows of their own."""
+"""What the task adds to regions: boxes and obstacles cut windows, visits, start and goal are rows of their own."""
 
 from dataclasses import replace
 
@@ -14,6 +14,7 @@ from pipeline.route.memory import ROW_BYTES, require_memory
 from pipeline.route.metric import step_sizes
 from pipeline.route.regions.boxes import cut_windows, grown_boxes
 from pipeline.route.regions.endpoints import Endpoint, task_endpoints, visited_pose
+from pipeline.route.regions.obstacles import cut_at_obstacles
 from pipeline.route.regions.table import RegionTable
 
 _ROUNDING = 1e-9
@@ -30,7 +31,7 @@ def add_task_rows(config: Config, machine: Machine, grid: RegionTable) -> Region
         When no region lies in a box to visit, or the rows would take up more than `route.memory_gb`.
     """
     start, goal = task_endpoints(config, machine)
-    grid = without_boxes(config, grid)
+    grid = without_obstructions(config, machine, grid)
     visits, rows = [], len(grid)
     for number, visit in enumerate(config.task.visit, start=1):
         visits.append(_visit_rows(config, machine, grid, number, visit))
@@ -39,8 +40,8 @@ def add_task_rows(config: Config, machine: Machine, grid: RegionTable) -> Region
     return RegionTable.concatenate([grid, *visits, endpoint_row(start), endpoint_row(goal)])
 
 
-def without_boxes(config: Config, grid: RegionTable) -> RegionTable:
-    """Cut the windows of a table of grid and gates at the boxes to avoid, and leave out what is inside.
+def without_obstructions(config: Config, machine: Machine, grid: RegionTable) -> RegionTable:
+    """Cut the windows of a table of grid and gates at boxes to avoid and obstacles, and leave out what is inside.
 
     Raises
     ------
@@ -50,6 +51,8 @@ def without_boxes(config: Config, grid: RegionTable) -> RegionTable:
     for box in grown_boxes(config) if config.task.avoid else []:
         grid = cut_windows([box], grid, step_sizes(config.route))
         _require_rows(config, len(grid), "avoid")
+    grid = cut_at_obstacles(config, machine, grid)
+    _require_rows(config, len(grid), "obstacles")
     return grid
 
 

@@ -33,7 +33,7 @@ def test_bounds_are_below_every_sample_and_sharp(bodies_machine: Machine, end: l
             inclusion = Inclusion(box, np.zeros((2, 6, 6)), [arb(1e-9)] * 6, [arb(0)] * 6, none)
             bounds = body_distance_bounds(ProvenBox(machine, balls, piece, series, inclusion), machine.bodies)
         s = samples_in(box)
-        sampled = body_distances(machine, PoseSamples(machine, path.pose(s), path.q(s))).min(axis=0)
+        sampled = body_distances(machine.bodies, PoseSamples(machine, path.pose(s), path.q(s))).min(axis=0)
         assert (bounds <= sampled).all()
         worst.append((sampled - bounds).max())
     assert max(worst) < 6e-3

@@ -9,7 +9,7 @@ from pipeline.config import Config
 from pipeline.errors import ConfigError
 from pipeline.limits import admits, path_limits, pose_limits, relaxations, task_pose_limits
 from pipeline.limits.bodies import body_distance
-from pipeline.limits.bodies.body_distance import BodyDistance
+from pipeline.limits.bodies.surface_distance import SurfaceDistance
 from pipeline.machine import Machine, build_machine
 from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.bodies.placement import Frames
@@ -18,10 +18,11 @@ from pipeline.machine.shapes.model import FrameKind, SweptHull
 from pipeline.route.regions.endpoints import task_endpoints
 
 
-def limit_of(machine: Machine) -> BodyDistance:
+def limit_of(machine: Machine) -> SurfaceDistance:
     """Build the limit of a machine with bodies."""
-    assert machine.bodies is not None
-    return BodyDistance(machine.bodies)
+    (limit,) = body_distance.for_poses(machine, 100.0)
+    assert isinstance(limit, SurfaceDistance)
+    return limit
 
 
 def test_machines_without_bodies_have_no_such_limit(agder_config: Config, machine: Machine) -> None:
@@ -31,7 +32,7 @@ def test_machines_without_bodies_have_no_such_limit(agder_config: Config, machin
         path_limits(agder_config, machine),
         task_pose_limits(agder_config, machine),
     ):
-        assert not any(isinstance(limit, BodyDistance) for limit in limits)
+        assert not any(isinstance(limit, SurfaceDistance) for limit in limits)
     assert body_distance.CERTIFICATE.premises(agder_config) == {}
     assert not body_distance.MEASURES[0].applies(machine)
     assert body_distance.relaxations(agder_config, machine) == []
@@ -58,12 +59,12 @@ def test_what_is_too_close_is_named_worst_first(bodies_machine: Machine, draw_po
     samples, limit = PoseSamples(bodies_machine, drawn.pose, drawn.q_m), limit_of(bodies_machine)
     clear = samples.take(np.flatnonzero(admits(limit, samples))[:1])
     assert limit.violations(clear) == []
-    limit = BodyDistance(replace(limit.bodies, clearance_m=0.03))
+    limit = replace(limit, bodies=replace(limit.bodies, clearance_m=0.03))
     broken = (limit.margins(samples) < 0.0).sum(axis=1)
     row = int(broken.argmax())
     assert broken[row] > 3
     pose = samples.take(np.array([row]))
-    found, distances = limit.violations(pose), body_distances(bodies_machine, pose)[0]
+    found, distances = limit.violations(pose), body_distances(bodies_machine.bodies, pose)[0]
     assert len(found) == 3
     assert limit.bodies.names[int(distances.argmin())] in found[0]
     assert found[2].endswith(f"({broken[row] - 3} more pairs are too close)")
@@ -73,7 +74,7 @@ def test_readings_name_the_nearest_pair(bodies_machine: Machine, draw_poses) -> 
     """With its distance, however far it is."""
     drawn = draw_poses(bodies_machine, 7, 20)
     samples, limit = PoseSamples(bodies_machine, drawn.pose, drawn.q_m), limit_of(bodies_machine)
-    distances = body_distances(bodies_machine, samples)
+    distances = body_distances(bodies_machine.bodies, samples)
     (curve,) = limit.readings(samples)
     assert curve.name == f"body distance ({limit.bodies.names[int(distances[0].argmin())]})"
     np.testing.assert_array_equal(curve.values, distances.min(axis=1))

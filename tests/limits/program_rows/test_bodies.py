@@ -30,7 +30,7 @@ def part_of(samples: PoseSamples) -> tuple[ProgramPart, Nodes]:
     assert bodies is not None
     pose, q = ca.MX.sym("pose", 6, k), ca.MX.sym("q", 5, k)
     nodes = Nodes(pose, q, samples, np.zeros((k, 5)), MARGIN_M, REACH_M)
-    return separation_part("bodies", bodies, body_distances(samples.machine, samples), nodes), nodes
+    return separation_part("bodies", bodies, body_distances(samples.machine.bodies, samples), nodes), nodes
 
 
 def test_rows_at_the_guess_hold_the_distances(samples: PoseSamples) -> None:
@@ -43,7 +43,7 @@ def test_rows_at_the_guess_hold_the_distances(samples: PoseSamples) -> None:
     apart, length = rows(samples.pose.T, samples.q_m.T, normal.guess.T, offset.guess.T)
     bodies = samples.machine.bodies
     assert bodies is not None
-    distances = body_distances(samples.machine, samples)[1:-1]
+    distances = body_distances(samples.machine.bodies, samples)[1:-1]
     near = distances[distances < bodies.clearance_m + REACH_M]
     assert 0 < len(near) == len(normal.guess)
     assert float(ca.mmin(apart)) == pytest.approx(near.min() - bodies.clearance_m - MARGIN_M, abs=1e-9)

@@ -25,7 +25,7 @@ def test_no_points_of_two_hulls_are_nearer(bodies_machine: Machine, samples: Pos
     rng, few = np.random.default_rng(1), samples.take(np.arange(4))
     bodies = bodies_machine.bodies
     assert bodies is not None
-    found = body_distances(bodies_machine, few)
+    found = body_distances(bodies_machine.bodies, few)
     frames = Frames.of(bodies_machine, few.pose, few.carts_m)
     for k in range(0, len(bodies.pairs), 7):
         pair = bodies.pairs[k]
@@ -46,7 +46,7 @@ def test_rods_are_as_far_apart_as_their_axes_less_their_radii(bodies_machine: Ma
     """Whole links that share no joint: the distances of axes, which other code computes."""
     bodies = bodies_machine.bodies
     assert bodies is not None
-    found = body_distances(bodies_machine, samples)
+    found = body_distances(bodies_machine.bodies, samples)
     name = "rod 2b and rod 3b"
     axes = samples.link_distances_m[:, link_pairs(bodies_machine).index((2, 4))]
     np.testing.assert_allclose(found[:, bodies.names.index(name)], axes - 0.03, atol=1e-12)
@@ -57,14 +57,16 @@ def test_moving_everything_along_x_changes_nothing(bodies_machine: Machine, samp
     pose, q = samples.pose.copy(), samples.q_m.copy()
     pose[:, 0] += 0.7
     q[:, :3] += 0.7
-    moved = body_distances(bodies_machine, PoseSamples(bodies_machine, pose, q))
-    np.testing.assert_allclose(moved, body_distances(bodies_machine, samples), atol=1e-9)
+    moved = body_distances(bodies_machine.bodies, PoseSamples(bodies_machine, pose, q))
+    np.testing.assert_allclose(moved, body_distances(bodies_machine.bodies, samples), atol=1e-9)
 
 
 def test_beyond_the_reach_distances_count_as_the_reach(bodies_machine: Machine, samples: PoseSamples) -> None:
     """What is nearer is exact."""
-    exact = body_distances(bodies_machine, samples)
-    np.testing.assert_allclose(body_distances(bodies_machine, samples, 0.08), np.minimum(exact, 0.08), atol=1e-11)
+    exact = body_distances(bodies_machine.bodies, samples)
+    np.testing.assert_allclose(
+        body_distances(bodies_machine.bodies, samples, 0.08), np.minimum(exact, 0.08), atol=1e-11
+    )
 
 
 def test_clear_poses_are_those_whose_pairs_all_keep_their_distance(
@@ -73,8 +75,8 @@ def test_clear_poses_are_those_whose_pairs_all_keep_their_distance(
     """In whatever order pairs are tried, in blocks or not."""
     many = samples.take(np.tile(np.arange(len(samples)), 3_000 // len(samples) + 1))
     assert bodies_machine.bodies is not None
-    expected = (body_distances(bodies_machine, many) >= bodies_machine.bodies.clearance_m).all(axis=1)
-    np.testing.assert_array_equal(are_clear(bodies_machine, many), expected)
+    expected = (body_distances(bodies_machine.bodies, many) >= bodies_machine.bodies.clearance_m).all(axis=1)
+    np.testing.assert_array_equal(are_clear(bodies_machine.bodies, many), expected)
     assert 0.1 < expected.mean() < 0.9
 
 
@@ -86,22 +88,16 @@ def test_the_order_of_bodies_plays_no_role(bodies_machine: Machine, draw_poses) 
     assert bodies is not None
     turned = replace(bodies, hulls=bodies.hulls[::-1], pairs=tuple((38 - j, 38 - i) for i, j in bodies.pairs))
     assert len(bodies.hulls) == 39
-    other = body_distances(replace(bodies_machine, bodies=turned), samples)
-    np.testing.assert_allclose(other, body_distances(bodies_machine, samples), atol=1e-9)
-
-
-def test_a_machine_without_bodies_is_refused(machine: Machine, samples: PoseSamples) -> None:
-    """Its callers ask before."""
-    with pytest.raises(ValueError, match="no bodies"):
-        body_distances(machine, samples)
+    other = body_distances(turned, samples)
+    np.testing.assert_allclose(other, body_distances(bodies_machine.bodies, samples), atol=1e-9)
 
 
 def test_no_poses_have_no_distances(bodies_machine: Machine) -> None:
     """An empty table is a table."""
     none = PoseSamples(bodies_machine, np.empty((0, 6)), np.empty((0, 5)))
     assert bodies_machine.bodies is not None
-    assert body_distances(bodies_machine, none).shape == (0, len(bodies_machine.bodies.pairs))
-    assert are_clear(bodies_machine, none).shape == (0,)
+    assert body_distances(bodies_machine.bodies, none).shape == (0, len(bodies_machine.bodies.pairs))
+    assert are_clear(bodies_machine.bodies, none).shape == (0,)
 
 
 def test_spheres(quick_config: Config, vary, draw_poses) -> None:
@@ -117,4 +113,4 @@ def test_spheres(quick_config: Config, vary, draw_poses) -> None:
     joints, vectors = (np.moveaxis(part, -1, 0) for part in (frames.joints_m, frames.vectors_m))
     along = np.clip(np.einsum("nlc,nlc->nl", centre[:, None] - joints, vectors) / (vectors**2).sum(axis=2), 0.0, 1.0)
     expected = np.linalg.norm(joints + along[..., None] * vectors - centre[:, None], axis=2) - 0.05
-    np.testing.assert_allclose(body_distances(machine, samples), expected, atol=1e-12)
+    np.testing.assert_allclose(body_distances(machine.bodies, samples), expected, atol=1e-12)

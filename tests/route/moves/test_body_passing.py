@@ -61,7 +61,7 @@ def test_moves_on_which_a_link_passes_through_a_bar_are_left_out(barred: Config,
     assert not pairs & set(zip(i[rows].tolist(), j[rows].tolist(), strict=True))
     picked = rows[:: len(rows) // 60]
     ends = np.column_stack([i[picked], j[picked]])
-    assert body_distances(machine, table.samples(machine).take(np.unique(ends))).min() >= 0.001
+    assert body_distances(machine.bodies, table.samples(machine).take(np.unique(ends))).min() >= 0.001
     checks = check_moves(barred, machine, table.pose[ends], table.q_m[ends])
     assert (~checks.good).mean() > 0.8
     assert "bodies come too close" in map(str, checks.rejections)

@@ -10,6 +10,7 @@ from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.config import Config
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.actuators import PROOF_ROUNDING_M, PROOF_SLACK_M
 from pipeline.machine.geometry import ACTUATORS, Machine
@@ -22,7 +23,7 @@ _BEYOND_M = PROOF_ROUNDING_M + PROOF_SLACK_M
 """How far a stated bound may be beyond a limit."""
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound the positions of all actuators over some boxes."""
     least, largest = polynomial_ranges(segment.boxes.q, segment.boxes.half)
     return np.column_stack([least.min(axis=1), largest.max(axis=1)])

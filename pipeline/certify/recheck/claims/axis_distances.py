@@ -13,6 +13,7 @@ from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
+from pipeline.config import Config
 from pipeline.inclusion.distances.axes import AxisPairs, separating_directions
 from pipeline.limits.axis_distance import pair_names
 from pipeline.machine.clearance import link_pairs, rail_pairs
@@ -23,7 +24,7 @@ CLAIMS: tuple[str, ...] = (DISTANCES,)
 KEYS: tuple[str, ...] = ("distance_m",)
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound the distances of all pairs that the machine has over some boxes; none where none is asked for."""
     if not _groups(machine):
         return np.empty((0, 2))

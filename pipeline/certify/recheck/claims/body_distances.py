@@ -1,11 +1,11 @@
-"""The least distances between the surfaces of bodies, if there are any."""
+"""The least distances between the surfaces of bodies, and of bodies and obstacles, if there are any."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.bounds import Bounds
+from pipeline.certify.bounds import Bounds, Ranges
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, dot, exactly, rounded_down, times, total
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, power
@@ -14,41 +14,54 @@ from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
+from pipeline.config import Config
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
 from pipeline.machine.shapes.gjk import hull_separation
 from pipeline.machine.shapes.model import Bodies, FrameKind, SweptHull
+from pipeline.machine.shapes.obstacles import build_obstacles
 
 BODIES = "bodies keep their required distances"
-CLAIMS: tuple[str, ...] = (BODIES,)
-KEYS: tuple[str, ...] = ("body_distance_m",)
+OBSTACLES = "bodies keep their required distances from obstacles"
+CLAIMS: tuple[str, ...] = (BODIES, OBSTACLES)
+KEYS: tuple[str, ...] = ("body_distance_m", "obstacle_distance_m")
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
-    """Bound the distances of all pairs over some boxes; none without bodies."""
-    if machine.bodies is None:
-        return np.empty((0, 2))
-    bounds = body_distance_bounds(machine, machine.bodies, segment.boxes, segment.inclusions.image)
-    return lower_bounds(bounds.min(axis=1))
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    """Bound the distances of all pairs over some boxes; none without bodies and obstacles."""
+    bounds = [
+        body_distance_bounds(machine, bodies, segment.boxes, segment.inclusions.image).min(axis=1)
+        for bodies in _groups(config, machine).values()
+    ]
+    return lower_bounds(np.concatenate([np.empty(0), *bounds]))
+
+
+def _groups(config: Config, machine: Machine) -> dict[str, Bodies]:
+    """List the pairs of bodies, and of bodies and obstacles, by the keys of their bounds."""
+    found = dict(zip(KEYS, (machine.bodies, build_obstacles(config.machine, config.task.obstacles)), strict=True))
+    return {key: bodies for key, bodies in found.items() if bodies is not None}
 
 
 def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
-    """Verify the distances of all pairs for every s, if there are bodies."""
-    bodies = evidence.machine.bodies
-    if bodies is None:
-        yield Claim(BODIES, verified=KEYS[0] not in stated.ranges, found="there are no bodies")
-        return
-    ranges = stated.ranges.get(KEYS[0])
+    """Verify the distances of all pairs for every s; none may be stated of what there is not."""
+    groups, begin = _groups(evidence.config, evidence.machine), 0
+    for key, what in zip(KEYS, CLAIMS, strict=True):
+        bodies = groups.get(key)
+        if bodies is None:
+            yield Claim(what, verified=key not in stated.ranges, found="there are none")
+            continue
+        least = evidence.least[begin : begin + len(bodies.pairs)]
+        begin += len(bodies.pairs)
+        yield _verdict(what, bodies, least, stated.ranges.get(key))
+
+
+def _verdict(what: str, bodies: Bodies, least: FloatArray, ranges: Ranges | None) -> Claim:
     if ranges is None or ranges.subjects != bodies.names:
-        yield Claim(BODIES, verified=False, found="not stated" if ranges is None else "other pairs are stated")
-        return
-    if not bodies.names:
-        yield Claim(BODIES, verified=True, found="there are no pairs")
-        return
-    least, proven, required = evidence.least, ranges.values[:, 0], bodies.clearance_m
+        return Claim(what, verified=False, found="not stated" if ranges is None else "other pairs are stated")
+    proven, required = ranges.values[:, 0], bodies.clearance_m
     kept = (least >= proven) & (proven >= required)
     shown = int(np.argmin(least) if kept.all() else np.argmin(kept))
     found = f"{bodies.names[shown]} {least[shown]:.6g} m, stated {proven[shown]:.6g}, required {required:g}"
-    yield Claim(BODIES, bool(kept.all()), found)
+    return Claim(what, bool(kept.all()), found)
 
 
 def body_distance_bounds(machine: Machine, bodies: Bodies, boxes: Boxes, deviation: FloatArray) -> FloatArray:

@@ -22,7 +22,7 @@ class BoundCheck(Protocol):
     KEYS: tuple[str, ...]
     """The keys of certificate.json whose bounds it verifies."""
 
-    def measure(self, machine: Machine, segment: EvaluatedChain) -> FloatArray:
+    def measure(self, config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
         """Bound the limited quantities over some boxes from below and above, shape (m, 2)."""
 
     def check(self, evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
@@ -33,9 +33,11 @@ CHECKS: tuple[BoundCheck, ...] = (kappa, axis_distances, body_distances, holding
 """All checks, in the order in which their claims are shown."""
 
 
-def measure_all(machine: Machine, segment: EvaluatedChain, before: Sequence[FloatArray] | None) -> list[FloatArray]:
+def measure_all(
+    config: Config, machine: Machine, segment: EvaluatedChain, before: Sequence[FloatArray] | None
+) -> list[FloatArray]:
     """Bound everything over a segment of boxes as well as over those `before` it, an array per check."""
-    found = [module.measure(machine, segment) for module in CHECKS]
+    found = [module.measure(config, machine, segment) for module in CHECKS]
     return found if before is None else [combined(one, more) for one, more in zip(before, found, strict=True)]
 
 

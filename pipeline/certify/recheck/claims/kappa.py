@@ -13,6 +13,7 @@ from pipeline.certify.recheck.arithmetic.inclusion import Boxes, linear_inverse,
 from pipeline.certify.recheck.arithmetic.norms import arm_lengths, frobenius, joint_shift, norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.config import Config
 from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import Machine
 
@@ -22,7 +23,7 @@ CLAIMS: tuple[str, ...] = (KAPPA, SIGN)
 KEYS: tuple[str, ...] = ("kappa", "det_sign")
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound kappa and the sign of det H over some boxes."""
     kappa, sign = kappa_bounds(machine, segment.boxes, segment.inclusions.image)
     return np.array([[-np.inf, kappa.max()], [sign.min(), sign.max()]])

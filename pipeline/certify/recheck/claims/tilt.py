@@ -12,6 +12,7 @@ from pipeline.certify.recheck.arithmetic.inclusion import Boxes
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, upper_bounds
+from pipeline.config import Config
 from pipeline.limits.tilt import PROOF_ROUNDING_RAD, PROOF_SLACK_RAD, path_limits_deg
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_AXES, TILT_COLUMNS
@@ -24,7 +25,7 @@ _BEYOND_DEG = float(np.rad2deg(PROOF_ROUNDING_RAD + PROOF_SLACK_RAD))
 """How far a stated bound may be beyond a limit."""
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound |rx| and |rz| over some boxes, in degrees."""
     tilt = tilt_bounds(segment.boxes, segment.inclusions.image)
     # The float nearest to pi is below it: this factor is above the exact one.

@@ -14,6 +14,7 @@ _LINKS = (
     ("links.l2b.stroke_m", "stroke 2b (m)"),
     ("links.l3b.stroke_m", "stroke 3b (m)"),
     ("clearance.link_link_m", "links apart (m)"),
+    ("clearance.bodies_m", "bodies apart (m)"),
 )
 _RAIL = (("y_m", "y (m)"), ("z_m", "z (m)"), ("travel_m", "travel (m)"))
 _REST = (
@@ -37,8 +38,9 @@ class MachinePanel:
         field: Any = (
             gui.add_vector2(name, value, step=0.01)
             if isinstance(value, tuple)
-            else gui.add_number(name, value, step=0.01)
+            else gui.add_number(name, _shown(value), step=0.01)
         )
+        field.visible = _applies(self._app.session.config, key)
 
         async def changed(event: Any) -> None:
             if event.client is not None:
@@ -60,4 +62,17 @@ class MachinePanel:
 
     def _follow(self) -> None:
         for key, field in self._fields.items():
-            field.value = machine_value(self._app.session.config, key)
+            field.value = _shown(machine_value(self._app.session.config, key))
+            field.visible = _applies(self._app.session.config, key)
+
+
+def _applies(config: Config, key: str) -> bool:
+    """Tell whether a machine has such a number: links have no distance of axes where they have surfaces."""
+    if key == "clearance.bodies_m":
+        return bool(config.machine.bodies) or config.machine.link_bodies is not None
+    return machine_value(config, key) is not None
+
+
+def _shown(value: Any) -> Any:
+    """Give the value of a field; zero where there is none, and the field is hidden."""
+    return 0.0 if value is None else value

@@ -24,6 +24,7 @@ from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence
 from pipeline.certify.recheck.claims.kappa import statics_change
+from pipeline.config import Config
 from pipeline.limits.holding_force import SUBJECTS
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
 from pipeline.machine.masses import Masses, lumped_platform
@@ -33,7 +34,7 @@ CLAIMS: tuple[str, ...] = (FORCES,)
 KEYS: tuple[str, ...] = ("holding_force_n",)
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound all holding forces over some boxes; none where no forces are limited."""
     if machine.masses is None or np.isinf(machine.force_limits_n).all():
         return np.empty((0, 2))

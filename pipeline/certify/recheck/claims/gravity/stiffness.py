@@ -14,6 +14,7 @@ from pipeline.certify.recheck.arithmetic.norms import frobenius
 from pipeline.certify.recheck.arithmetic.stiffness import stiffness_series
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
+from pipeline.config import Config
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.machine.masses import Masses
 
@@ -24,7 +25,7 @@ KEYS: tuple[str, ...] = ("gravity_stiffness_npm",)
 _DIAGONAL = np.arange(len(ACTUATORS))
 
 
-def measure(machine: Machine, segment: EvaluatedChain) -> FloatArray:
+def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound the least eigenvalue over some boxes from below; none where it is not limited."""
     if machine.masses is None or np.isinf(machine.gravity_stiffness_npm):
         return np.empty((0, 2))
