@@ -3,10 +3,15 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline.arrays import FloatArray
 from pipeline.config import Config
+from pipeline.errors import ArgumentError
 from pipeline.figures import style
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.geometry import Machine
+from pipeline.machine.samples import PoseSamples
+from pipeline.machine.shapes.model import Bodies
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
 
@@ -22,7 +27,17 @@ _REACH_M = 0.06
 
 def has_pairs(config: Config, machine: Machine, refined: PathSamples) -> bool:
     """Tell whether there are bodies to keep apart."""
-    return machine.bodies is not None and len(machine.bodies.pairs) > 0
+    return any(bodies.pairs for bodies in kept_apart(config, machine))
+
+
+def kept_apart(config: Config, machine: Machine) -> tuple[Bodies, ...]:
+    """Return the bodies of a machine, and what is fixed in space around them, as far as there are any."""
+    return tuple(bodies for bodies in (machine.bodies, obstacles_of(config)) if bodies is not None)
+
+
+def pair_distances(kept: tuple[Bodies, ...], samples: PoseSamples, reach_m: float = np.inf) -> FloatArray:
+    """Compute the distances of all pairs at n poses, one group of bodies after the other, shape (n, pairs)."""
+    return np.concatenate([body_distances(bodies, samples, reach_m) for bodies in kept], axis=1)
 
 
 @style.styled
@@ -31,13 +46,13 @@ def bodies_figure(config: Config, machine: Machine, refined: PathSamples) -> Fig
 
     Raises
     ------
-    ValueError
-        For a machine without bodies.
+    ArgumentError
+        If nothing has bodies.
     """
-    if machine.bodies is None:
-        raise ValueError("this machine has no bodies")
-    limit, names = machine.bodies.clearance_m, machine.bodies.names
-    distances = body_distances(machine, refined, limit + _REACH_M)
+    if not (kept := kept_apart(config, machine)):
+        raise ArgumentError("config: expected machine.bodies, machine.link_bodies or task.obstacles")
+    limit, names = kept[0].clearance_m, [name for bodies in kept for name in bodies.names]
+    distances = pair_distances(kept, refined, limit + _REACH_M)
     length = arc_length(refined.pose, step_sizes(config.route))
     least = distances.min(axis=0)
     order = np.argsort(least, kind="stable").tolist()

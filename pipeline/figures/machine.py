@@ -17,10 +17,12 @@ from matplotlib.lines import Line2D
 
 from pipeline.arguments import require_array, require_one_length
 from pipeline.arrays import FloatArray
+from pipeline.config import Config
 from pipeline.errors import ArgumentError
 from pipeline.figures import style
 from pipeline.figures.maps.route import select_steps
 from pipeline.figures.silhouettes import project, silhouettes
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.machine.bodies.meshes import BodyMesh, body_meshes
 from pipeline.machine.drawing import DrawnPoints, drawn_points, platform_bars, rail_ends
 from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, TELESCOPES, Machine
@@ -54,11 +56,11 @@ class Stance:
 
 
 @style.styled
-def machine_figure(machine: Machine, route: Route) -> Figure:
+def machine_figure(machine: Machine, route: Route, config: Config | None = None) -> Figure:
     """Draw rails, carts, links and platform at every step of the route, seen from the front, right and above.
 
     Arms have the colour of their working mode, dashed links are telescopes; at most 30 steps are drawn. The dot is the
-    TCP, the line its path so far.
+    TCP, the line its path so far. With a configuration the obstacles of its task are drawn, too.
     """
     stances = [
         Stance(
@@ -70,7 +72,8 @@ def machine_figure(machine: Machine, route: Route) -> Figure:
         )
         for step in select_steps(route, MAX_MACHINES)
     ]
-    return _draw(machine, stances, route.pose[:, :3])
+    obstacles = None if config is None else obstacles_of(config)
+    return _draw(machine, body_meshes(machine, obstacles, _PIECES), stances, route.pose[:, :3])
 
 
 @style.styled
@@ -89,7 +92,8 @@ def postures_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles:
     require_one_length(pose=pose, q_m=q_m, titles=pose if titles is None else titles)
     if not len(pose):
         raise ArgumentError("pose: expected at least one")
-    return _draw(machine, stances_at(machine, pose, q_m, titles), pose[:, :3])
+    stances = stances_at(machine, pose, q_m, titles)
+    return _draw(machine, body_meshes(machine, pieces=_PIECES), stances, pose[:, :3])
 
 
 def stances_at(machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequence[str] | None) -> list[Stance]:
@@ -102,8 +106,7 @@ def stances_at(machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequ
     ]
 
 
-def _draw(machine: Machine, stances: list[Stance], tcp_m: FloatArray) -> Figure:
-    meshes = body_meshes(machine, _PIECES)
+def _draw(machine: Machine, meshes: tuple[BodyMesh, ...], stances: list[Stance], tcp_m: FloatArray) -> Figure:
     low, high = drawn_window(machine, meshes, stances, tcp_m)
     columns = min(5 if len(stances) > 12 else 4, len(stances))
     rows = -(-len(stances) // columns)
@@ -177,7 +180,7 @@ def draw_machine(
     beams = np.stack([feet[ARM_OF_LINK], project(points.cart_joints_m) + origin], axis=1)
     axes.add_collection(LineCollection(list(beams), colors=style.BLACK, linewidths=0.9, zorder=3.5))
     seen = silhouettes(meshes, stance.pose, points)
-    around = [one for one in seen if one.mesh.kind == FrameKind.FIXED and one.mesh.number == 0]
+    around = [one for one in seen if one.mesh.is_around]
     for bodies, zorder in ((around, 0.5), ([one for one in seen if one not in around], 3.7)):
         faces = [_body_colour(one.mesh, colours) for one in bodies]
         outlines = [one.outline + origin for one in bodies]
@@ -196,7 +199,7 @@ def _body_colour(mesh: BodyMesh, colours: list[str]) -> tuple[float, float, floa
     if mesh.kind == FrameKind.PLATFORM:
         return to_rgb(_PLATFORM["color"])
     if mesh.kind == FrameKind.FIXED:
-        return to_rgb(style.GREY if mesh.number else _FLOOR)
+        return to_rgb(_FLOOR if mesh.is_around else style.GREY)
     arm = int(ARM_OF_LINK[mesh.number]) if mesh.kind == FrameKind.LINK else mesh.number
     is_rod = mesh.kind == FrameKind.LINK and mesh.number in TELESCOPES and bool(mesh.shares.any())
     return _brighter(colours[arm]) if is_rod else to_rgb(colours[arm])

@@ -86,7 +86,7 @@ class RunFigure(NamedTuple):
 
 FIGURES = (
     RunFigure("route", route_figure, ("config", "machine", "route"), uses=("coarse", "refined")),
-    RunFigure("machine", machine_figure, ("machine", "route")),
+    RunFigure("machine", machine_figure, ("machine", "route"), uses=("config",)),
     RunFigure("regions", regions_figure, ("config", "regions")),
     RunFigure("kappa", kappa_figure, ("config", "route", "coarse", "refined")),
     RunFigure("clearance", clearance_figure, ("config", "machine", "coarse", "refined")),

@@ -8,9 +8,11 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from pipeline.arrays import FloatArray
+from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.machine import Stance, draw_machine, drawn_window, legend_handles, stances_at
 from pipeline.figures.silhouettes import project
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.machine.bodies.meshes import body_meshes
 from pipeline.machine.drawing import drawn_points
 from pipeline.machine.geometry import LINKS, Machine
@@ -24,13 +26,13 @@ _HALO = [withStroke(linewidth=1.5, foreground="white")]
 
 
 @style.styled
-def task_figure(machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequence[str]) -> Figure:
-    """Draw the machine at poses (n, 6) with actuators (n, 5), such as start and goal, and below each its platform.
+def task_figure(config: Config, machine: Machine, pose: FloatArray, q_m: FloatArray, titles: Sequence[str]) -> Figure:
+    """Draw machine and obstacles at poses (n, 6) with actuators (n, 5), and below each the platform, larger.
 
     Both are seen from the front, right and above, as in `machine_figure`. Joints of the platform have their names.
     """
-    meshes = body_meshes(machine, _PIECES)
-    near = tuple(mesh for mesh in meshes if mesh.kind != FrameKind.FIXED)
+    meshes = body_meshes(machine, obstacles_of(config), _PIECES)
+    near = tuple(mesh for mesh in meshes if not mesh.endless)
     stances = stances_at(machine, pose, q_m, titles)
     windows = [
         np.stack([drawn_window(machine, meshes, stances, pose[:, :3])] * len(stances)),
@@ -63,7 +65,7 @@ def _around(machine: Machine, stances: list[Stance]) -> FloatArray:
         points = drawn_points(machine, stance.pose, stance.q_m)
         seen = project(np.vstack([stance.pose[:3], points.platform_joints_m]))
         ends.append([seen.min(axis=0), seen.max(axis=0)])
-    low, high = np.moveaxis(ends, 1, 0)
+    low, high = np.array(ends).swapaxes(0, 1)
     middle, half = (low + high) / 2.0, (high - low).max(axis=0) / 2.0 + _AROUND_M
     return np.stack([middle - half, middle + half], axis=1)
 

@@ -8,8 +8,9 @@ from contourpy import LineType, contour_generator
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
+from pipeline.figures.bodies import kept_apart, pair_distances
 from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
-from pipeline.machine.bodies.distances import body_distances
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.machine.bodies.meshes import body_meshes
 from pipeline.machine.drawing import drawn_points, platform_bars, rail_ends
 from pipeline.machine.geometry import MODES, Machine
@@ -29,7 +30,7 @@ _ALARM_M = 0.005
 """The nearest pair is red below twice the distance that is required, and below that and this much."""
 
 
-def build_scene(machine: Machine) -> Scene:
+def build_scene(config: Config, machine: Machine) -> Scene:
     """Collect what does not move, and the shapes of what does."""
     scene = Scene(
         rails_m=rail_ends(machine),
@@ -38,15 +39,16 @@ def build_scene(machine: Machine) -> Scene:
         qd_limits_mps=machine.velocity_mps,
         moment_unit=moment_unit(machine),
     )
-    if machine.bodies is None:
+    if not (kept := kept_apart(config, machine)):
         return scene
-    meshes, hulls, least = body_meshes(machine), machine.bodies.hulls, machine.bodies.clearance_m
+    meshes, least = body_meshes(machine, obstacles_of(config)), kept[0].clearance_m
     drawn = {mesh.name: number for number, mesh in enumerate(meshes)}
+    pairs = [[drawn.get(bodies.hulls[k].name, -1) for k in pair] for bodies in kept for pair in bodies.pairs]
     return replace(
         scene,
         meshes=meshes,
-        pairs=tuple((drawn.get(hulls[i].name, -1), drawn.get(hulls[j].name, -1)) for i, j in machine.bodies.pairs),
-        pair_names=machine.bodies.names,
+        pairs=tuple((first, second) for first, second in pairs),
+        pair_names=tuple(name for bodies in kept for name in bodies.names),
         alarm_m=least + max(least, _ALARM_M),
     )
 
@@ -80,9 +82,10 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
         platform_joints_m=points.platform_joints_m,
         maps=_maps(config, machine, samples, modes),
     )
-    if machine.bodies is None or not machine.bodies.pairs:
+    kept = kept_apart(config, machine)
+    if not any(bodies.pairs for bodies in kept):
         return motion
-    distances = body_distances(machine, PoseSamples(machine, samples.pose, samples.q_m))
+    distances = pair_distances(kept, PoseSamples(machine, samples.pose, samples.q_m))
     return replace(motion, nearest_pair=distances.argmin(axis=1), nearest_m=distances.min(axis=1))
 
 

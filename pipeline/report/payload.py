@@ -67,6 +67,7 @@ def _body(mesh: BodyMesh) -> dict[str, Any]:
         "name": mesh.name,
         "frame": mesh.kind.name.lower(),
         "number": mesh.number,
+        "around": mesh.is_around,
         "vertices": packed(mesh.vertices_m),
         "shares": packed(mesh.shares),
         "faces": packed(mesh.faces, "uint16"),

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from pipeline.config import Config
+from pipeline.errors import ArgumentError
 from pipeline.figures.bodies import bodies_figure, has_pairs
 from pipeline.machine import Machine
 from pipeline.machine.bodies.distances import body_distances
@@ -29,7 +30,7 @@ def figure(bodies_config: Config, bodies_machine: Machine, with_bodies: PathSamp
 def test_the_nearest_pairs_are_named(figure: Figure, bodies_machine: Machine, with_bodies: PathSamples) -> None:
     """Curves are distances in millimetres, the nearest first, each with its name and its least distance."""
     assert bodies_machine.bodies is not None
-    distances = body_distances(bodies_machine, with_bodies)
+    distances = body_distances(bodies_machine.bodies, with_bodies)
     least = distances.min(axis=0)
     curves = [line for line in figure.axes[0].get_lines() if str(line.get_label()).endswith("mm)")][:-1]
     assert len(curves) == 8
@@ -57,7 +58,7 @@ def test_it_is_drawn_only_where_there_are_bodies(
     """A machine without bodies has no such figure, and asking for it is refused."""
     assert has_pairs(bodies_config, with_bodies.machine, with_bodies)
     assert not has_pairs(quick_config, machine, refined)
-    with pytest.raises(ValueError, match="no bodies"):
+    with pytest.raises(ArgumentError, match=r"expected machine\.bodies"):
         bodies_figure(quick_config, machine, refined)
 
 

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
+from pipeline.config import Config
 from pipeline.figures.silhouettes import project
 from pipeline.figures.task import task_figure
 from pipeline.machine import Machine
@@ -17,12 +18,16 @@ from pipeline.route.result import Route
 
 @pytest.mark.parametrize("which", ["machine", "bodies_machine"])
 def test_the_platform_is_drawn_larger(
-    request: pytest.FixtureRequest, which: str, route: Route, assert_laid_out: Callable[[Figure], None]
+    request: pytest.FixtureRequest,
+    which: str,
+    route: Route,
+    quick_config: Config,
+    assert_laid_out: Callable[[Figure], None],
 ) -> None:
     """Below each machine there is its platform with the names of its joints, all of them in sight."""
     drawn: Machine = request.getfixturevalue(which)
     pose, q = route.pose[[0, -1]], route.q_m[[0, -1]]
-    figure = task_figure(drawn, pose, q, ["start, LLL", "goal, LLL"])
+    figure = task_figure(quick_config, drawn, pose, q, ["start, LLL", "goal, LLL"])
     whole, near = figure.axes[:2], figure.axes[2:]
     assert [axes.get_title() for axes in whole] == ["start, LLL", "goal, LLL"]
     for k, axes in enumerate(near):

@@ -68,11 +68,11 @@ def test_bodies_can_be_left_out(opened: Opened) -> None:
     opened.page.locator("#bodies").uncheck()
     seen = set(opened.page.evaluate(SEEN))
     assert lines <= seen
-    assert not {"bodies", "rail bodies", "frame bodies"} & seen
+    assert not {"bodies", "fixed bodies", "bodies around"} & seen
     opened.page.locator("#bodies").check()
     seen = set(opened.page.evaluate(SEEN))
     assert not lines & seen
-    assert {"bodies", "rail bodies", "frame bodies"} <= seen
+    assert {"bodies", "fixed bodies", "bodies around"} <= seen
 
 
 def test_axe_finds_nothing(opened: Opened) -> None:

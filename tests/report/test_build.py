@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.figures.maps.kappa_map import kappa_map
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
@@ -60,11 +61,13 @@ class TestMotion:
             around = maps.kappa[instant, i - 1 : i + 2, j - 1 : j + 2]
             assert np.nanmin(around) <= motion.kappa[frame] <= np.nanmax(around)
 
-    def test_the_platform_is_drawn_as_bars_or_bodies(self, machine: Machine, bodies_machine: Machine) -> None:
+    def test_the_platform_is_drawn_as_bars_or_bodies(
+        self, machine: Machine, bodies_machine: Machine, quick_config: Config, bodies_config: Config
+    ) -> None:
         """Bars are there in any case; bodies, and the two of every pair, where they are declared."""
-        assert len(build_scene(machine).platform_bars) == 6
-        assert build_scene(machine).meshes == build_scene(machine).pairs == ()
-        scene = build_scene(bodies_machine)
+        bare, scene = build_scene(quick_config, machine), build_scene(bodies_config, bodies_machine)
+        assert len(bare.platform_bars) == len(scene.platform_bars) == 6
+        assert bare.meshes == bare.pairs == ()
         assert scene.alarm_m == pytest.approx(0.01)
         for name, (first, second) in zip(scene.pair_names, scene.pairs, strict=True):
             assert name == f"{scene.meshes[first].name} and {scene.meshes[second].name}"
@@ -77,7 +80,7 @@ class TestMotion:
         names = bodies_report.scene.pair_names
         for frame in range(0, len(motion.t_s), 40):
             samples = PoseSamples(bodies_machine, motion.pose[[frame]], motion.q_m[[frame]])
-            distances = dict(zip(names, body_distances(bodies_machine, samples)[0], strict=True))
+            distances = dict(zip(names, body_distances(bodies_machine.bodies, samples)[0], strict=True))
             pair = names[motion.nearest_pair[frame]]
             assert distances[pair] == min(distances.values()) == pytest.approx(motion.nearest_m[frame], abs=1e-9)
 

@@ -13,6 +13,7 @@ from pipeline.cli.output import check_picture, save_picture
 from pipeline.errors import UsageError
 
 if TYPE_CHECKING:
+    from pipeline.config import Config
     from pipeline.machine.geometry import Machine
     from pipeline.route.regions.endpoints import Endpoint
 
@@ -64,12 +65,12 @@ def check(
     for part in machine_report(loaded, machine, ends):
         console.print(part)
     if picture is not None:
-        _draw(machine, ends, picture)
+        _draw(loaded, machine, ends, picture)
         console.print(f"{picture}: the machine at start and goal, and its platform", soft_wrap=True)
     console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
 
 
-def _draw(machine: "Machine", ends: "tuple[Endpoint, Endpoint]", picture: Path) -> None:
+def _draw(config: "Config", machine: "Machine", ends: "tuple[Endpoint, Endpoint]", picture: Path) -> None:
     import numpy as np
 
     from pipeline.figures.task import task_figure
@@ -77,7 +78,7 @@ def _draw(machine: "Machine", ends: "tuple[Endpoint, Endpoint]", picture: Path) 
 
     pose, q_m = np.stack([end.pose for end in ends]), np.stack([end.q_m for end in ends])
     titles = [f"{name}, {MODES[end.mode]}" for name, end in zip(("start", "goal"), ends, strict=True)]
-    save_picture(task_figure(machine, pose, q_m, titles), picture)
+    save_picture(task_figure(config, machine, pose, q_m, titles), picture)
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.drawing import DrawnPoints, rail_ends
 from pipeline.machine.geometry import Machine, cart_joints, rotation
-from pipeline.machine.shapes.model import FrameKind, SweptHull
+from pipeline.machine.shapes.model import Bodies, FrameKind, SweptHull
 
 _SIDES = 12
 _FEW_POINTS = 8
@@ -34,7 +34,7 @@ class BodyMesh:
 
     Attributes
     ----------
-    name, kind, number
+    name, kind, number, endless
         The body, and the frame it moves with, as of its `SweptHull`.
     vertices_m : (k, 3)
         Corners in that frame; for a link along z, from the cart joint.
@@ -47,9 +47,15 @@ class BodyMesh:
     name: str
     kind: FrameKind
     number: int
+    endless: bool
     vertices_m: FloatArray
     shares: FloatArray
     faces: IntArray
+
+    @property
+    def is_around(self) -> bool:
+        """Whether it is a floor or wall, endless along X, which other bodies are seen before."""
+        return self.endless and self.number == 0
 
     def vertices_at(self, length_m: float) -> FloatArray:
         """Return the corners for a length of the link, in the frame, shape (k, 3)."""
@@ -69,27 +75,34 @@ class MeshFrame:
         return np.asarray(self.origin_m + mesh.vertices_at(self.length_m) @ self.axes.T, dtype=float)
 
 
-def body_hulls(machine: Machine) -> tuple[SweptHull, ...]:
-    """Return the hulls that have a surface, once each and links whole; none for a machine without bodies."""
-    if machine.bodies is None:
-        return ()
+def body_hulls(machine: Machine, obstacles: Bodies | None = None) -> tuple[SweptHull, ...]:
+    """Return the hulls that have a surface, once each and links whole; none for a machine without bodies.
+
+    `obstacles` are those of a task, instead of those of the machine's frame alone.
+    """
     # Links that are cut short come after the whole ones.
     named: dict[str, SweptHull] = {}
-    for hull in machine.bodies.hulls:
-        named.setdefault(hull.name, hull)
-    return tuple(hull for hull in named.values() if hull.kind != FrameKind.LINK or hull.radius_m > 0.0)
+    for bodies in (machine.bodies, obstacles or machine.obstacles):
+        for hull in () if bodies is None else bodies.hulls:
+            named.setdefault(hull.name, hull)
+    return tuple(hull for hull in named.values() if hull.radius_m > 0.0 or _has_surface(hull))
 
 
-def body_meshes(machine: Machine, pieces: int = 1) -> tuple[BodyMesh, ...]:
+def _has_surface(hull: SweptHull) -> bool:
+    """Tell whether a hull without a radius is more than an axis or a point."""
+    return hull.kind != FrameKind.LINK and len(hull.points_m) > 1
+
+
+def body_meshes(machine: Machine, obstacles: Bodies | None = None, pieces: int = 1) -> tuple[BodyMesh, ...]:
     """Build the surfaces of `body_hulls`, what is long in so many pieces: drawings sort them by depth."""
-    hulls = _seen(body_hulls(machine))
+    hulls = _seen(body_hulls(machine, obstacles))
     window = _window(machine, hulls)
     ended = (_ended(hull, window) if hull.endless else hull for hull in hulls)
     return tuple(build_mesh(piece) for hull in ended for piece in _pieces(hull, pieces))
 
 
 def build_mesh(hull: SweptHull) -> BodyMesh:
-    """Build the surface of a hull that is not endless."""
+    """Build the surface of a hull; of an endless one the points given are both its ends."""
     points, shares = hull.points_m, np.zeros(len(hull.points_m))
     if hull.kind == FrameKind.LINK:
         # Which corners there are does not depend on the length.
@@ -104,7 +117,7 @@ def build_mesh(hull: SweptHull) -> BodyMesh:
     faces = np.where(inwards[:, None], found.simplices[:, ::-1], found.simplices)
     lengthwise = np.repeat(shares, len(around))[used]
     vertices = corners[used] - lengthwise[:, None] * [0.0, 0.0, _LONG_M]
-    return BodyMesh(hull.name, hull.kind, hull.number, vertices, lengthwise, np.searchsorted(used, faces))
+    return BodyMesh(hull.name, hull.kind, hull.number, hull.endless, vertices, lengthwise, np.searchsorted(used, faces))
 
 
 def mesh_frame(mesh: BodyMesh, pose: FloatArray, points: DrawnPoints) -> MeshFrame:
@@ -186,7 +199,7 @@ def _seen(hulls: tuple[SweptHull, ...]) -> tuple[SweptHull, ...]:
 
 def _pieces(hull: SweptHull, count: int) -> Iterator[SweptHull]:
     """Cut a hull between its first half of points and its second into pieces: capsules, links, and ended bodies."""
-    if hull.kind != FrameKind.FIXED and len(hull.points_m) != 2:
+    if not hull.endless and len(hull.points_m) != 2:
         yield hull
         return
     first, second = np.split(hull.points_m, 2)

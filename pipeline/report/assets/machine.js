@@ -12,10 +12,10 @@ const PARTS = [
   "carts",
   "TCP",
   "bodies",
-  "rail bodies",
-  "frame bodies",
+  "fixed bodies",
+  "bodies around",
 ];
-const STILL_BODIES = ["rail bodies", "frame bodies"];
+const STILL_BODIES = ["fixed bodies", "bodies around"];
 const MOVING = PARTS.slice(2, -STILL_BODIES.length).map((part) => PARTS.indexOf(part));
 const SEEN_THROUGH = 0.3;
 const ARM_OF_LINK = [0, 1, 1, 2, 2, 2];
@@ -26,8 +26,8 @@ function createMachineView(div, report) {
   const links = names.links.map((_, link) => link);
   const bodies = {
     bodies: scene.bodies.filter((body) => body.frame !== "fixed"),
-    "rail bodies": scene.bodies.filter((body) => body.frame === "fixed" && body.number > 0),
-    "frame bodies": scene.bodies.filter((body) => body.frame === "fixed" && body.number === 0),
+    "fixed bodies": scene.bodies.filter((body) => body.frame === "fixed" && !body.around),
+    "bodies around": scene.bodies.filter((body) => body.around),
   };
   const covered = coveredParts(scene.bodies);
   let [motion, solid, red] = [null, true, ""];
@@ -75,8 +75,8 @@ function createMachineView(div, report) {
       dots("carts", { size: 8, symbol: "square", line: { color: colours.frame, width: 2 } }),
       dots("TCP", { size: 6, color: colours.refined, line: { color: colours.frame, width: 1 } }),
       bodiesTrace("bodies", bodies.bodies, 1),
-      still("rail bodies", 1),
-      still("frame bodies", SEEN_THROUGH),
+      still("fixed bodies", 1),
+      still("bodies around", SEEN_THROUGH),
     ].map((trace) => ({ ...trace, visible: isVisible(trace.name) }));
   }
 

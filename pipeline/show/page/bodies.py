@@ -11,7 +11,7 @@ from pipeline.figures import style
 from pipeline.machine.bodies.meshes import BodyMesh, body_meshes, mesh_frame
 from pipeline.machine.drawing import DrawnPoints
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
-from pipeline.machine.shapes.model import FrameKind
+from pipeline.machine.shapes.model import Bodies, FrameKind
 from pipeline.show.rods import PLATFORM, rgb, rod_shade, tube_shade
 
 if TYPE_CHECKING:
@@ -28,15 +28,14 @@ class BodyNode:
     node: Any
 
 
-def draw_bodies(scene: "SceneApi", machine: Machine) -> list[BodyNode]:
-    """Add a node for every body; those that move are placed by `move_bodies`."""
+def draw_bodies(scene: "SceneApi", machine: Machine, obstacles: Bodies | None) -> list[BodyNode]:
+    """Add a node for every body, obstacles of the task as well; those that move are placed by `move_bodies`."""
     nodes = []
-    for mesh in body_meshes(machine):
-        around = mesh.kind == FrameKind.FIXED and mesh.number == 0
+    for mesh in body_meshes(machine, obstacles):
+        colour, opacity = (_FLOOR, _SEEN_THROUGH) if mesh.is_around else (style.GREY, None)
         node = scene.add_mesh_simple(
             f"/bodies/{mesh.name.replace(' ', '-')}", mesh.vertices_m, mesh.faces,
-            color=_colour(rgb(_FLOOR if around else style.GREY)), opacity=_SEEN_THROUGH if around else None,
-            flat_shading=True, side="double", cast_shadow=False,
+            color=_colour(rgb(colour)), opacity=opacity, flat_shading=True, side="double", cast_shadow=False,
         )  # fmt: skip
         nodes.append(BodyNode(mesh, node))
     return nodes

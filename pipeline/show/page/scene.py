@@ -8,6 +8,7 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.maps.kappa_map import YzWindow
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.machine.drawing import drawn_points, rail_ends
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
@@ -52,7 +53,7 @@ class SceneView:
         )  # fmt: skip
         for body in self._nodes.pop("bodies", []):
             body.node.remove()
-        bodies = self._nodes["bodies"] = draw_bodies(scene, machine)
+        bodies = self._nodes["bodies"] = draw_bodies(scene, machine, obstacles_of(config))
         count = rod_count(machine)
         none, still = np.zeros((count, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
         self._nodes["rods"] = scene.add_batched_meshes_simple(

@@ -79,7 +79,7 @@ def test_what_is_endless_ends_near_the_machine(bodies_machine: Machine, bodies_c
 
 def test_pieces_make_up_the_whole(bodies_machine: Machine) -> None:
     """Long bodies in pieces reach as far as in one; what is within a tube is left out of its rod."""
-    whole, pieces = (body_meshes(bodies_machine, count) for count in (1, 5))
+    whole, pieces = (body_meshes(bodies_machine, pieces=count) for count in (1, 5))
     assert len(pieces) > len(whole)
     for mesh in whole:
         parts = [piece.vertices_at(1.2) for piece in pieces if piece.name == mesh.name]

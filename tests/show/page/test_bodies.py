@@ -35,7 +35,7 @@ def test_nodes_are_where_bodies_are(server: "viser.ViserServer", bodies_machine:
 
     drawn = draw_poses(bodies_machine, 3, 1)
     pose, points = drawn.pose[0], drawn_points(bodies_machine, drawn.pose[0], drawn.q_m[0])
-    nodes = draw_bodies(server.scene, bodies_machine)
+    nodes = draw_bodies(server.scene, bodies_machine, None)
     assert [body.mesh.name for body in nodes] == [mesh.name for mesh in body_meshes(bodies_machine)]
     calm = arm_colours((-1.0, 1.0, 1.0), alarmed=False)
     move_bodies(nodes, pose, points, calm, alarmed=False)
