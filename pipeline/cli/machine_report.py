@@ -12,6 +12,7 @@ from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit, read_measures, unlimited_measures
 from pipeline.limits.actuator_margins import planned_range_m
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.actuator_space import actuator_rates, amplification, drive_figures, mode_words
 from pipeline.machine.bodies.distances import body_distances
@@ -36,7 +37,7 @@ def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpo
         _grid(config, machine),
         _ends(config, machine, ends),
         _drives(machine, ends),
-        *_bodies(machine, ends),
+        *_bodies(config, machine, ends),
         *machine_notes(config, machine, ends[0]),
     ]
 
@@ -200,32 +201,28 @@ def _drives(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> RenderableType
     return table
 
 
-def _bodies(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[RenderableType]:
-    """List the bodies, those that touch by construction, and the distances of the nearest pairs at start and goal."""
-    if machine.bodies is None:
+def _bodies(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[RenderableType]:
+    """List bodies and obstacles, what touches by construction, and the nearest pairs at start and goal."""
+    groups = [pairs for pairs in (machine.bodies, obstacles_of(config)) if pairs is not None]
+    if not groups:
         return
-    bodies, least = machine.bodies, machine.bodies.clearance_m
-    table = _table(
-        f"Bodies: {len(bodies.names)} pairs are kept {least:g} m apart",
-        "body",
-        "moves with",
-        "points",
-        "radius m",
-        text=2,
-    )
-    for hull in {hull.name: hull for hull in bodies.hulls}.values():
+    count, least = sum(len(pairs.names) for pairs in groups), config.machine.clearance.bodies_m
+    title = f"Bodies: {count} pairs are kept {least:g} m apart"
+    table = _table(title, "body", "moves with", "points", "radius m", text=2)
+    for hull in {hull.name: hull for pairs in groups for hull in pairs.hulls}.values():
         table.add_row(hull.name, hull.moves_with, str(len(hull.points_m)), f"{hull.radius_m:g}")
     yield table
-    if bodies.neighbours:
-        neighbours = [(one.name, one.why, one.treatment) for one in bodies.neighbours]
+    neighbours = [(one.name, one.why, one.treatment) for pairs in groups for one in pairs.neighbours]
+    if neighbours:
         yield text_table("Bodies that touch by construction", ("pair", "why", "treatment"), neighbours, range(3))
-    distances = np.concatenate([body_distances(bodies, end.samples) for end in ends])
+    names = [name for pairs in groups for name in pairs.names]
+    distances = np.array([np.concatenate([body_distances(pairs, end.samples)[0] for pairs in groups]) for end in ends])
     nearest = np.argsort(distances.min(axis=0), kind="stable")
-    more = len(nearest) - _NEAREST
+    more = count - _NEAREST
     rest = f"; {more} more pairs are farther apart" if more > 0 else ""
     table = _table(f"Distances of bodies, the nearest first{rest}", "pair", "start m", "goal m")
     for k in nearest[:_NEAREST].tolist():
-        table.add_row(bodies.names[k], *(f"{value:.4f}" for value in distances[:, k]))
+        table.add_row(names[k], *(f"{value:.4f}" for value in distances[:, k]))
     yield table
 
 

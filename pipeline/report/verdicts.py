@@ -135,10 +135,12 @@ def _run(facts: Facts) -> Verdict:
 def _certificate(section: Mapping[str, Any]) -> Verdict:
     if section["verdict"] != CERTIFIED:
         return Verdict("Certificate", str(section["verdict"]).capitalize(), "No proof was requested.", "open")
-    distances = {"link axes": section["min_distance_bound_m"], "bodies": section.get("min_body_distance_bound_m")}
-    apart = "".join(
-        f"; {what} at least {1e3 * least:.1f} mm apart" for what, least in distances.items() if least is not None
-    )
+    distances = {
+        "link axes at least {:.1f} mm apart": section["min_distance_bound_m"],
+        "bodies at least {:.1f} mm apart": section.get("min_body_distance_bound_m"),
+        "obstacles at least {:.1f} mm away": section.get("min_obstacle_distance_bound_m"),
+    }
+    apart = "".join(f"; {text.format(1e3 * least)}" for text, least in distances.items() if least is not None)
     detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{apart}."
     return Verdict("Certificate", "Certified", detail, "good")
 

@@ -97,8 +97,12 @@ def certificate_words(section: Section) -> str:
     )
     if (following := section.get("following_m")) is not None:
         found += f"; drives may be off by {1e3 * following:.2f} mm at a time"
-    distances = {"axes": section["min_distance_bound_m"], "bodies": section.get("min_body_distance_bound_m")}
-    apart = "".join(f", {what} at least {least:.4f} m apart" for what, least in distances.items() if least is not None)
+    distances = {
+        "axes at least {:.4f} m apart": section["min_distance_bound_m"],
+        "bodies at least {:.4f} m apart": section.get("min_body_distance_bound_m"),
+        "obstacles at least {:.4f} m away": section.get("min_obstacle_distance_bound_m"),
+    }
+    apart = "".join(f", {text.format(least)}" for text, least in distances.items() if least is not None)
     return (
         f"{section['verdict']} by {section['boxes']:,} boxes: kappa at most {section['kappa_bound']:.2f}{apart}{found}"
     )

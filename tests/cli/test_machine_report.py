@@ -36,3 +36,18 @@ def test_empty_reach_is_shown(fast_config: Config, machine: Machine, change: Any
     for part in machine_report(change(fast_config, route__kappa_max=2.0), machine, ends):
         console.print(part)
     assert "none" in console.file.getvalue()
+
+
+def test_bodies_and_their_distances_are_listed(bodies_config: Config, bodies_machine: Machine) -> None:
+    """Bodies, what touches by construction, and the nearest pairs with those of obstacles; nothing without bodies."""
+    console = Console(file=StringIO(), width=120)
+    for part in machine_report(bodies_config, bodies_machine, task_endpoints(bodies_config, bodies_machine)):
+        console.print(part)
+    text = console.file.getvalue()
+    listed, touching, distances = (text.split(title)[1] for title in ("Bodies:", "Bodies that touch", "Distances of"))
+    assert "pairs are kept 0.005 m apart" in listed
+    for name in ("saddle1", "cart 1", "rail 3", "post4", "frame"):
+        assert name in listed.split("Bodies that touch")[0]
+    assert "checked beyond 0.08 m from it" in touching
+    assert distances.index("spine and rod 2b") < distances.index("rib3b and rod 3b")
+    assert "more pairs are farther apart" in distances

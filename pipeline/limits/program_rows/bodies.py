@@ -65,7 +65,7 @@ def separation_part(name: str, bodies: Bodies, distances_m: FloatArray, nodes: N
 
 
 def _planes(bodies: Bodies, pair: tuple[int, int], at: IntArray, nodes: Nodes) -> _Planes:
-    """Find the planes that separate a pair best at the guess."""
+    """Find the planes that separate a pair best at the guess, as far from what is asked for on either side."""
     guess = nodes.guess.take(at)
     frames = Frames.of(guess.machine, guess.pose, guess.carts_m)
     first, second = (frames.points(bodies.hulls[k]) for k in pair)
@@ -75,7 +75,9 @@ def _planes(bodies: Bodies, pair: tuple[int, int], at: IntArray, nodes: Nodes) -
     between = first.mean(axis=0) - second.mean(axis=0)
     between /= np.maximum(np.linalg.norm(between, axis=0), 1e-12)
     normal = np.where(np.linalg.norm(normal, axis=0) > _NO_DIRECTION, normal, between)
-    offset = np.einsum("cn,kcn->kn", normal, second).max(axis=0)
+    above, below = (np.einsum("cn,kcn->kn", normal, hull) for hull in (first, second))
+    apart = bodies.radii_m(pair) + bodies.clearance_m + nodes.clearance_margin_m
+    offset = (above.min(axis=0) - apart + below.max(axis=0)) / 2.0
     return _Planes(pair, at, normal, offset)
 
 

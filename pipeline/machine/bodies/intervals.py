@@ -32,20 +32,19 @@ def excluded_shifts(bodies: Bodies, samples: PoseSamples, windows_m: FloatArray)
     """
     frames = Frames.of(samples.machine, samples.pose, samples.carts_m)
     found = np.full((len(samples), len(bodies.pairs), 2), np.nan)
-    placed = {k: frames.points(bodies.hulls[k]) for pair in bodies.pairs for k in pair}
+    placed = {k: frames.points(bodies.hulls[k]) for k in {k for pair in bodies.pairs for k in pair}}
+    boxes = {k: (points.min(axis=0), points.max(axis=0)) for k, points in placed.items()}
     # Hulls of the same numbers of points are pursued together.
     groups: dict[tuple[int, int], list[_Candidates]] = {}
     for k, (i, j) in enumerate(bodies.pairs):
         apart = bodies.radii_m((i, j)) + bodies.clearance_m
-        rows = np.flatnonzero(_beside(placed[i], placed[j], apart))
-        if len(rows) == 0:
-            continue
-        first, second = placed[i][..., rows], placed[j][..., rows]
-        ends = _outer_bounds(first, second, apart)
-        found[rows, k] = ends
-        near = (ends[:, 0] < windows_m[rows, 1]) & (ends[:, 1] > windows_m[rows, 0])
-        one = _Candidates(rows[near], k, first[..., near], second[..., near], apart, ends[near])
-        groups.setdefault((len(first), len(second)), []).append(one)
+        beside, ends = _outer_bounds(boxes[i], boxes[j], apart)
+        found[beside, k] = ends[beside]
+        rows = np.flatnonzero(beside & (ends[:, 0] < windows_m[:, 1]) & (ends[:, 1] > windows_m[:, 0]))
+        if len(rows):
+            first, second = placed[i][..., rows], placed[j][..., rows]
+            one = _Candidates(rows, k, first, second, apart, ends[rows])
+            groups.setdefault((len(first), len(second)), []).append(one)
     for group in groups.values():
         ends = _newton(group)
         at = np.cumsum([len(one.rows) for one in group])[:-1]
@@ -66,17 +65,17 @@ class _Candidates:
     ends: FloatArray
 
 
-def _beside(first: FloatArray, second: FloatArray, apart: float) -> BoolArray:
-    """Tell which hulls (k, 3, n) are less than `apart` from each other along Y and along Z, at least by their boxes."""
-    (low, high), (other_low, other_high) = ((hull.min(axis=0), hull.max(axis=0)) for hull in (first, second))
-    return np.asarray(((low - other_high < apart) & (other_low - high < apart))[1:].all(axis=0), dtype=bool)
+def _outer_bounds(
+    box: tuple[FloatArray, FloatArray], other: tuple[FloatArray, FloatArray], apart: float
+) -> tuple[BoolArray, FloatArray]:
+    """Bound intervals from outside, by boxes along the axes, least and largest corners (3, n) each.
 
-
-def _outer_bounds(first: FloatArray, second: FloatArray, apart: float) -> FloatArray:
-    """Bound the intervals from outside: beyond, hulls (k, 3, n) are apart along X. Shape (n, 2)."""
-    low = second[:, 0].min(axis=0) - first[:, 0].max(axis=0) - apart
-    high = second[:, 0].max(axis=0) - first[:, 0].min(axis=0) + apart
-    return np.stack([low, high], axis=1)
+    Returns whether the boxes are nearer than `apart` along Y and along Z, (n,), and beyond which shifts they are apart
+    along X, (n, 2).
+    """
+    (low, high), (other_low, other_high) = box, other
+    beside = (low - other_high < apart) & (other_low - high < apart)
+    return beside[1] & beside[2], np.stack([other_low[0] - high[0] - apart, other_high[0] - low[0] + apart], axis=1)
 
 
 def _newton(group: list[_Candidates]) -> FloatArray:

@@ -66,6 +66,10 @@ def body(**keys: Any) -> list[dict[str, Any]]:
             "rail3 or frame",
         ),
         (
+            {"bodies": body(attached_to="rail2", capsule=SPHERE)},
+            "bodies[0].attached_to: is rail2, of which a body is a beam; attach others to the frame",
+        ),
+        (
             {"clearance.ignore": [["nose", "l4"]]},
             "clearance.ignore: names l4; allowed are the names of bodies and l1, l2a, l2b, l3a, l3b, l3c",
         ),
@@ -124,3 +128,20 @@ def test_it_is_written_as_it_was_given(bodies_config: Config) -> None:
     written = yaml.safe_load(dump_config(bodies_config))
     assert parse_config(written) == bodies_config
     assert list(written["machine"]["bodies"][0]) == ["name", "attached_to", "capsule"]
+
+
+def test_obstacles_have_names_of_their_own(bodies_config: Config, vary: Any) -> None:
+    """A body and an obstacle of one name could not be told apart in messages."""
+    obstacle = {"name": "nose", "hull": {"points_m": [[1.0, 0.0, 0.0]]}}
+    with pytest.raises(ConfigError) as error:
+        vary(bodies_config, {"task.obstacles": [obstacle]})
+    assert [str(issue.path) for issue in error.value.issues] == ["task.obstacles"]
+    assert "has nose more than once" in error.value.issues[0].message
+
+
+def test_clearances_count_where_there_are_obstacles_alone(agder_config: Config, vary: Any) -> None:
+    """Links and the TCP keep that distance from them."""
+    obstacle = {"name": "wall", "hull": {"points_m": [[1.0, 3.0, 0.0]]}}
+    config = vary(agder_config, {"task.obstacles": [obstacle], "machine.clearance.bodies_m": 0.02})
+    assert config.machine.clearance.bodies_m == 0.02
+    assert config_sha256(config) != config_sha256(agder_config)

@@ -34,7 +34,7 @@ def part_of(samples: PoseSamples) -> tuple[ProgramPart, Nodes]:
 
 
 def test_rows_at_the_guess_hold_the_distances(samples: PoseSamples) -> None:
-    """The least entry is the least distance less what is asked for, here negative; normals are unit vectors."""
+    """The least entry is half of what the least distance lacks: planes are in the middle, normals unit vectors."""
     part, nodes = part_of(samples)
     normal, offset = part.unknowns
     rows = ca.Function(
@@ -46,7 +46,7 @@ def test_rows_at_the_guess_hold_the_distances(samples: PoseSamples) -> None:
     distances = body_distances(samples.machine.bodies, samples)[1:-1]
     near = distances[distances < bodies.clearance_m + REACH_M]
     assert 0 < len(near) == len(normal.guess)
-    assert float(ca.mmin(apart)) == pytest.approx(near.min() - bodies.clearance_m - MARGIN_M, abs=1e-9)
+    assert float(ca.mmin(apart)) == pytest.approx((near.min() - bodies.clearance_m - MARGIN_M) / 2.0, abs=1e-9)
     np.testing.assert_allclose(np.array(length), 1.0)
 
 
