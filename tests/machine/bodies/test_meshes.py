@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import Config
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.machine import Machine, build_machine
 from pipeline.machine.bodies.meshes import BodyMesh, body_hulls, body_meshes, build_mesh, mesh_frame
 from pipeline.machine.bodies.placement import Frames
@@ -97,3 +98,19 @@ def test_axes_have_no_surface(machine: Machine, bodies_config: Config, vary) -> 
     changed = vary(bodies_config, {"machine.link_bodies": None, "machine.clearance.link_link_m": 0.03})
     bare = build_machine(changed.machine)
     assert {mesh.kind for mesh in body_meshes(bare)} == {FrameKind.PLATFORM, FrameKind.CART, FrameKind.FIXED}
+
+
+def test_obstacles_are_drawn_whole(bodies_config: Config, bodies_machine: Machine, quick_config: Config, vary) -> None:
+    """What stands in the task is drawn beside the frame's own; only floors and walls are seen through."""
+    workpiece = {"name": "workpiece", "box": {"centre_m": [1.0, -0.1, 0.7], "size_m": [0.4, 0.3, 0.2]}}
+    task = vary(bodies_config, {"task.obstacles": [workpiece]})
+    meshes = {mesh.name: mesh for mesh in body_meshes(bodies_machine, obstacles_of(task))}
+    corners = meshes["workpiece"].vertices_m
+    np.testing.assert_allclose(
+        [corners.min(axis=0), corners.max(axis=0)], [[0.8, -0.25, 0.6], [1.2, 0.05, 0.8]], atol=1e-3
+    )
+    assert {name for name, mesh in meshes.items() if mesh.is_around} == {"floor"}
+    assert set(meshes) - {"workpiece"} == {mesh.name for mesh in body_meshes(bodies_machine)}
+    # Without any other body, links are axes and the platform is a point: neither has a surface.
+    bare = vary(quick_config, {"task.obstacles": [workpiece]})
+    assert [mesh.name for mesh in body_meshes(build_machine(bare.machine), obstacles_of(bare))] == ["workpiece"]
