@@ -1,14 +1,14 @@
 """The whole configuration: machine, task, and the options of every stage."""
 
 from collections.abc import Iterator
-from typing import Self
+from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from pipeline.config.atlas import AtlasConfig
 from pipeline.config.drives import DrivesConfig
 from pipeline.config.export import ExportConfig
-from pipeline.config.machine.bodies import require_known, require_names
+from pipeline.config.machine.bodies import require_known, require_names, with_tool
 from pipeline.config.machine.links import OF_BODIES
 from pipeline.config.machine.machine import MachineConfig
 from pipeline.config.section import MOST_NAME, NAME_PATTERN, Section, wrong
@@ -36,6 +36,11 @@ class Config(Section):
     export: ExportConfig = Field(default_factory=lambda: ExportConfig())
     drives: DrivesConfig = Field(default_factory=lambda: DrivesConfig())
     atlas: AtlasConfig = Field(default_factory=lambda: AtlasConfig())
+
+    @model_validator(mode="before")
+    @classmethod
+    def _equipped(cls, data: Any, info: ValidationInfo) -> Any:
+        return with_tool(data, info)
 
     @model_validator(mode="after")
     def _stations_within_tilt(self) -> Self:

@@ -41,11 +41,13 @@ def load_config(path: Path | str, read: Read = read_named_file) -> Config:
         When the file cannot be read or is not a valid configuration; names every offending key.
     """
     path = Path(path)
-    return parse_config(read_yaml(path, read), source=str(path), default_name=path.stem)
+    return parse_config(read_yaml(path, read), source=str(path), default_name=path.stem, folder=path.parent)
 
 
-def parse_config(data: object, source: str = "configuration", default_name: str = "run") -> Config:
-    """Validate a nested dictionary as `load_config` does a file.
+def parse_config(
+    data: object, source: str = "configuration", default_name: str = "run", folder: Path = Path()
+) -> Config:
+    """Validate a nested dictionary as `load_config` does a file; meshes are looked for in `folder`.
 
     Raises
     ------
@@ -57,7 +59,7 @@ def parse_config(data: object, source: str = "configuration", default_name: str 
             [ConfigIssue("(top level)", "must be a section with the keys machine, task and route")], source
         )
     try:
-        config = Config.model_validate(data)
+        config = Config.model_validate(data, context={"folder": folder})
     except ValidationError as error:
         raise ConfigError(_issues(error), source) from None
     return config if config.name else config.model_copy(update={"name": _name_from(default_name)})

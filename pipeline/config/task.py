@@ -105,6 +105,12 @@ class TaskConfig(Section):
         "{name: workpiece, box: {centre_m: [1, -0.1, 0.7], size_m: [0.4, 0.3, 0.3]}}",
         exclude_if=lambda value: not value,
     )
+    tool: Obstacles = Field(
+        (),
+        description="bodies of the tool in this task, in the platform's axes from the TCP; they replace the machine's "
+        "bodies with tool: on",
+        exclude_if=lambda value: not value,
+    )
     budget: BudgetConfig = Field(default_factory=lambda: BudgetConfig())
     tilt_max_deg: float = Field(30.0, ge=0.0, le=85.0, description="largest |rx| and |rz| anywhere")
     locked_axes: tuple[TiltAxis, ...] = Field(

@@ -2,12 +2,13 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import Annotated, ClassVar, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from pipeline.config.choices import BodyFrame
+from pipeline.config.machine.mesh import MeshConfig
 from pipeline.config.section import Interval, PositiveLength, Section, Vector, wrong
 
 BODY_PATTERN = r"^\w+([.-]\w+)*$"
@@ -63,7 +64,7 @@ class BeamConfig(Section):
 
 
 class ObstacleConfig(Section):
-    """A convex obstacle fixed in space: exactly one of capsule, box and hull, in the axes of the frame."""
+    """A convex obstacle fixed in space: exactly one of capsule, box, hull and mesh, in the axes of the frame."""
 
     on_one_line: ClassVar[bool] = True
 
@@ -71,14 +72,15 @@ class ObstacleConfig(Section):
     capsule: CapsuleConfig | None = Field(None, exclude_if=lambda value: value is None)
     box: BodyBoxConfig | None = Field(None, exclude_if=lambda value: value is None)
     hull: HullConfig | None = Field(None, exclude_if=lambda value: value is None)
+    mesh: MeshConfig | None = Field(None, exclude_if=lambda value: value is None)
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        return _require_one(self, ("capsule", "box", "hull"))
+        return _require_one(self, ("capsule", "box", "hull", "mesh"))
 
 
 class BodyConfig(Section):
-    """A convex body: exactly one of capsule, box, hull and beam, in the axes of what it is attached to."""
+    """A convex body: exactly one of capsule, box, hull, mesh and beam, in the axes of what it is attached to."""
 
     on_one_line: ClassVar[bool] = True
 
@@ -90,11 +92,17 @@ class BodyConfig(Section):
     capsule: CapsuleConfig | None = Field(None, exclude_if=lambda value: value is None)
     box: BodyBoxConfig | None = Field(None, exclude_if=lambda value: value is None)
     hull: HullConfig | None = Field(None, exclude_if=lambda value: value is None)
+    mesh: MeshConfig | None = Field(None, exclude_if=lambda value: value is None)
     beam: BeamConfig | None = Field(None, exclude_if=lambda value: value is None)
+    tool: bool = Field(
+        False, description="part of the tool, which task.tool replaces", exclude_if=lambda value: not value
+    )
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        _require_one(self, ("capsule", "box", "hull", "beam"))
+        _require_one(self, ("capsule", "box", "hull", "mesh", "beam"))
+        if self.tool and self.attached_to != BodyFrame.PLATFORM:
+            raise wrong("tool", f"is on, of a body of {self.attached_to}; tools are on the platform")
         rail = self.attached_to in (BodyFrame.RAIL1, BodyFrame.RAIL2, BodyFrame.RAIL3)
         if self.beam is not None and not rail and self.attached_to != BodyFrame.FRAME:
             raise wrong(
@@ -166,6 +174,29 @@ IgnoredPairs = Annotated[tuple[tuple[BodyName, BodyName], ...], Field(max_length
 Obstacles = Annotated[tuple[ObstacleConfig, ...], Field(max_length=_MOST_BODIES)]
 Bodies = Annotated[tuple[BodyConfig, ...], Field(max_length=_MOST_BODIES)]
 LINK_NAMES = tuple(LinkBodiesConfig.model_fields)
+
+
+_SHAPES = TypeAdapter(Obstacles)
+
+
+def with_tool(data: Any, info: ValidationInfo) -> Any:
+    """Put the bodies of `task.tool` in the place of the machine's tool, in a configuration as it was read.
+
+    What is wrong with them is said of `task.tool`.
+    """
+    if not isinstance(data, dict) or not isinstance(machine := data.get("machine"), dict):
+        return data
+    task, bodies = data.get("task"), machine.get("bodies") or []
+    tool = task.get("tool") if isinstance(task, dict) else None
+    if not tool or not isinstance(bodies, list | tuple):
+        return data
+    try:
+        _SHAPES.validate_python(tool, context=info.context)
+    except ValidationError:
+        return data
+    kept = [body for body in bodies if not (isinstance(body, dict) and body.get("tool"))]
+    added = [{**body, "attached_to": BodyFrame.PLATFORM.value, "tool": True} for body in tool]
+    return {**data, "machine": {**machine, "bodies": [*kept, *added]}}
 
 
 def require_names(key: str, bodies: Sequence[BodyConfig | ObstacleConfig]) -> None:

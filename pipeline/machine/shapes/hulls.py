@@ -56,12 +56,14 @@ def config_name(hull: SweptHull) -> str:
 
 
 def _shape(body: BodyConfig | ObstacleConfig) -> tuple[FloatArray, float]:
-    """Return the points (k, 3) and the radius of a capsule, hull or box; nothing of a beam."""
+    """Return the points (k, 3) and the radius of a capsule, hull, mesh or box; nothing of a beam."""
     if body.capsule is not None:
         ends = dict.fromkeys([body.capsule.from_m, body.capsule.to_m])
         return np.array(list(ends)), body.capsule.radius_m
     if body.hull is not None:
         return np.array(body.hull.points_m), body.hull.radius_m
+    if body.mesh is not None:
+        return np.array(body.mesh.points_m), body.mesh.radius_m
     if body.box is not None:
         half = np.array(body.box.size_m) / 2.0 - body.box.rounding_m
         corners = [np.array(body.box.centre_m) + half * sides for sides in product((-1.0, 1.0), repeat=3)]

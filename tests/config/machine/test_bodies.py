@@ -39,10 +39,10 @@ def body(**keys: Any) -> list[dict[str, Any]]:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"bodies": body()}, "bodies[0]: has no shape: give exactly one of capsule, box, hull and beam"),
+        ({"bodies": body()}, "bodies[0]: has no shape: give exactly one of capsule, box, hull, mesh and beam"),
         (
             {"bodies": body(capsule=SPHERE, hull={"points_m": [[0.0, 0.0, 0.0]]})},
-            "bodies[0]: has capsule and hull: give exactly one of capsule, box, hull and beam",
+            "bodies[0]: has capsule and hull: give exactly one of capsule, box, hull, mesh and beam",
         ),
         (
             {"bodies": body(beam=BEAM)},
@@ -64,6 +64,10 @@ def body(**keys: Any) -> list[dict[str, Any]]:
             {"bodies": body(attached_to="cart4", capsule=SPHERE)},
             'bodies[0].attached_to: is "cart4"; allowed is platform or cart1 or cart2 or cart3 or rail1 or rail2 or '
             "rail3 or frame",
+        ),
+        (
+            {"bodies": body(attached_to="cart1", capsule=SPHERE, tool=True)},
+            "bodies[0].tool: is on, of a body of cart1; tools are on the platform",
         ),
         (
             {"bodies": body(attached_to="rail2", capsule=SPHERE)},
@@ -145,3 +149,26 @@ def test_clearances_count_where_there_are_obstacles_alone(agder_config: Config, 
     config = vary(agder_config, {"task.obstacles": [obstacle], "machine.clearance.bodies_m": 0.02})
     assert config.machine.clearance.bodies_m == 0.02
     assert config_sha256(config) != config_sha256(agder_config)
+
+
+def test_the_tool_of_a_task_replaces_that_of_the_machine(bodies_config: Config, vary: Any) -> None:
+    """The resolved configuration has it among the machine's bodies, and is read back as it is."""
+    bodies = copy.deepcopy(bodies_config.model_dump(mode="json")["machine"]["bodies"])
+    assert bodies[7]["name"] == "nose"
+    bodies[7]["tool"] = True
+    tool = [{"name": "gripper", "capsule": SPHERE}, {"name": "finger", "capsule": {**SPHERE, "radius_m": 0.01}}]
+    config = vary(bodies_config, {"machine.bodies": bodies, "task.tool": tool})
+    assert [body.name for body in config.machine.bodies if body.tool] == ["gripper", "finger"]
+    assert "nose" not in {body.name for body in config.machine.bodies}
+    assert {body.attached_to for body in config.machine.bodies if body.tool} == {"platform"}
+    assert parse_config(yaml.safe_load(dump_config(config))) == config
+    other = vary(config, {"task.tool": tool[:1]})
+    assert [body.name for body in other.machine.bodies if body.tool] == ["gripper"]
+
+
+def test_what_is_wrong_with_a_tool_is_said_of_the_task(bodies_config: Config, vary: Any) -> None:
+    """Not of the machine, where it is put."""
+    with pytest.raises(ConfigError) as error:
+        vary(bodies_config, {"task.tool": [{"name": "it"}]})
+    found = [f"{issue.path}: {issue.message}" for issue in error.value.issues]
+    assert found == ["task.tool[0]: has no shape: give exactly one of capsule, box, hull and mesh"]
