@@ -3,15 +3,11 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.errors import ArgumentError
 from pipeline.figures import style
-from pipeline.limits.bodies.obstacle_distance import obstacles_of
-from pipeline.machine.bodies.distances import body_distances
+from pipeline.limits.bodies.pairs import kept_apart, pair_distances, pair_names
 from pipeline.machine.geometry import Machine
-from pipeline.machine.samples import PoseSamples
-from pipeline.machine.shapes.model import Bodies
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
 
@@ -30,16 +26,6 @@ def has_pairs(config: Config, machine: Machine, refined: PathSamples) -> bool:
     return any(bodies.pairs for bodies in kept_apart(config, machine))
 
 
-def kept_apart(config: Config, machine: Machine) -> tuple[Bodies, ...]:
-    """Return the bodies of a machine, and what is fixed in space around them, as far as there are any."""
-    return tuple(bodies for bodies in (machine.bodies, obstacles_of(config)) if bodies is not None)
-
-
-def pair_distances(kept: tuple[Bodies, ...], samples: PoseSamples, reach_m: float = np.inf) -> FloatArray:
-    """Compute the distances of all pairs at n poses, one group of bodies after the other, shape (n, pairs)."""
-    return np.concatenate([body_distances(bodies, samples, reach_m) for bodies in kept], axis=1)
-
-
 @style.styled
 def bodies_figure(config: Config, machine: Machine, refined: PathSamples) -> Figure:
     """Draw the distance of each pair of bodies over the length; the nearest pairs are named, with their least distance.
@@ -51,7 +37,7 @@ def bodies_figure(config: Config, machine: Machine, refined: PathSamples) -> Fig
     """
     if not (kept := kept_apart(config, machine)):
         raise ArgumentError("config: expected machine.bodies, machine.link_bodies or task.obstacles")
-    limit, names = kept[0].clearance_m, [name for bodies in kept for name in bodies.names]
+    limit, names = kept[0].clearance_m, pair_names(kept)
     distances = pair_distances(kept, refined, limit + _REACH_M)
     length = arc_length(refined.pose, step_sizes(config.route))
     least = distances.min(axis=0)

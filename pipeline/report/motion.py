@@ -8,9 +8,9 @@ from contourpy import LineType, contour_generator
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
-from pipeline.figures.bodies import kept_apart, pair_distances
 from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
 from pipeline.limits.bodies.obstacle_distance import obstacles_of
+from pipeline.limits.bodies.pairs import kept_apart, pair_distances, pair_names
 from pipeline.machine.bodies.meshes import body_meshes
 from pipeline.machine.drawing import drawn_points, platform_bars, rail_ends
 from pipeline.machine.geometry import MODES, Machine
@@ -48,7 +48,7 @@ def build_scene(config: Config, machine: Machine) -> Scene:
         scene,
         meshes=meshes,
         pairs=tuple((first, second) for first, second in pairs),
-        pair_names=tuple(name for bodies in kept for name in bodies.names),
+        pair_names=pair_names(kept),
         alarm_m=least + max(least, _ALARM_M),
     )
 

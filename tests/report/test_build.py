@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.figures.maps.kappa_map import kappa_map
+from pipeline.limits.bodies.pairs import kept_apart, pair_distances
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
-from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.geometry import ACTUATORS, MODES
 from pipeline.machine.samples import PoseSamples
 from pipeline.report import Report, RunResults, build_report
@@ -72,15 +72,17 @@ class TestMotion:
         for name, (first, second) in zip(scene.pair_names, scene.pairs, strict=True):
             assert name == f"{scene.meshes[first].name} and {scene.meshes[second].name}"
 
-    def test_the_nearest_pair_is_that_of_each_instant(self, bodies_report: Report, bodies_machine: Machine) -> None:
-        """Its distance is the least of all, computed for that pair alone."""
+    def test_the_nearest_pair_is_that_of_each_instant(
+        self, bodies_report: Report, bodies_config: Config, bodies_machine: Machine
+    ) -> None:
+        """Its distance is the least of all pairs, obstacles included."""
         motion = bodies_report.motions[0]
         assert motion.nearest_pair is not None
         assert motion.nearest_m is not None
-        names = bodies_report.scene.pair_names
+        names, kept = bodies_report.scene.pair_names, kept_apart(bodies_config, bodies_machine)
         for frame in range(0, len(motion.t_s), 40):
             samples = PoseSamples(bodies_machine, motion.pose[[frame]], motion.q_m[[frame]])
-            distances = dict(zip(names, body_distances(bodies_machine.bodies, samples)[0], strict=True))
+            distances = dict(zip(names, pair_distances(kept, samples)[0], strict=True))
             pair = names[motion.nearest_pair[frame]]
             assert distances[pair] == min(distances.values()) == pytest.approx(motion.nearest_m[frame], abs=1e-9)
 
