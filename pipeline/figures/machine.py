@@ -132,11 +132,8 @@ def _draw(machine: Machine, meshes: tuple[BodyMesh, ...], stances: list[Stance],
     axes.set_ylim(-(rows - 1) * size[1], size[1])
     axes.set_aspect("equal")
     way = any(len(stance.way_m) > 1 for stance in stances)
-    figure.legend(
-        handles=legend_handles(way, any(mesh.kind == FrameKind.LINK for mesh in meshes)),
-        loc="outside lower center",
-        ncols=4,
-    )
+    rods = any(mesh.kind == FrameKind.LINK for mesh in meshes)
+    figure.legend(handles=legend_handles(way, rods), loc="outside lower center", ncols=3 if rods else 4)
     return figure
 
 

@@ -110,4 +110,8 @@ def test_bodies_take_the_place_of_lines(
     assert style.BLUE in colours
     assert style.ORANGE not in colours
     assert "rod of a telescope" in [text.get_text() for text in figure.legends[0].get_texts()]
-    assert_laid_out(figure)
+    short = dataclasses.replace(
+        route, **{name: getattr(route, name)[:4] for name in ("region", "modes", "pose", "q_m")}
+    )
+    for drawn in (figure, machine_figure(bodies_machine, short)):
+        assert_laid_out(drawn)
