@@ -110,8 +110,7 @@ def test_bodies_take_the_place_of_lines(
     assert style.BLUE in colours
     assert style.ORANGE not in colours
     assert "rod of a telescope" in [text.get_text() for text in figure.legends[0].get_texts()]
-    short = dataclasses.replace(
-        route, **{name: getattr(route, name)[:4] for name in ("region", "modes", "pose", "q_m")}
-    )
+    names = ("region", "modes", "gates", "visits", "pose", "q_m", "kappa")
+    short = dataclasses.replace(route, **{name: getattr(route, name)[:4] for name in names})
     for drawn in (figure, machine_figure(bodies_machine, short)):
         assert_laid_out(drawn)
