@@ -26,6 +26,7 @@ class Base(StrEnum):
     QUICK = "quick"
     TINY = "tiny"
     FAST = "fast"
+    BODIES = "agder-bodies"
 
 
 _MEANING = {
@@ -33,6 +34,7 @@ _MEANING = {
     Base.QUICK: "the reference machine and task on a coarse grid",
     Base.TINY: "the reference machine and task on a grid so coarse that the paper's own program can be solved",
     Base.FAST: "the reference machine, driven as fast as a limit of kappa allows",
+    Base.BODIES: "the reference machine with bodies: platform, tool, links, carts, rails and posts",
 }
 
 

@@ -19,6 +19,8 @@ from pipeline.machine.shapes.model import Bodies
 
 _BLOCK = 2_048
 """Poses at a time: what belongs to them stays in fast memory."""
+_FEW = 512
+"""Poses at a time where all distances are computed: pairs are looked at all at a time then."""
 _RANKED = 128
 """Poses by which pairs are ranked, those that refuse most of them first."""
 _DEAD = 0.25
@@ -58,6 +60,38 @@ class _Placed:
             near &= self.low[j, axis] - self.high[i, axis] <= reach_m
         return near
 
+    def all_near(self, reach_m: float) -> BoolArray:
+        """Tell of all pairs at a time what `near` does of one. Shape (pairs, n)."""
+        first, second = np.array(self.bodies.pairs, dtype=np.int64).reshape(-1, 2).T
+        gap = np.maximum(self.low[first] - self.high[second], self.low[second] - self.high[first])
+        return np.asarray((gap <= reach_m).all(axis=1))
+
+    def distances_of(self, pair: IntArray, row: IntArray, beyond_m: float) -> FloatArray:
+        """Compute the distances of m pairs, each at a pose of its own, as `distances` does. Shape (m,)."""
+        found = np.empty(len(pair))
+        ends = np.array(self.bodies.pairs, dtype=np.int64).reshape(-1, 2)[pair]
+        sizes = np.array([len(points) for points in self.points])
+        endless: BoolArray = np.array([self.bodies.is_endless(one) for one in self.bodies.pairs], dtype=bool)[pair]
+        radii = np.array([hull.radius_m for hull in self.bodies.hulls])[ends].sum(axis=1)
+        short = (sizes[ends] <= 2).all(axis=1)
+        for rows, corners in ((np.flatnonzero(short), 2), (np.flatnonzero(~short), int(sizes.max(initial=2)))):
+            if len(rows) == 0:
+                continue
+            padded = _padded(self.points, ends[rows], corners)
+            first, second = (padded[where, :, :, row[rows]] for where in ends[rows].T)
+            first[endless[rows], :, 0] = second[endless[rows], :, 0] = 0.0
+            if corners == 2:
+                p, u, q, v = (
+                    np.asfortranarray(part)
+                    for part in (first[:, 0], first[:, 1] - first[:, 0], second[:, 0], second[:, 1] - second[:, 0])
+                )
+                found[rows] = segment_distance(p, u, q, v)
+            else:
+                # What is beyond the farthest that counts for any pair need not be known better.
+                most = beyond_m + float(radii[rows].max())
+                found[rows] = hull_separation(_pairs_last(first), _pairs_last(second), most).distance_m
+        return np.asarray(found - radii, dtype=float)
+
     def distances(self, pair: tuple[int, int], rows: IntArray, beyond_m: float) -> FloatArray:
         """Compute the distances of a pair at some poses; beyond `beyond_m` lower bounds will do. Shape (rows,)."""
         first, second = (self.points[k][..., rows] for k in pair)
@@ -70,16 +104,27 @@ class _Placed:
         return hull_separation(first, second, beyond_m + radii).distance_m - radii
 
 
+def _pairs_last(points: FloatArray) -> FloatArray:
+    return np.ascontiguousarray(np.moveaxis(points, 0, -1))
+
+
+def _padded(points: list[FloatArray], ends: IntArray, corners: int) -> FloatArray:
+    """Give hulls the same number of corners, their last one repeated; only those that are used. (hulls, k, 3, n)."""
+    stacked = np.zeros((len(points), corners, *points[0].shape[1:]))
+    for number in np.unique(ends).tolist():
+        placed = points[number]
+        stacked[number, : len(placed)], stacked[number, len(placed) :] = placed, placed[-1]
+    return stacked
+
+
 def body_distances(bodies: Bodies, samples: PoseSamples, reach_m: float = np.inf) -> FloatArray:
     """Compute the distances of all pairs at n poses, shape (n, pairs); what is beyond `reach_m` has that value."""
     found = np.full((len(samples), len(bodies.pairs)), reach_m)
-    for begin in range(0, len(samples), _BLOCK):
-        part = slice(begin, begin + _BLOCK)
+    for begin in range(0, len(samples), _FEW):
+        part = slice(begin, begin + _FEW)
         placed = _Placed.of(bodies, Frames.of(samples.machine, samples.pose[part], samples.carts_m[part]))
-        for k, pair in enumerate(bodies.pairs):
-            rows = np.flatnonzero(placed.near(pair, reach_m))
-            if len(rows):
-                found[begin + rows, k] = np.minimum(placed.distances(pair, rows, reach_m), reach_m)
+        pair, row = np.nonzero(placed.all_near(reach_m))
+        found[begin + row, pair] = np.minimum(placed.distances_of(pair, row, reach_m), reach_m)
     return found
 
 
