@@ -31,8 +31,12 @@ class Recorder:
 
 
 def declared(config: Config, stage: Stage, path: str) -> bool:
-    """Check whether a key is part of what a stage may read."""
-    part: Any = spec_of(SPECS, stage).config_part(config)
+    """Check whether a key is part of what a stage may read, or is written nowhere while it has its default."""
+    return found(spec_of(SPECS, stage).config_part(config), path) or not found(config.model_dump(mode="json"), path)
+
+
+def found(part: Any, path: str) -> bool:
+    """Check whether a key is in nested sections."""
     for key in path.split("."):
         if not isinstance(part, dict) or key not in part:
             return not isinstance(part, dict)
@@ -64,6 +68,16 @@ def test_stages_read_only_what_they_declare(quick_config: Config, machine: Machi
         # How much memory may be used decides how, not what.
         read.discard("route.memory_gb")
         assert [path for path in sorted(read) if not declared(config, stage, path)] == []
+
+
+def test_bodies_and_obstacles_count_where_there_are_any(bodies_config: Config, vary: Any) -> None:
+    """They are left out of what is written where there are none."""
+    ball = {"name": "ball", "hull": {"points_m": [[0.0, -1.0, 0.0]], "radius_m": 0.1}}
+    config = vary(bodies_config, {"task.obstacles": [ball]})
+    for stage in (Stage.REGIONS, Stage.ROUTE, Stage.REFINE, Stage.CERTIFY):
+        for path in ("machine.bodies", "machine.link_bodies", "task.obstacles"):
+            assert found(spec_of(SPECS, stage).config_part(config), path)
+        assert not found(spec_of(SPECS, stage).config_part(bodies_config), "task.obstacles")
 
 
 def test_config_parts_grow(fast_config: Config) -> None:

@@ -28,6 +28,8 @@ from pipeline.route.regions.table import RegionTable
 _BLOCK = 2_048
 """Batch size, in regions and in moves."""
 _ROUNDING_M = 1e-9
+_TOUCHING_M = 1e-9
+"""Windows end where bodies are this much too close at most."""
 
 
 def obstacle_codes(config: Config, machine: Machine, regions: RegionTable, bits: int) -> IntArray:
@@ -105,16 +107,12 @@ class _Follower:
 
         def margins(samples: PoseSamples) -> FloatArray:
             distances = body_distances(pairs, samples, pairs.clearance_m + REACH_M)
-            # Ends that touch what they are excluded by do so within the tolerance of the intervals.
             return np.asarray(distances - pairs.clearance_m + _TOUCHING_M, dtype=float)
 
         samples = PoseSamples(self.machine, pose.reshape(-1, 6), q.reshape(-1, 5))
         known = sample_lines(samples, margins).at(np.arange(len(samples)).reshape(-1, 2))
         found = bisect(self.machine, margins, applies, q, known, self.max_samples)
         return np.asarray(found.doubtful | found.broken.any(axis=1))
-
-
-_TOUCHING_M = 1e-9
 
 
 def _projected(pairs: Bodies) -> Bodies:
