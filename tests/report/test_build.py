@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.certify.bounds import Ranges
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.figures.maps.kappa_map import kappa_map
@@ -19,7 +20,7 @@ from pipeline.machine.samples import PoseSamples
 from pipeline.report import Report, RunResults, build_report
 from pipeline.report.motion import build_scene, singular_loops
 from pipeline.report.payload import OUT_OF_REACH, levels, packed, payload
-from pipeline.report.tables import build_proof, drives_table
+from pipeline.report.tables import build_proof, distances_table, drives_table
 from pipeline.report.verdicts import headline, used_limits, verdicts
 from pipeline.retime import Trajectory
 from pipeline.stage import Stage
@@ -242,3 +243,20 @@ def test_failures_keep_what_was_there(
     assert report.bounds is not None
     assert report.proof is not None
     assert report.usage == ()
+
+
+def test_nearest_proven_distances_are_listed_and_the_others_counted(
+    complete: RunResults, bodies_config: Config, bodies_machine: Machine
+) -> None:
+    """Twelve pairs with the least first, then how many more there are, with the least of theirs."""
+    assert complete.bounds is not None
+    assert bodies_machine.bodies is not None
+    names = bodies_machine.bodies.names
+    least = 0.01 + 0.001 * np.random.default_rng(1).permutation(len(names))
+    proven = Ranges(names, np.column_stack([least, np.full(len(names), np.inf)]))
+    table = distances_table(bodies_config, bodies_machine, replace(complete.bounds, ranges={"body_distance_m": proven}))
+    *rows, others = table.rows
+    nearest = [names[k] for k in np.argsort(least)]
+    assert [row[0] for row in rows] == nearest[:12]
+    assert [row[1] for row in rows] == [f"at least {0.01 + 0.001 * k:.5f} m" for k in range(12)]
+    assert others == (f"{len(names) - 12} other pairs", "at least 0.02200 m", "at least 0.005 m")
