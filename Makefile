@@ -45,6 +45,8 @@ reference: $(DEV)
 	mv results/workspace_3d.png $(REFERENCE)/figures/
 	$(BIN)/python -m tests.report.picture results/agder/report.html $(REFERENCE)/report.png
 	$(BIN)/python -m tests.show.page.picture $(REFERENCE)/show.png
+	mkdir -p results/reference/agder-bodies
+	$(BIN)/gantry-tau check configs/agder-bodies.yaml --picture results/reference/agder-bodies/machine.png
 
 # The studies that are kept in git, with their pictures: of 4-DOF machines, ten minutes; of the machine's dimensions, some.
 STUDIES := four_dof design

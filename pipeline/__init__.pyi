@@ -195,6 +195,7 @@ from .figures.maps.kappa_map import (
 from .figures import (
     RunData as RunData,
     all_figures as all_figures,
+    bodies_figure as bodies_figure,
     clearance_figure as clearance_figure,
     drives_figure as drives_figure,
     kappa_figure as kappa_figure,

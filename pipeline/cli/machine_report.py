@@ -12,10 +12,9 @@ from pipeline.cli.output import text_table
 from pipeline.config import Config
 from pipeline.limits import KINDS, ShownLimit, read_measures, unlimited_measures
 from pipeline.limits.actuator_margins import planned_range_m
-from pipeline.limits.bodies.obstacle_distance import obstacles_of
+from pipeline.limits.bodies.pairs import kept_apart, pair_distances, pair_names
 from pipeline.limits.holding_force import holding_limit
 from pipeline.machine.actuator_space import actuator_rates, amplification, drive_figures, mode_words
-from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, MODES, TELESCOPES, TRIANGLE, Machine
 from pipeline.route.regions.endpoints import Endpoint
 from pipeline.route.regions.grid import grid_axes
@@ -203,7 +202,7 @@ def _drives(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> RenderableType
 
 def _bodies(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[RenderableType]:
     """List bodies and obstacles, what touches by construction, and the nearest pairs at start and goal."""
-    groups = [pairs for pairs in (machine.bodies, obstacles_of(config)) if pairs is not None]
+    groups = kept_apart(config, machine)
     if not groups:
         return
     count, least = sum(len(pairs.names) for pairs in groups), config.machine.clearance.bodies_m
@@ -215,8 +214,7 @@ def _bodies(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -
     neighbours = [(one.name, one.why, one.treatment) for pairs in groups for one in pairs.neighbours]
     if neighbours:
         yield text_table("Bodies that touch by construction", ("pair", "why", "treatment"), neighbours, range(3))
-    names = [name for pairs in groups for name in pairs.names]
-    distances = np.array([np.concatenate([body_distances(pairs, end.samples)[0] for pairs in groups]) for end in ends])
+    names, distances = pair_names(groups), np.array([pair_distances(groups, end.samples)[0] for end in ends])
     nearest = np.argsort(distances.min(axis=0), kind="stable")
     more = count - _NEAREST
     rest = f"; {more} more pairs are farther apart" if more > 0 else ""

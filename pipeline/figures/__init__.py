@@ -3,6 +3,7 @@
 Only matplotlib's object-oriented interface is used: no windows, no global state, nothing to close.
 """
 
+from pipeline.figures.bodies import bodies_figure
 from pipeline.figures.clearance import clearance_figure
 from pipeline.figures.kappa import kappa_figure
 from pipeline.figures.machine import machine_figure, postures_figure
@@ -26,6 +27,7 @@ __all__ = [
     "RunData",
     "RunFigure",
     "all_figures",
+    "bodies_figure",
     "clearance_figure",
     "drives_figure",
     "has_loads",

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from pipeline.certify.following.steps import FollowingProfile
 from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
+from pipeline.figures.bodies import bodies_figure, has_pairs
 from pipeline.figures.clearance import clearance_figure
 from pipeline.figures.following import following_figure
 from pipeline.figures.kappa import kappa_figure
@@ -98,10 +99,11 @@ class RunFigure(NamedTuple):
 
 FIGURES = (
     RunFigure("route", route_figure, ("config", "machine", "route"), uses=("coarse", "refined")),
-    RunFigure("machine", machine_figure, ("machine", "route")),
+    RunFigure("machine", machine_figure, ("machine", "route"), uses=("config",)),
     RunFigure("regions", regions_figure, ("config", "regions")),
     RunFigure("kappa", kappa_figure, ("config", "route", "coarse", "refined")),
     RunFigure("clearance", clearance_figure, ("config", "machine", "coarse", "refined")),
+    RunFigure("bodies", bodies_figure, ("config", "machine", "refined"), applies=has_pairs),
     RunFigure("proof", proof_figure, ("config", "refined", "kappa_profile")),
     RunFigure("following", following_figure, ("following",)),
     RunFigure("pose_error", pose_error_figure, ("pose_error", "sampled_error")),

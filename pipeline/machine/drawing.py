@@ -1,9 +1,9 @@
-"""Points between which a machine is drawn: ends of its rails, carts, joints, and the hull of its platform."""
+"""Points between which a machine is drawn: ends of its rails, carts, joints, and the bars of its platform."""
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.geometry import Machine, cart_joints, platform_arms
@@ -47,9 +47,19 @@ def platform_corners(machine: Machine) -> FloatArray:
     return np.vstack([np.zeros(3), machine.platform_points_m])
 
 
-def platform_faces(machine: Machine) -> IntArray:
-    """Triangulate the hull of `platform_corners`: indices (m, 3).
+def platform_bars(machine: Machine) -> IntArray:
+    """Join `platform_corners` by the shortest bars that hold them together, where no body of the platform is known.
 
-    Coplanar or collinear points are perturbed slightly to have a hull.
+    A minimum spanning tree (Kruskal, 1956): unlike a hull, it leaves room for links to sweep between joints. Pairs of
+    corners, shape (6, 2).
     """
-    return np.asarray(ConvexHull(platform_corners(machine), qhull_options="QJ").simplices)
+    corners = platform_corners(machine)
+    pairs = np.array(list(combinations(range(len(corners)), 2)))
+    lengths = np.linalg.norm(corners[pairs[:, 0]] - corners[pairs[:, 1]], axis=1)
+    group = np.arange(len(corners))
+    bars = []
+    for one, other in pairs[np.argsort(lengths.round(9), kind="stable")]:
+        if group[one] != group[other]:
+            bars.append((one, other))
+            group[group == group[other]] = group[one]
+    return np.array(bars)

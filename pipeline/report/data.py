@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from pipeline.arrays import FloatArray, IntArray
+from pipeline.machine.bodies.meshes import BodyMesh
 
 Mood = Literal["good", "bad", "open"]
 """What a statement means for the reader: all is well, something failed, or nothing is decided."""
@@ -120,6 +121,8 @@ class Motion:
         Carts on their rails, both ends of every link.
     maps : KappaMaps
         kappa around the machine.
+    nearest_pair, nearest_m : (n,), (n,); None without bodies
+        The pair of bodies that is nearest, of `Scene.pairs`, and its distance.
     """
 
     name: MotionName
@@ -133,6 +136,8 @@ class Motion:
     cart_joints_m: FloatArray
     platform_joints_m: FloatArray
     maps: KappaMaps
+    nearest_pair: IntArray | None = None
+    nearest_m: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,19 +148,31 @@ class Scene:
     ----------
     rails_m : (3, 2, 3)
         Both ends of each rail.
-    platform_faces : (m, 3)
-        Triangles between the TCP (0) and the platform's joints (1 to 6).
+    platform_bars : (m, 2)
+        Bars between the TCP (0) and the platform's joints (1 to 6).
     q_limits_m, qd_limits_mps : (5, 2), (5,)
         Least and largest actuator position; largest speed.
     moment_unit : str
         What the moments in kappa are measured in.
+    meshes : tuple of BodyMesh
+        The bodies; empty without any.
+    pairs : pairs of indices
+        The bodies of each pair that is kept apart; -1 for an axis, which has no surface.
+    pair_names : texts
+        Their names.
+    alarm_m : float
+        The nearest pair is red below this distance.
     """
 
     rails_m: FloatArray
-    platform_faces: IntArray
+    platform_bars: IntArray
     q_limits_m: FloatArray
     qd_limits_mps: FloatArray
     moment_unit: str
+    meshes: tuple[BodyMesh, ...] = ()
+    pairs: tuple[tuple[int, int], ...] = ()
+    pair_names: tuple[str, ...] = ()
+    alarm_m: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +212,7 @@ class Report:
         The summary.
     quality, rows, drives, comparison, workspace, bounds, distances : Table or None
         Reversals and least times of the actuators; what a controller makes of the rows; what the drives feel; coarse
-        against refined; usable workspace; what the certificate proves, also for each pair of axes.
+        against refined; usable workspace; what the certificate proves, also for the nearest pairs of axes and bodies.
     workspace_picture : Picture or None
         The workspace in 3-D.
     route : RoutePart or None

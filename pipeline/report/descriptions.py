@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.machine.geometry import MODES
-from pipeline.report.data import Motion, Proof, Report
+from pipeline.report.data import Motion, Proof, Report, Scene
 from pipeline.report.wording import signed
 
 
@@ -12,7 +12,11 @@ def describe_plots(report: Report) -> dict[str, str]:
     described = {} if report.proof is None else {"proof": _proof(report.proof)}
     if report.motions:
         motion = report.motions[0]
-        described |= {"machine": _machine(motion), "map": _map(motion), "timeline": _timeline(motion)}
+        described |= {
+            "machine": f"{_machine(motion)}{_bodies(motion, report.scene)}",
+            "map": _map(motion),
+            "timeline": _timeline(motion),
+        }
     return described
 
 
@@ -22,6 +26,14 @@ def _machine(motion: Motion) -> str:
         f"the platform. In {motion.t_s[-1]:.2f} s the TCP moves from {_place(motion, 0)} to {_place(motion, -1)}, and "
         f"the working mode changes from {_mode(motion, 0)} to {_mode(motion, -1)}."
     )
+
+
+def _bodies(motion: Motion, scene: Scene) -> str:
+    if motion.nearest_m is None or motion.nearest_pair is None:
+        return ""
+    i = int(np.argmin(motion.nearest_m))
+    pair = scene.pair_names[int(motion.nearest_pair[i])]
+    return f" Of its bodies, {pair} come closest: {1e3 * motion.nearest_m[i]:.1f} mm at {motion.t_s[i]:.2f} s."
 
 
 def _map(motion: Motion) -> str:

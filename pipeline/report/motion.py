@@ -1,6 +1,7 @@
-"""The machine in motion: its joints at 50 instants per second, and maps of kappa around it at fewer instants."""
+"""The machine in motion: joints and bodies at 50 instants per second, maps of kappa around it at fewer instants."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from contourpy import LineType, contour_generator
@@ -8,9 +9,13 @@ from contourpy import LineType, contour_generator
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
-from pipeline.machine.drawing import drawn_points, platform_faces, rail_ends
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
+from pipeline.limits.bodies.pairs import kept_apart, pair_distances, pair_names
+from pipeline.machine.bodies.meshes import body_meshes
+from pipeline.machine.drawing import drawn_points, platform_bars, rail_ends
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.pose import TILT_COLUMNS
+from pipeline.machine.samples import PoseSamples
 from pipeline.machine.statics import moment_unit
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 from pipeline.report.data import KappaMaps, Motion, MotionName, Scene
@@ -21,16 +26,30 @@ _FRAMES_PER_S = 50.0
 _FEWEST_FRAMES, _MOST_FRAMES = 100, 600
 _MAPS = 30
 _POINTS_Y, _POINTS_Z = 84, 68
+_ALARM_M = 0.005
+"""The nearest pair is red below twice the distance that is required, and below that and this much."""
 
 
-def build_scene(machine: Machine) -> Scene:
-    """Collect what does not move."""
-    return Scene(
+def build_scene(config: Config, machine: Machine) -> Scene:
+    """Collect what does not move, and the shapes of what does."""
+    scene = Scene(
         rails_m=rail_ends(machine),
-        platform_faces=platform_faces(machine),
+        platform_bars=platform_bars(machine),
         q_limits_m=machine.actuator_limits_m,
         qd_limits_mps=machine.velocity_mps,
         moment_unit=moment_unit(machine),
+    )
+    if not (kept := kept_apart(config, machine)):
+        return scene
+    meshes, least = body_meshes(machine, obstacles_of(config)), kept[0].clearance_m
+    drawn = {mesh.name: number for number, mesh in enumerate(meshes)}
+    pairs = [[drawn.get(bodies.hulls[k].name, -1) for k in pair] for bodies in kept for pair in bodies.pairs]
+    return replace(
+        scene,
+        meshes=meshes,
+        pairs=tuple((first, second) for first, second in pairs),
+        pair_names=pair_names(kept),
+        alarm_m=least + max(least, _ALARM_M),
     )
 
 
@@ -50,7 +69,7 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
     reach = reach_along_rails(machine, samples.pose, samples.q_m[:, :3])
     modes = np.array([MODES.index(mode) for mode in mode_names(working_modes(reach))])
     points = drawn_points(machine, samples.pose, samples.q_m)
-    return Motion(
+    motion = Motion(
         name=name,
         t_s=samples.t_s,
         kappa=samples.kappa,
@@ -63,6 +82,11 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
         platform_joints_m=points.platform_joints_m,
         maps=_maps(config, machine, samples, modes),
     )
+    kept = kept_apart(config, machine)
+    if not any(bodies.pairs for bodies in kept):
+        return motion
+    distances = pair_distances(kept, PoseSamples(machine, samples.pose, samples.q_m))
+    return replace(motion, nearest_pair=distances.argmin(axis=1), nearest_m=distances.min(axis=1))
 
 
 def _maps(config: Config, machine: Machine, samples: TrajectorySamples, modes: IntArray) -> KappaMaps:

@@ -21,6 +21,7 @@ _STYLES = "page.css"
 _SCRIPTS = (
     "library.js",
     "data.js",
+    "bodies.js",
     "points.js",
     "camera.js",
     "machine.js",

@@ -30,8 +30,8 @@ class Palette:
         The paths, and the proven bound.
     first, second, third : str
         Curves of one plot; in 3-D fixed links, carts right of their joints, and telescopes.
-    rail, platform, frame : str
-        In 3-D.
+    rail, platform, frame, near : str
+        In 3-D; bodies that are near each other.
     limit, change : str
         Lines at limits, and at changes of working mode.
     """
@@ -55,6 +55,7 @@ class Palette:
     rail: str
     platform: str
     frame: str
+    near: str
     limit: str
     change: str
 
@@ -77,8 +78,9 @@ LIGHT = Palette(
     second="#B8640A",
     third="#0A553D",
     rail="#857F78",
-    platform="#B9C0C8",
+    platform="#7A1F96",
     frame="#1B1F24",
+    near="#FF3364",
     limit="#6B747E",
     change="#6B747E",
 )
@@ -101,8 +103,9 @@ DARK = Palette(
     second="#F08A3C",
     third="#A2F0DC",
     rail="#8C8C8C",
-    platform="#5B656F",
+    platform="#ADBACC",
     frame="#E6EAEE",
+    near="#FF2244",
     limit="#97A1AB",
     change="#97A1AB",
 )

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeline.arrays import FloatArray
+from pipeline.machine.bodies.meshes import BodyMesh
 from pipeline.machine.geometry import ACTUATORS, LINKS, MODES, TELESCOPES
 from pipeline.report import palette
 from pipeline.report.data import KappaMaps, Motion, Proof, Report, Scene
@@ -50,11 +51,26 @@ def levels(kappa: FloatArray, least: float, largest: float) -> npt.NDArray[np.ui
 def _scene(scene: Scene) -> dict[str, Any]:
     return {
         "rails": scene.rails_m.tolist(),
-        "platformFaces": scene.platform_faces.tolist(),
+        "platformBars": scene.platform_bars.tolist(),
+        "bodies": [_body(mesh) for mesh in scene.meshes],
+        "pairs": [{"name": name, "bodies": pair} for name, pair in zip(scene.pair_names, scene.pairs, strict=True)],
+        "alarmDistance": scene.alarm_m,
         "qLimits": scene.q_limits_m.tolist(),
         # JSON has no infinity: null stands for no limit.
         "qdLimits": [limit if np.isfinite(limit) else None for limit in scene.qd_limits_mps.tolist()],
         "momentUnit": scene.moment_unit,
+    }
+
+
+def _body(mesh: BodyMesh) -> dict[str, Any]:
+    return {
+        "name": mesh.name,
+        "frame": mesh.kind.name.lower(),
+        "number": mesh.number,
+        "around": mesh.is_around,
+        "vertices": packed(mesh.vertices_m),
+        "shares": packed(mesh.shares),
+        "faces": packed(mesh.faces, "uint16"),
     }
 
 
@@ -69,6 +85,8 @@ def _motion(motion: Motion) -> dict[str, Any]:
         "feet": packed(motion.feet_m),
         "cartJoints": packed(motion.cart_joints_m),
         "platformJoints": packed(motion.platform_joints_m),
+        "nearestPair": None if motion.nearest_pair is None else packed(motion.nearest_pair, "uint16"),
+        "nearestDistance": None if motion.nearest_m is None else packed(motion.nearest_m),
         "maps": _maps(motion.maps),
     }
 

@@ -24,6 +24,8 @@ from pipeline.workspace.usable import WorkspaceSetting, step_for
 
 _WORKSPACE_STEP_M, _WORKSPACE_CELLS = 0.01, 100_000
 _PROOF_SAMPLES = 1_000
+_NEAREST = 12
+"""Pairs whose proven distance is shown."""
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -130,10 +132,15 @@ def bounds_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
 
 
 def distances_table(config: Config, machine: Machine, bounds: Bounds) -> Table:
-    """Tabulate the proven distance of every pair of axes beside what is allowed, the nearest first."""
-    pairs = [key for key in _stated(bounds) if _is_of_pairs(key)]
-    rows = tuple(row for key in pairs for row in _bound_rows(config, machine, bounds, key))
-    return Table(("axes of", "proven for the whole path", "allowed"), rows, words=(0, 1, 2))
+    """Tabulate the proven distances of pairs beside what is allowed: of each kind the nearest, the others counted."""
+    rows: list[tuple[str, ...]] = []
+    for key in _stated(bounds):
+        if _is_of_pairs(key):
+            found = _bound_rows(config, machine, bounds, key)
+            rows += found[:_NEAREST]
+            if others := found[_NEAREST:]:
+                rows.append((f"{len(others)} other {'pairs' if len(others) > 1 else 'pair'}", *others[0][1:]))
+    return Table(("between", "proven for the whole path", "allowed"), tuple(rows), words=(0, 1, 2))
 
 
 def _stated(bounds: Bounds) -> list[CertificateKey]:

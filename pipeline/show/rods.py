@@ -1,17 +1,21 @@
 """The machine as straight rods and blocks, in the colours of the figures."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.figures import style
-from pipeline.machine.drawing import DrawnPoints, rail_ends
+from pipeline.machine.bodies.meshes import body_hulls
+from pipeline.machine.drawing import DrawnPoints, platform_bars, rail_ends
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
+from pipeline.machine.shapes.model import FrameKind
 
 _FIXED = np.setdiff1d(np.arange(6), TELESCOPES)
-_LINK_M, _TUBE_M, _ROD_M, _BEAM_M, _RAIL_M = 0.012, 0.018, 0.010, 0.014, 0.016
+PLATFORM = "#5A5A5A"
+_LINK_M, _TUBE_M, _ROD_M, _BEAM_M, _RAIL_M, _BAR_M = 0.012, 0.018, 0.010, 0.014, 0.016, 0.012
 """Radii."""
 _TUBE_PART = 0.62
 """Length of a telescope's tube, as a part of its least length."""
@@ -54,31 +58,63 @@ def rail_rods(machine: Machine) -> Rods:
     return Rods(ends[:, 0], ends[:, 1], np.full(3, _RAIL_M), np.tile(rgb(style.GREY), (3, 1)))
 
 
-def machine_rods(machine: Machine, points: DrawnPoints, colours: IntArray) -> Rods:
-    """Build fixed links, tubes and rods of the telescopes, and beams from the carts to their joints.
+def machine_rods(machine: Machine, tcp_m: FloatArray, points: DrawnPoints, colours: IntArray, platform: str) -> Rods:
+    """Build beams from the carts to their joints, and links and bars of the platform, unless bodies are declared.
 
     Parameters
     ----------
+    tcp_m : (3,)
+        The TCP.
     points : DrawnPoints
         A single pose.
     colours : (3, 3)
         Colour of each arm.
+    platform : str
+        That of the platform.
     """
+    kinds = {hull.kind for hull in body_hulls(machine)}
+    corners = np.vstack([tcp_m, points.platform_joints_m])
+    bars = platform_bars(machine)
+    parts = [(points.feet_m[ARM_OF_LINK], points.cart_joints_m, _BEAM_M, np.tile(rgb("#404040"), (6, 1)))]
+    if FrameKind.LINK not in kinds:
+        parts = [*_link_rods(machine, points, colours), *parts]
+    if FrameKind.PLATFORM not in kinds:
+        parts.append((corners[bars[:, 0]], corners[bars[:, 1]], _BAR_M, np.tile(rgb(platform), (len(bars), 1))))
+    starts, ends, radii, shades = zip(*parts, strict=True)
+    lengths = [len(start) for start in starts]
+    return Rods(np.concatenate(starts), np.concatenate(ends), np.repeat(radii, lengths), np.concatenate(shades))
+
+
+def rod_count(machine: Machine) -> int:
+    """Count what `machine_rods` builds."""
+    kinds = {hull.kind for hull in body_hulls(machine)}
+    links = 0 if FrameKind.LINK in kinds else 6 + len(TELESCOPES)
+    bars = 0 if FrameKind.PLATFORM in kinds else len(platform_bars(machine))
+    return len(ARM_OF_LINK) + links + bars
+
+
+def _link_rods(machine: Machine, points: DrawnPoints, colours: IntArray) -> list[tuple[Any, ...]]:
+    """Give fixed links, and tubes and rods of the telescopes: starts, ends, radius, colours."""
     carts, platform = points.cart_joints_m, points.platform_joints_m
     of_link = colours[ARM_OF_LINK]
     along = platform[TELESCOPES] - carts[TELESCOPES]
     share = _TUBE_PART * machine.strokes_m[:, :1] / np.linalg.norm(along, axis=1, keepdims=True)
     tubes = carts[TELESCOPES] + np.minimum(share, 1.0) * along
-    dark, bright = of_link[TELESCOPES] * 7 // 10, (of_link[TELESCOPES] + 255) // 2
-    parts = (
+    return [
         (carts[_FIXED], platform[_FIXED], _LINK_M, of_link[_FIXED]),
-        (carts[TELESCOPES], tubes, _TUBE_M, dark),
-        (tubes, platform[TELESCOPES], _ROD_M, bright),
-        (points.feet_m[ARM_OF_LINK], carts, _BEAM_M, np.tile(rgb("#404040"), (6, 1))),
-    )
-    starts, ends, radii, shades = zip(*parts, strict=True)
-    lengths = [len(start) for start in starts]
-    return Rods(np.concatenate(starts), np.concatenate(ends), np.repeat(radii, lengths), np.concatenate(shades))
+        (carts[TELESCOPES], tubes, _TUBE_M, tube_shade(of_link[TELESCOPES])),
+        (tubes, platform[TELESCOPES], _ROD_M, rod_shade(of_link[TELESCOPES])),
+    ]
+
+
+def tube_shade(colours: IntArray) -> IntArray:
+    """Darken the colours (..., 3) of arms for the tubes of telescopes."""
+    return colours * 7 // 10
+
+
+def rod_shade(colours: IntArray) -> IntArray:
+    """Brighten the colours (..., 3) of arms for the rods of telescopes."""
+    return (colours + 255) // 2
 
 
 def arm_colours(sides: tuple[float, ...], alarmed: bool) -> IntArray:

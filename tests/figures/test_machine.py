@@ -5,18 +5,19 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from pipeline.figures import style
-from pipeline.figures.machine import MAX_MACHINES, machine_figure, postures_figure, project
+from pipeline.figures.machine import MAX_MACHINES, machine_figure, postures_figure
+from pipeline.figures.silhouettes import project
 from pipeline.machine import MODES, Machine, inverse_kinematics
 from pipeline.machine.geometry import cart_joints, link_vectors
 from pipeline.route.result import Route
 
-PER_MACHINE = 4
-"""Collections of lines for each machine: rails, cart beams, fixed links, telescopes, in this order of drawing."""
+PER_MACHINE = 5
+"""Collections of lines for each machine: rails, bars, fixed links, telescopes, cart beams, in this order of drawing."""
 
 
 @pytest.fixture(scope="module")
@@ -42,19 +43,11 @@ def test_links_are_projected_where_they_are(figure: Figure, machine: Machine, ro
     for step in (0, 7):
         own = lines_of(figure)[PER_MACHINE * step : PER_MACHINE * (step + 1)]
         drawn = {len(lines.get_segments()): np.array(lines.get_segments()) for lines in own}
-        assert sorted(drawn) == [2, 3, 4, 6]
+        assert [len(lines.get_segments()) for lines in own] == [3, 6, 4, 2, 6]
         carts = cart_joints(machine, route.q_m[step, :3])
         ends = project(np.stack([carts, carts + link_vectors(machine, route.pose[step], route.q_m[step, :3])], axis=1))
         offsets = np.concatenate([drawn[4] - ends[[0, 1, 3, 5]], drawn[2] - ends[[2, 4]]])
         np.testing.assert_allclose(offsets, np.broadcast_to(offsets[0, 0], offsets.shape), atol=1e-12)
-
-
-def test_projection_is_seen_along_one_line() -> None:
-    """A right-handed view keeps heights upright, and shortens nothing that lies across the line of sight."""
-    x, y, z = project(np.eye(3))
-    assert z[0] == pytest.approx(0.0)
-    assert z[1] > 0.0
-    np.testing.assert_allclose(np.outer(x, x) + np.outer(y, y) + np.outer(z, z), np.eye(2), atol=1e-12)
 
 
 def test_arms_have_the_colour_of_their_mode(machine: Machine, route: Route) -> None:
@@ -102,3 +95,22 @@ def test_a_single_posture_may_be_given_flat(machine: Machine, route: Route) -> N
     """One pose (6,) with actuators (5,) is one machine, under a title of one's own."""
     figure = postures_figure(machine, route.pose[0], route.q_m[0], ["at the start"])
     assert "at the start" in [text.get_text() for text in figure.axes[0].texts]
+
+
+def test_bodies_take_the_place_of_lines(
+    bodies_machine: Machine, route: Route, assert_laid_out: Callable[[Figure], None]
+) -> None:
+    """Of links, platform and carts there are outlines in the colours of the arms, and no lines; the floor is behind."""
+    figure = postures_figure(bodies_machine, route.pose[0], route.q_m[0])
+    assert [len(lines.get_segments()) for lines in lines_of(figure)] == [3, 6]
+    floor, bodies = (artist for artist in figure.axes[0].collections if isinstance(artist, PolyCollection))
+    assert floor.get_zorder() < bodies.get_zorder()
+    assert len(floor.get_paths()) == 12
+    colours = {to_hex(colour).upper() for colour in bodies.get_facecolor()}
+    assert style.BLUE in colours
+    assert style.ORANGE not in colours
+    assert "rod of a telescope" in [text.get_text() for text in figure.legends[0].get_texts()]
+    names = ("region", "modes", "gates", "visits", "pose", "q_m", "kappa")
+    short = dataclasses.replace(route, **{name: getattr(route, name)[:4] for name in names})
+    for drawn in (figure, machine_figure(bodies_machine, short)):
+        assert_laid_out(drawn)

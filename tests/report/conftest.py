@@ -16,7 +16,7 @@ from pipeline.machine import Machine
 from pipeline.machine.geometry import ACTUATORS
 from pipeline.refine.measure import measure_path, sample_path
 from pipeline.report import Report, RunResults, StageFacts, build_report, render_page
-from pipeline.report.coarse import drive_coarse
+from pipeline.report.coarse import CoarseMotion, drive_coarse
 from pipeline.report.tables import workspace_part
 from pipeline.retime import measure_drives, measure_quality, measure_trajectory, sample_trajectory
 from pipeline.route.metric import step_sizes
@@ -91,6 +91,16 @@ def complete(config: Config, machine: Machine) -> RunResults:
 def report(complete: RunResults) -> Report:
     """Give the report of the whole run."""
     return build_report(complete)
+
+
+@pytest.fixture(scope="session")
+def bodies_report(complete: RunResults, bodies_config: Config, bodies_machine: Machine) -> Report:
+    """Give the report of a run whose machine has bodies, without a coarse motion and proof."""
+    data = bodies_config.model_dump(mode="json")
+    data["retime"]["jerk"] = False
+    trajectory = make_trajectory(make_refinement(bodies_machine).path)
+    run = replace(complete, config=parse_config(data), machine=bodies_machine, trajectory=trajectory)
+    return build_report(replace(run, samples=None, bounds=None, profile=None, coarse=CoarseMotion("")))
 
 
 @pytest.fixture(scope="session")

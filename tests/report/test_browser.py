@@ -19,7 +19,7 @@ pytestmark = [
     pytest.mark.skipif(bool(why_none()), reason=why_none() or "-"),
 ]
 
-FIXED_LINKS, TELESCOPES, PLATFORM, CARTS = 3, 4, 5, 7
+FIXED_LINKS, TELESCOPES, CARTS = 3, 4, 7
 FRAME = "() => Number(document.getElementById('time').value)"
 CURSOR = "() => document.getElementById('cursor').getBoundingClientRect().x"
 POINT = "() => { const b = document.getElementById('point').getBoundingClientRect(); return [b.x, b.y]; }"

@@ -9,14 +9,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.certify.bounds import Ranges
+from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.figures.maps.kappa_map import kappa_map
+from pipeline.limits.bodies.pairs import kept_apart, pair_distances
 from pipeline.machine import Machine, inverse_kinematics, statics_matrix
 from pipeline.machine.geometry import ACTUATORS, MODES
+from pipeline.machine.samples import PoseSamples
 from pipeline.report import Report, RunResults, build_report
 from pipeline.report.motion import build_scene, singular_loops
 from pipeline.report.payload import OUT_OF_REACH, levels, packed, payload
-from pipeline.report.tables import build_proof, drives_table
+from pipeline.report.tables import build_proof, distances_table, drives_table
 from pipeline.report.verdicts import headline, used_limits, verdicts
 from pipeline.retime import Trajectory
 from pipeline.stage import Stage
@@ -58,17 +62,30 @@ class TestMotion:
             around = maps.kappa[instant, i - 1 : i + 2, j - 1 : j + 2]
             assert np.nanmin(around) <= motion.kappa[frame] <= np.nanmax(around)
 
-    def test_the_platform_is_a_closed_surface(self, machine: Machine) -> None:
-        """Every edge of the platform's triangles belongs to exactly two of them."""
-        faces = build_scene(machine).platform_faces
-        edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        _, counts = np.unique(edges, axis=0, return_counts=True)
-        assert np.all(counts == 2)
+    def test_the_platform_is_drawn_as_bars_or_bodies(
+        self, machine: Machine, bodies_machine: Machine, quick_config: Config, bodies_config: Config
+    ) -> None:
+        """Bars are there in any case; bodies, and the two of every pair, where they are declared."""
+        bare, scene = build_scene(quick_config, machine), build_scene(bodies_config, bodies_machine)
+        assert len(bare.platform_bars) == len(scene.platform_bars) == 6
+        assert bare.meshes == bare.pairs == ()
+        assert scene.alarm_m == pytest.approx(0.01)
+        for name, (first, second) in zip(scene.pair_names, scene.pairs, strict=True):
+            assert name == f"{scene.meshes[first].name} and {scene.meshes[second].name}"
 
-    def test_a_flat_platform_has_a_surface_too(self, machine: Machine) -> None:
-        """Joints on one plane make no error."""
-        flat = replace(machine, platform_points_m=machine.platform_points_m * [1.0, 1.0, 0.0])
-        assert len(build_scene(flat).platform_faces) >= 2
+    def test_the_nearest_pair_is_that_of_each_instant(
+        self, bodies_report: Report, bodies_config: Config, bodies_machine: Machine
+    ) -> None:
+        """Its distance is the least of all pairs, obstacles included."""
+        motion = bodies_report.motions[0]
+        assert motion.nearest_pair is not None
+        assert motion.nearest_m is not None
+        names, kept = bodies_report.scene.pair_names, kept_apart(bodies_config, bodies_machine)
+        for frame in range(0, len(motion.t_s), 40):
+            samples = PoseSamples(bodies_machine, motion.pose[[frame]], motion.q_m[[frame]])
+            distances = dict(zip(names, pair_distances(kept, samples)[0], strict=True))
+            pair = names[motion.nearest_pair[frame]]
+            assert distances[pair] == min(distances.values()) == pytest.approx(motion.nearest_m[frame], abs=1e-9)
 
 
 class TestLoops:
@@ -226,3 +243,20 @@ def test_failures_keep_what_was_there(
     assert report.bounds is not None
     assert report.proof is not None
     assert report.usage == ()
+
+
+def test_nearest_proven_distances_are_listed_and_the_others_counted(
+    complete: RunResults, bodies_config: Config, bodies_machine: Machine
+) -> None:
+    """Twelve pairs with the least first, then how many more there are, with the least of theirs."""
+    assert complete.bounds is not None
+    assert bodies_machine.bodies is not None
+    names = bodies_machine.bodies.names
+    least = 0.01 + 0.001 * np.random.default_rng(1).permutation(len(names))
+    proven = Ranges(names, np.column_stack([least, np.full(len(names), np.inf)]))
+    table = distances_table(bodies_config, bodies_machine, replace(complete.bounds, ranges={"body_distance_m": proven}))
+    *rows, others = table.rows
+    nearest = [names[k] for k in np.argsort(least)]
+    assert [row[0] for row in rows] == nearest[:12]
+    assert [row[1] for row in rows] == [f"at least {0.01 + 0.001 * k:.5f} m" for k in range(12)]
+    assert others == (f"{len(names) - 12} other pairs", "at least 0.02200 m", "at least 0.005 m")

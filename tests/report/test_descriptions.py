@@ -27,6 +27,18 @@ def test_every_plot_is_described_by_its_own_numbers(report: Report) -> None:
     assert f"over {len(proof.bound)} boxes, at most {proof.bound.max():.2f}" in described["proof"]
 
 
+def test_the_nearest_bodies_are_described(bodies_report: Report, report: Report) -> None:
+    """Pair, distance and time of the closest approach; nothing of the kind without bodies."""
+    motion = bodies_report.motions[0]
+    assert motion.nearest_m is not None
+    assert motion.nearest_pair is not None
+    worst = int(np.argmin(motion.nearest_m))
+    pair = bodies_report.scene.pair_names[motion.nearest_pair[worst]]
+    text = f"{pair} come closest: {1e3 * motion.nearest_m[worst]:.1f} mm at {motion.t_s[worst]:.2f} s"
+    assert text in describe_plots(bodies_report)["machine"]
+    assert "bodies" not in describe_plots(report)["machine"]
+
+
 def test_what_is_not_drawn_is_not_described(report: Report) -> None:
     """Without motions there is the proof alone, and boxes without a bound are counted."""
     assert report.proof is not None

@@ -25,8 +25,8 @@ CONES, OPPONENTS = np.reshape(_CONES, (3, 3)), np.reshape([*_OPPONENTS, -0.80867
 
 CURVES = (("first", "second", "third"), ("refined", "coarse", "bound"))
 """What is drawn in one plot."""
-SCENE = ("first", "third", "refined", "rail")
-"""Lines in 3-D."""
+SCENE = ("first", "third", "refined", "rail", "platform")
+"""Lines and bodies in 3-D."""
 
 
 def linear(colour: str) -> np.ndarray:
@@ -67,12 +67,20 @@ def test_curves_differ_for_everyone(palette: Palette, sight: str) -> None:
 
 
 @pytest.mark.parametrize("palette", [LIGHT, DARK])
+@pytest.mark.parametrize("sight", SIGHT)
+def test_bodies_that_turn_red_differ(palette: Palette, sight: str) -> None:
+    """Links, telescopes and platform look different when they are of the nearest pair, which is named as well."""
+    for body in ("first", "third", "platform"):
+        assert distance(palette.near, asdict(palette)[body], SIGHT[sight]) >= 0.1, body
+
+
+@pytest.mark.parametrize("palette", [LIGHT, DARK])
 def test_everything_stands_out(palette: Palette) -> None:
     """Text has the contrast of WCAG AA, curves and signs that of graphics, on the page and on its panels."""
     for ground in (palette.ground, palette.panel):
         for text in (palette.text, palette.soft, palette.good, palette.bad, palette.open):
             assert contrast(text, ground) >= 4.5
-        for group in (*CURVES, SCENE, ("frame", "limit", "change", "focus")):
+        for group in (*CURVES, SCENE, ("frame", "near", "limit", "change", "focus")):
             assert all(contrast(asdict(palette)[name], ground) >= 3.0 for name in group)
     assert contrast(palette.button, palette.focus) >= 4.5
 

@@ -14,7 +14,7 @@ from pipeline.machine.geometry import link_lengths
 from pipeline.show.map_picture import map_picture, map_window
 from pipeline.show.marks import shown_box, task_marks
 from pipeline.show.orientation import pose_quaternion, tilt_quaternion, tilts_of
-from pipeline.show.rods import Rods, arm_colours, machine_rods, rail_rods, unit_cylinder
+from pipeline.show.rods import PLATFORM, Rods, arm_colours, machine_rods, rail_rods, rod_count, unit_cylinder
 
 ANGLES = st.floats(-1.4, 1.4)
 
@@ -56,14 +56,24 @@ def test_rods_are_the_links(machine: Machine, draw_poses) -> None:
     """Fixed links have their lengths, a tube and its rod together that of the telescope; all hold together."""
     sample = draw_poses(machine, 3)
     points = drawn_points(machine, sample.pose[0], sample.q_m[0])
-    rods = machine_rods(machine, points, arm_colours((-1.0, 1.0, -1.0), alarmed=False))
+    rods = machine_rods(machine, sample.pose[0, :3], points, arm_colours((-1.0, 1.0, -1.0), alarmed=False), PLATFORM)
     lengths = link_lengths(machine, sample.q_m[0, 3:])
     np.testing.assert_allclose(rods.lengths_m[:4], lengths[[0, 1, 3, 5]])
     np.testing.assert_allclose(rods.lengths_m[4:6] + rods.lengths_m[6:8], lengths[[2, 4]])
     np.testing.assert_array_equal(rods.ends_m[4:6], rods.starts_m[6:8])
-    assert len(rods.radii_m) == len(rods.colours) == 14
+    assert len(rods.radii_m) == len(rods.colours) == rod_count(machine) == 20
     assert (rods.colours[0] != rods.colours[1]).any()
     np.testing.assert_array_equal(rail_rods(machine).ends_m, rail_ends(machine)[:, 1])
+
+
+def test_bodies_take_the_place_of_rods(bodies_machine: Machine, draw_poses) -> None:
+    """Where links and platform have bodies, rods are the beams of the carts alone."""
+    sample = draw_poses(bodies_machine, 3)
+    points = drawn_points(bodies_machine, sample.pose[0], sample.q_m[0])
+    colours = arm_colours((-1.0, 1.0, -1.0), alarmed=False)
+    rods = machine_rods(bodies_machine, sample.pose[0, :3], points, colours, PLATFORM)
+    np.testing.assert_array_equal(rods.ends_m, points.cart_joints_m)
+    assert rod_count(bodies_machine) == 6
 
 
 def test_alarm_is_one_colour() -> None:

@@ -3,13 +3,19 @@
 import shlex
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pipeline.cli.console import results_console
 from pipeline.cli.options import load_task
+from pipeline.cli.output import check_picture, save_picture
 from pipeline.errors import UsageError
+
+if TYPE_CHECKING:
+    from pipeline.config import Config
+    from pipeline.machine.geometry import Machine
+    from pipeline.route.regions.endpoints import Endpoint
 
 
 def check(
@@ -20,6 +26,12 @@ def check(
     commented: Annotated[
         bool, typer.Option("--yaml", help="Print it as YAML instead: every key with its default and its meaning.")
     ] = False,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            "--picture", metavar="FILE", readable=False, help="Draw the machine at start and goal: .png, .pdf or .svg."
+        ),
+    ] = None,
 ) -> None:
     """Check a configuration, and show the machine: degrees of freedom, reach, grid, start and goal.
 
@@ -45,13 +57,28 @@ def check(
     from pipeline.machine.geometry import build_machine
     from pipeline.route.checked_task import require_sound_task
 
+    check_picture(picture)
     loaded = load_task(config)
     machine = build_machine(loaded.machine)
     ends = require_sound_task(loaded, machine)
     console = results_console()
     for part in machine_report(loaded, machine, ends):
         console.print(part)
+    if picture is not None:
+        _draw(loaded, machine, ends, picture)
+        console.print(f"{picture}: the machine at start and goal, and its platform", soft_wrap=True)
     console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
+
+
+def _draw(config: "Config", machine: "Machine", ends: "tuple[Endpoint, Endpoint]", picture: Path) -> None:
+    import numpy as np
+
+    from pipeline.figures.task import task_figure
+    from pipeline.machine.geometry import MODES
+
+    pose, q_m = np.stack([end.pose for end in ends]), np.stack([end.q_m for end in ends])
+    titles = [f"{name}, {MODES[end.mode]}" for name, end in zip(("start", "goal"), ends, strict=True)]
+    save_picture(task_figure(config, machine, pose, q_m, titles), picture)
 
 
 COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
@@ -60,6 +87,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         (
             "gantry-tau check configs/agder.yaml",
             "gantry-tau check configs/agder.yaml --yaml > my.yaml    (every key, to be changed)",
+            "gantry-tau check configs/agder-bodies.yaml --picture machine.png",
             "gantry-tau check --schema > gantry-tau.schema.json",
             "and as the first line of a YAML file, so that editors complete it:",
             "# yaml-language-server: $schema=gantry-tau.schema.json",

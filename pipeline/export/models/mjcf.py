@@ -14,11 +14,13 @@ from pipeline.arrays import FloatArray
 from pipeline.errors import UsageError
 from pipeline.export.models.bodies import link_bodies, link_name, platform_body, point_body, require_masses
 from pipeline.export.models.joints import passive_rates, universal_angles, universal_joints
+from pipeline.export.models.shapes import Shapes, add_meshes, add_shapes
 from pipeline.export.models.xml import Element, add, document
 from pipeline.export.motion import Motion
 from pipeline.export.request import ExportRequest
 from pipeline.machine.geometry import ARM_OF_LINK, LINKS, TELESCOPES, Machine, rotation
 from pipeline.machine.masses import RigidBody
+from pipeline.machine.shapes.model import FrameKind
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 
 _MOST_KEYS = 10_000
@@ -38,7 +40,7 @@ def format_mjcf(request: ExportRequest) -> str:
     UsageError
         When the machine has no masses, its joints lock on the way, or the motion has more rows than keys are written.
     """
-    _, masses = require_masses(request)
+    machine, masses = require_masses(request)
     if len(request.samples) > _MOST_KEYS:
         raise UsageError(
             f"{len(request.samples):,} rows are too many keyframes; {_MOST_KEYS:,} are written at most.\n"
@@ -59,32 +61,36 @@ def format_mjcf(request: ExportRequest) -> str:
         tolerance=1e-12,
     )
     add(add(root, "default"), "geom", contype="0", conaffinity="0", rgba="0.6 0.65 0.7 1", group="1")
+    meshes = add_meshes(root, machine)
     world = add(root, "worldbody")
     add(world, "light", directional="true", pos="0 0 4", dir="0.2 0.5 -1", diffuse="0.8 0.8 0.8")
     for arm in range(3):
-        _add_arm(world, request, arm)
-    _add_platform(world, request)
+        _add_arm(world, request, meshes, arm)
+    add_shapes(world, meshes, FrameKind.FIXED)
+    _add_platform(world, request, meshes)
     _add_loops(root, 2.0 * step)
     _add_drives(root, request)
     _add_keys(root, request)
     return document(root, "5-DOF Gantry-Tau; metres, radians, kilograms, newtons; coordinates of a closed assembly")
 
 
-def _add_arm(world: Element, request: ExportRequest, arm: int) -> None:
+def _add_arm(world: Element, request: ExportRequest, meshes: Shapes, arm: int) -> None:
     machine, masses = require_masses(request)
     rail, travel = machine.rails_m[arm], machine.travel_m[arm]
     ends = [[x, *rail] for x in travel]
-    add(world, "geom", name=f"rail_{arm + 1}", type="capsule", size=0.01, fromto=ends, rgba="0.3 0.3 0.3 1")
+    if not add_shapes(world, meshes, FrameKind.FIXED, arm + 1):
+        add(world, "geom", name=f"rail_{arm + 1}", type="capsule", size=0.01, fromto=ends, rgba="0.3 0.3 0.3 1")
     cart = add(world, "body", name=f"cart_{arm + 1}", pos=[0.0, *rail])
     friction = masses.friction_n[arm]
     add(cart, "joint", name=request.joint_names[arm], type="slide", axis="1 0 0", range=travel, frictionloss=friction)
     _add_inertial(cart, point_body(masses.cart_kg))
-    add(cart, "geom", type="box", size="0.05 0.03 0.03")
+    if not add_shapes(cart, meshes, FrameKind.CART, arm):
+        add(cart, "geom", type="box", size="0.05 0.03 0.03")
     for link in np.flatnonzero(arm == ARM_OF_LINK).tolist():
-        _add_link(cart, request, link)
+        _add_link(cart, request, meshes, link)
 
 
-def _add_link(cart: Element, request: ExportRequest, link: int) -> None:
+def _add_link(cart: Element, request: ExportRequest, meshes: Shapes, link: int) -> None:
     machine, masses = require_masses(request)
     base, rod = link_bodies(machine, masses, link)
     name = link_name(link)
@@ -93,31 +99,36 @@ def _add_link(cart: Element, request: ExportRequest, link: int) -> None:
         add(body, "joint", name=hinge, type="hinge", axis=axis)
     _add_inertial(body, base)
     add(body, "site", name=f"{name}_base")
+    shaped = add_shapes(body, meshes, FrameKind.LINK, link)
     if rod is None:
         length = machine.lengths_m[link]
-        add(body, "geom", type="capsule", size=0.01, fromto=[[0, 0, 0], [length, 0, 0]])
+        if not shaped:
+            add(body, "geom", type="capsule", size=0.01, fromto=[[0, 0, 0], [length, 0, 0]])
         add(body, "site", name=f"{name}_tip", pos=[length, 0, 0])
         return
     k = TELESCOPES.tolist().index(link)
     stroke, drive = machine.strokes_m[k], 3 + k
-    add(body, "geom", type="capsule", size=0.016, fromto=[[0, 0, 0], [0.6 * stroke[0], 0, 0]])
+    if not shaped:
+        add(body, "geom", type="capsule", size=0.016, fromto=[[0, 0, 0], [0.6 * stroke[0], 0, 0]])
     tip = add(body, "body", name=name)
     names = {"name": request.joint_names[drive], "type": "slide", "axis": "1 0 0"}
     add(tip, "joint", **names, range=stroke, frictionloss=masses.friction_n[drive])
     _add_inertial(tip, rod)
-    add(tip, "geom", type="capsule", size=0.01, fromto=[[-0.6 * stroke[0], 0, 0], [0, 0, 0]])
+    if not add_shapes(tip, meshes, FrameKind.LINK, link, rod=True):
+        add(tip, "geom", type="capsule", size=0.01, fromto=[[-0.6 * stroke[0], 0, 0], [0, 0, 0]])
     add(tip, "site", name=f"{name}_tip")
 
 
-def _add_platform(world: Element, request: ExportRequest) -> None:
+def _add_platform(world: Element, request: ExportRequest, meshes: Shapes) -> None:
     machine, masses = require_masses(request)
     platform = add(world, "body", name="platform")
     add(platform, "freejoint", name="platform")
     _add_inertial(platform, platform_body(masses))
     add(platform, "site", name="tcp")
+    shaped = add_shapes(platform, meshes, FrameKind.PLATFORM)
     for link, point in enumerate(machine.platform_points_m):
         add(platform, "site", name=f"platform_{LINKS[link]}", pos=point)
-        if np.linalg.norm(point) > 0.0:
+        if not shaped and np.linalg.norm(point) > 0.0:
             ends = [np.zeros(3), point]
             add(platform, "geom", type="capsule", size=0.012, fromto=ends, rgba="0.85 0.5 0.2 1")
     if masses.load_kg > 0.0:

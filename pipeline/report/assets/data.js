@@ -1,7 +1,7 @@
 "use strict";
 // The numbers of the page: what the program wrote as base64 becomes typed arrays with a shape.
 
-const KINDS = { float32: Float32Array, uint8: Uint8Array };
+const KINDS = { float32: Float32Array, uint8: Uint8Array, uint16: Uint16Array };
 
 function unpack(packed) {
   const text = atob(packed.base64);
@@ -37,7 +37,16 @@ function unpackMotion(name, motion) {
   const tables = ["pose", "q", "qd", "modes", "feet", "cartJoints", "platformJoints"];
   const unpacked = Object.fromEntries(tables.map((table) => [table, unpack(motion[table])]));
   const [t, kappa] = [unpack(motion.t).values, unpack(motion.kappa).values];
-  return { name, t, kappa, ...unpacked, maps: unpackMaps(motion.maps) };
+  const nearest = motion.nearestPair && {
+    pairs: unpack(motion.nearestPair).values,
+    distances: unpack(motion.nearestDistance).values,
+  };
+  return { name, t, kappa, ...unpacked, nearest, maps: unpackMaps(motion.maps) };
+}
+
+function unpackBody(body) {
+  const [vertices, shares, faces] = [body.vertices, body.shares, body.faces].map((packed) => unpack(packed).values);
+  return { ...body, vertices, shares, faces };
 }
 
 /** The numbers, with the colours of the theme that is on, whichever that is when they are asked for. */
@@ -46,6 +55,7 @@ async function readReport() {
   const motions = Object.entries(report.motions).map(([name, motion]) => [name, unpackMotion(name, motion)]);
   return {
     ...report,
+    scene: { ...report.scene, bodies: report.scene.bodies.map(unpackBody) },
     motions: Object.fromEntries(motions),
     get colours() {
       return { ...report.mapColours, ...report.themes[theme()] };

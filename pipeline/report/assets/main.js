@@ -161,6 +161,9 @@ function createMotionViews(report) {
     },
   );
 
+  const solid = element("bodies");
+  if (solid) solid.addEventListener("change", () => machine.showBodies(solid.checked));
+
   function choose(name) {
     motion = report.motions[name];
     for (const id of ["path-key", "point-key", "point"]) element(id).dataset.path = name;

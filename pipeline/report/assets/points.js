@@ -22,8 +22,13 @@ function repeated(texts, times) {
 /** Least and largest x, y, z of everything shown in any motion. */
 function extent(report) {
   const seen = [report.scene.rails.flat(2)];
-  for (const motion of Object.values(report.motions))
+  for (const motion of Object.values(report.motions)) {
     seen.push(motion.feet.values, motion.cartJoints.values, motion.platformJoints.values);
+    for (let part = 0; part <= 10; part += 1) {
+      const { x, y, z } = cornersOf(report.scene.bodies, motion, Math.round((part / 10) * (motion.t.length - 1)));
+      seen.push(x.flatMap((value, i) => [value, y[i], z[i]]));
+    }
+  }
   const range = [0, 1, 2].map(() => [Infinity, -Infinity]);
   for (const flat of seen)
     flat.forEach((value, i) => {

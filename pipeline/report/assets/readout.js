@@ -23,9 +23,16 @@ function createReadout(list, report) {
     moveTo(motion, frame) {
       const [pose, q, qd] = [motion.pose, motion.q, motion.qd].map((table) => rowOf(table, frame));
       write("κ", "pose", formatted(motion.kappa[frame], 2));
+      if (motion.nearest) {
+        const { name } = report.scene.pairs[motion.nearest.pairs[frame]];
+        const distance = `${formatted(1000 * motion.nearest.distances[frame], 1)} mm`;
+        const near = motion.nearest.distances[frame] < report.scene.alarmDistance;
+        write("nearest bodies", "bodies", `${distance}: ${name}`);
+        list.querySelector(".bodies").classList.toggle("near", near);
+      }
       ["x", "y", "z"].forEach((name, i) => write(name, "pose", `${formatted(pose[i], 4)} m`));
       write("working mode", "pose", names.modes[motion.modes.values[frame]]);
-      ["rx", "ry", "rz"].forEach((name, i) => write(name, "pose", `${formatted(pose[3 + i] * DEGREES, 2)}°`));
+      ["rx", "ry", "rz"].forEach((name, i) => write(name, "pose angle", `${formatted(pose[3 + i] * DEGREES, 2)}°`));
       names.actuators.forEach((name, k) =>
         write(name, "actuator", `${formatted(q[k], 4)} m`, `${formatted(qd[k], 3)} m/s`),
       );

@@ -8,14 +8,16 @@ from pipeline.arrays import FloatArray
 from pipeline.config import Config
 from pipeline.figures import style
 from pipeline.figures.maps.kappa_map import YzWindow
-from pipeline.machine.drawing import drawn_points, platform_corners, platform_faces, rail_ends
+from pipeline.limits.bodies.obstacle_distance import obstacles_of
+from pipeline.machine.drawing import drawn_points, rail_ends
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
+from pipeline.machine.shapes.model import FrameKind
 from pipeline.show.map_picture import MapPicture, map_window
 from pipeline.show.marks import shown_box, task_marks
-from pipeline.show.orientation import pose_quaternion
+from pipeline.show.page.bodies import draw_bodies, move_bodies
 from pipeline.show.playback import COARSE, REFINED, SIMULATED, Track
-from pipeline.show.rods import arm_colours, machine_rods, rail_rods, rgb, unit_cylinder
+from pipeline.show.rods import PLATFORM, arm_colours, machine_rods, rail_rods, rgb, rod_count, unit_cylinder
 
 if TYPE_CHECKING:
     from viser import ViserServer
@@ -49,17 +51,19 @@ class SceneView:
             "/rails", vertices, faces, rails.wxyz, rails.starts_m, batched_scales=rails.scales,
             batched_colors=rails.colours.astype(np.uint8), lod="off",
         )  # fmt: skip
-        count = 14
+        for body in self._nodes.pop("bodies", []):
+            body.node.remove()
+        bodies = self._nodes["bodies"] = draw_bodies(scene, machine, obstacles_of(config))
+        count = rod_count(machine)
         none, still = np.zeros((count, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
         self._nodes["rods"] = scene.add_batched_meshes_simple(
             "/rods", vertices, faces, still, none, batched_scales=np.ones((count, 3)),
             batched_colors=np.zeros((count, 3), dtype=np.uint8), lod="off",
         )  # fmt: skip
-        self._nodes["carts"] = [scene.add_box(f"/cart{k + 1}", dimensions=_CART_M) for k in range(3)]
-        self._nodes["platform"] = scene.add_mesh_simple(
-            "/platform", platform_corners(machine), platform_faces(machine), color=(90, 90, 90), opacity=0.75,
-            flat_shading=True, side="double",
-        )  # fmt: skip
+        bare = [
+            k for k in range(3) if not any((one.mesh.kind, one.mesh.number) == (FrameKind.CART, k) for one in bodies)
+        ]
+        self._nodes["carts"] = [scene.add_box(f"/cart{k + 1}", dimensions=_CART_M, visible=k in bare) for k in range(3)]
         self._nodes["tcp"] = scene.add_icosphere("/tcp", radius=0.018, color=_colour(style.VERMILLION))
         scene.add_frame("/axes", axes_length=0.25, axes_radius=0.006, position=self._corner(machine))
         for k, end in enumerate(rail_ends(machine)[:, 0]):
@@ -79,15 +83,13 @@ class SceneView:
         pose, q = samples.pose[0], samples.q_m[0]
         points = drawn_points(machine, pose, q)
         colours = arm_colours(sides, alarmed)
-        rods = machine_rods(machine, points, colours)
+        rods = machine_rods(machine, pose[:3], points, colours, style.VERMILLION if alarmed else PLATFORM)
         node = self._nodes["rods"]
         node.batched_positions, node.batched_wxyzs = rods.starts_m, rods.wxyz
         node.batched_scales, node.batched_colors = rods.scales, rods.colours.astype(np.uint8)
         for cart, foot, colour in zip(self._nodes["carts"], points.feet_m, colours, strict=True):
             cart.position, cart.color = foot, tuple(colour.tolist())
-        platform = self._nodes["platform"]
-        platform.wxyz, platform.position = pose_quaternion(pose), pose[:3]
-        platform.color = _colour(style.VERMILLION) if alarmed else (90, 90, 90)
+        move_bodies(self._nodes["bodies"], pose, points, colours, alarmed)
         self._nodes["tcp"].position = pose[:3]
         for name in ("map", "loops"):
             if name in self._nodes:

@@ -45,6 +45,16 @@ class TestCheck:
         assert result.stderr == ""
         assert not Path("results").exists()
 
+    def test_a_picture_of_start_and_goal(self, call: Call, config_file: Path) -> None:
+        """It is written on request; a name that is no picture's is refused before anything is checked."""
+        result = call("check", config_file, "--picture", "machine.png")
+        assert result.exit_code == 0
+        assert "machine.png: the machine at start and goal" in result.stdout
+        assert Path("machine.png").read_bytes().startswith(b"\x89PNG")
+        refused = call("check", config_file, "--picture", "machine.txt")
+        assert refused.exit_code == 2
+        assert "machine.txt: the name of the file must end in one of .png" in refused.stderr
+
     @pytest.mark.parametrize(
         ("locked", "expected"),
         [(["rx"], "4 degrees of freedom in this task (x, y, z, rz); rx held at zero"), (["rx", "rz"], "3 degrees")],
