@@ -27,7 +27,7 @@ from pipeline.cli.commands import (
 )
 from pipeline.cli.commands.analyses import atlas, bound, compare, pose_error, study, tradeoff, workspace
 from pipeline.cli.console import discard_output, print_error, print_message
-from pipeline.cli.interrupts import ignore_interrupts
+from pipeline.cli.interrupts import ignore_interrupts, was_interrupted
 from pipeline.errors import PipelineError, UsageError
 
 _NO_SOLUTION = 1
@@ -139,8 +139,7 @@ def _errors_reported(leave: Callable[[int], NoReturn] = _leave) -> Iterator[None
         print_error("\n  ".join([str(error), *getattr(error, "__notes__", [])]))
         leave(error.exit_code)
     except KeyboardInterrupt:
-        ignore_interrupts()
-        print_message("interrupted: nothing is lost, finished stages are kept")
+        _say_interrupted()
         leave(_INTERRUPTED)
     except OSError as error:
         leave(_report_system_error(error))
@@ -150,6 +149,19 @@ def _errors_reported(leave: Callable[[int], NoReturn] = _leave) -> Iterator[None
             "  What to change: lower route.memory_gb to what there is, or coarsen route.grid."
         )
         leave(_NO_SOLUTION)
+    except typer.Exit:
+        raise
+    except Exception:
+        # CasADi, for one, takes Ctrl-C within the conversion of an argument for an argument of a wrong type.
+        if not was_interrupted():
+            raise
+        _say_interrupted()
+        leave(_INTERRUPTED)
+
+
+def _say_interrupted() -> None:
+    ignore_interrupts()
+    print_message("interrupted: nothing is lost, finished stages are kept")
 
 
 def _report_system_error(error: OSError) -> int:

@@ -11,6 +11,8 @@ _RETRY_S = 0.02
 """How long an interrupt waits for an import to end, again and again."""
 _AGAIN_S = 1.0
 """For how long further interrupts are ignored: the first one is being handled."""
+_TURNED_S = 10.0
+"""For how long after an interrupt an unforeseen exception is taken for it."""
 
 
 class Interrupt(KeyboardInterrupt):
@@ -39,9 +41,13 @@ class _Handler:
             current(signal.SIGINT, frame)
         elif _is_importing(frame):
             signal.setitimer(signal.ITIMER_REAL, _RETRY_S)
-        elif time.monotonic() - self._raised >= _AGAIN_S:
+        elif self.raised_for_s() >= _AGAIN_S:
             self._raised = time.monotonic()
             raise Interrupt
+
+    def raised_for_s(self) -> float:
+        """Return for how long the last interrupt has been raised; infinity if there was none."""
+        return time.monotonic() - self._raised
 
     def raise_lost(self, lost: "sys.UnraisableHookArgs") -> None:
         """Raise an interrupt again that came where no exception can be raised, such as a finaliser."""
@@ -65,6 +71,12 @@ def ignore_interrupts() -> None:
     if isinstance(signal.getsignal(signal.SIGINT), _Handler):
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def was_interrupted() -> bool:
+    """Tell whether Ctrl-C was raised in the last seconds: some libraries turn it into an exception of their own."""
+    handler = signal.getsignal(signal.SIGINT)
+    return isinstance(handler, _Handler) and handler.raised_for_s() < _TURNED_S
 
 
 def _is_importing(frame: FrameType | None) -> bool:

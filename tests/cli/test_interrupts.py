@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli.interrupts import Interrupt, ignore_interrupts, raise_interrupts
+from pipeline.cli.interrupts import Interrupt, ignore_interrupts, raise_interrupts, was_interrupted
 from pipeline.solvers.interrupts import interrupts_noted
 
 IMPORTED = """
@@ -30,6 +30,17 @@ def test_it_is_raised_once() -> None:
     with pytest.raises(Interrupt):
         signal.raise_signal(signal.SIGINT)
     signal.raise_signal(signal.SIGINT)
+
+
+def test_it_is_known_for_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An exception that a library has made of it is taken for it, and later ones are not."""
+    assert not was_interrupted()
+    with pytest.raises(Interrupt):
+        signal.raise_signal(signal.SIGINT)
+    assert was_interrupted()
+    later = time.monotonic() + 60.0
+    monkeypatch.setattr(time, "monotonic", lambda: later)
+    assert not was_interrupted()
 
 
 def test_it_waits_for_an_import(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
