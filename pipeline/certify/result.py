@@ -28,7 +28,7 @@ class ProvenChain:
     joints : n + 1 boxes
         Each at a single s, where the boxes begin and end and are proven to meet.
     within_limits : bool
-        Whether every box keeps the limits of kappa and distances under these errors, too.
+        Whether every box keeps the limits of kappa and distances of axes under these errors, too.
     profile_m : (n,) or None
         Errors of every actuator over each box, in place of the uncertainty's, which are the least of them; at a joint,
         those of the neighbour with the smaller ones. None: the same errors for all s.
@@ -76,7 +76,7 @@ class FollowingTolerances:
     Attributes
     ----------
     within_limits : mapping
-        The motion stays regular and on its branch, *and* keeps the limits of kappa and distances.
+        The motion stays regular and on its branch, *and* keeps the limits of kappa and distances of axes.
     on_branch : mapping
         The motion stays regular and on its branch, whatever limits it breaks.
     calibrated : Tolerance or None

@@ -101,7 +101,7 @@ def proven_limits(config: Config, machine: Machine) -> list[ProvenLimit]:
 
 
 def error_proven_limits(config: Config, machine: Machine) -> list[ErrorProvenLimit]:
-    """Return the limits of a path that are bounded for errors of the actuators, too: kappa and distances."""
+    """Return the limits of a path that are bounded for errors of the actuators, too: kappa and distances of axes."""
     return [limit for limit in path_limits(config, machine) if isinstance(limit, ErrorProvenLimit)]
 
 

@@ -60,7 +60,7 @@ def _body_part(bounds: "Bounds") -> Section:
 def _following_part(certificate: "Certificate") -> Section:
     """Give how far the actuators may be from where they are commanded; null if that was not searched.
 
-    Two different claims. The keys that begin with `following_` alone: every proven limit of kappa and distances is
+    Two different claims. The keys that begin with `following_` alone: limits of kappa and of distances of axes are
     kept. `following_on_branch_`: the motion stays regular and on its branch, whatever limits it breaks.
     """
     following = certificate.following
@@ -124,7 +124,7 @@ def certificate_words(section: Section) -> str:
     if (following := section.get("following_m")) is not None:
         branch = section["following_on_branch_m"]
         found += (
-            f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances within their limits, and by "
+            f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances of axes within limits, and by "
             f"{1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
         )
     if (least := section.get("least_kappa")) is not None:

@@ -89,7 +89,7 @@ def test_the_tube_is_told_with_the_trip_limit_that_would_have_held_it(simulation
     """Inside: how much of it is used; outside: from when on, and when drives would have tripped."""
     wide, narrow = (check_tube(simulation, ProvenTube(np.full(5, eps), True)) for eps in (5e-3, 5e-4))
     assert tube_text(simulation, wide).startswith("within the proven tube of 5 mm, ")
-    assert "limits of kappa and distances are kept" in tube_text(simulation, wide)
+    assert "limits of kappa and distances of axes are kept" in tube_text(simulation, wide)
     assert simulation_data(simulation, [wide])["tubes"][0]["inside"] is True
     assert simulation_data(simulation, [wide])["tubes"][0]["trip_at_s"] is None
     assert simulation_data(simulation)["tubes"] == []

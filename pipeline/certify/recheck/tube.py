@@ -18,7 +18,7 @@ class ProvenTube:
     errors_m : (5,)
         How far c1, c2, c3, l2b, l3b may be off any point of the path, at a time and at any time.
     within_limits : bool
-        Whether the limits of kappa and distances are kept in it, too; otherwise the links close and no singularity is
+        Whether limits of kappa and of distances of axes are kept in it, too; otherwise the links close and no singularity is
         met, and that is all.
     """
 
@@ -29,13 +29,15 @@ class ProvenTube:
     def lost(self) -> str:
         """What is no longer proven outside of it, in words."""
         return (
-            "limits of kappa and distances may be broken" if self.within_limits else "nothing is proven of the machine"
+            "limits of kappa and distances of axes may be broken"
+            if self.within_limits
+            else "nothing is proven of the machine"
         )
 
     @property
     def meaning(self) -> str:
         """What is proven in it, in words."""
-        kept = "limits of kappa and distances are kept" if self.within_limits else "limits may be broken"
+        kept = "limits of kappa and distances of axes are kept" if self.within_limits else "limits may be broken"
         return f"no singularity is met, {kept}"
 
 

@@ -1,4 +1,4 @@
-"""What chains of following errors claim beside one pose: the limits of kappa and distances, and reserves of tilts."""
+"""What chains of following errors claim beside one pose: limits of kappa and axes, and reserves of tilts."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_COLUMNS
 
-WITHIN_LIMITS = "kappa and distances stay within their limits"
+WITHIN_LIMITS = "kappa and distances of axes stay within their limits"
 RESERVE = "rx and rz are off the path by no more than stated"
 
 Evidence = tuple[FloatArray, FloatArray]
