@@ -13,7 +13,9 @@ from pipeline.machine.geometry import ACTUATORS
 from pipeline.pose_error.amplification import DriveAmplification
 from pipeline.pose_error.bound import PoseError
 
-_OF_INTERVALS = ("s_first", "s_last", "position_m", "rotation_rad")
+INTERVAL_COLUMNS = ("s_first", "s_last")
+"""Where a row begins and ends."""
+_OF_INTERVALS = (*INTERVAL_COLUMNS, "position_m", "rotation_rad")
 _POSITIONS = tuple(f"amplification_{name}" for name in ACTUATORS)
 _ROTATIONS = tuple(f"rotation_{name}_radpm" for name in ACTUATORS)
 

@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.artifacts.results.pose_error import pose_error_files, uncertainty_of
 from pipeline.certify import certify_path
-from pipeline.certify.recheck.pose_error import POSITION
+from pipeline.certify.recheck.pose_error import INTERVALS, POSITION
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.pose_error import bound_pose_error
@@ -55,6 +55,15 @@ def test_a_table_that_states_less_is_refused(tool_run: pathlib.Path) -> None:
     lines[40] = ",".join(cells)
     file.write_text("\n".join(lines) + "\n")
     assert any(POSITION in claim for claim in refused(check(tool_run)))
+
+
+def test_a_table_of_other_intervals_is_refused(tool_run: pathlib.Path) -> None:
+    """Every bound is right, but the largest ones stand where the tool is off less."""
+    file = tool_run / "pose_error.csv"
+    header, *lines = file.read_text().splitlines()
+    moved = ",".join([lines[40].split(",")[0], lines[41].split(",")[1], *lines[40].split(",")[2:]])
+    file.write_text("\n".join([header, *lines[:40], moved, *lines[41:]]) + "\n")
+    assert any(INTERVALS in claim for claim in refused(check(tool_run)))
 
 
 @pytest.mark.parametrize("name", ["pose_error.npz", "pose_error.csv"])

@@ -9,14 +9,17 @@ import pytest
 from pipeline.certify.recheck.pose_error import ERRORS, POSITION, ROTATION, StatedError, verify_pose_error
 from pipeline.certify.result import ProvenChain
 from pipeline.inclusion.uncertainty import Uncertainty
-from pipeline.pose_error import PoseError
+from pipeline.machine import Machine
+from pipeline.pose_error import PoseError, bound_pose_error, sample_pose_error
 from pipeline.refine import Path
+from tests.certify.paths import pose_path
 from tests.pose_error.conftest import DRIVES, EVERYTHING
 
 
 def _stated(found: PoseError) -> StatedError:
     assert found.chain is not None
-    return StatedError(found.chain, found.position_m, found.rotation_rad)
+    intervals = np.column_stack([found.edges[:-1], found.edges[1:]])
+    return StatedError(found.chain, intervals, found.position_m, found.rotation_rad)
 
 
 def _refused(path: Path, stated: StatedError, asked: Uncertainty = DRIVES) -> set[str]:
@@ -28,6 +31,16 @@ def test_what_was_proven_is_verified(line: Path, of_drives: PoseError, of_everyt
     """Of drives alone, and of drives and geometry."""
     assert _refused(line, _stated(of_drives)) == set()
     assert _refused(line, _stated(of_everything), EVERYTHING) == set()
+
+
+def test_a_platform_that_is_tilted_far_is_verified(machine: Machine) -> None:
+    """With the axes of rx and ry nearly along each other."""
+    begins = np.array([1.02, 0.3, 0.9, 0.3, 1.35])
+    path = pose_path(machine, np.linspace(begins - 0.001, begins + 0.001, 7), 0, 7)
+    found = bound_pose_error(path, DRIVES)
+    assert _refused(path, _stated(found)) == set()
+    s = found.middles[::16]
+    assert (sample_pose_error(path, DRIVES, s).rotation_rad <= found.rotation_rad[::16]).all()
 
 
 @pytest.mark.parametrize("name", ["position_m", "rotation_rad"])

@@ -17,6 +17,7 @@ from pipeline.export.csv import format_csv, read_csv
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.pose_error import PoseError, pose_error_columns, pose_error_of
+from pipeline.pose_error.table import INTERVAL_COLUMNS
 
 _VERSION = 1
 
@@ -66,8 +67,12 @@ def stated_error(folder: pathlib.Path) -> StatedError:
         if not boxes:
             raise ValueError("it has no boxes")
         chain = ProvenChain(Uncertainty(length, coordinate, tuple(drives)), boxes, joints)
-    table = _read_table(folder, chain.uncertainty)
-    return StatedError(chain, table.position_m, table.rotation_rad)
+    file = folder / POSE_ERROR_CSV
+    with naming(file), readable(file):
+        columns = read_csv(file.read_text())
+        table = pose_error_of(chain.uncertainty, columns)
+        intervals = np.stack([np.asarray(columns[name], dtype=float) for name in INTERVAL_COLUMNS], axis=1)
+    return StatedError(chain, intervals, table.position_m, table.rotation_rad)
 
 
 def _read_table(folder: pathlib.Path, errors: Uncertainty) -> PoseError:

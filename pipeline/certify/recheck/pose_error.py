@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import BoolArray, FloatArray
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain, evaluate_chain
 from pipeline.certify.recheck.arithmetic.enclosure import bound, root, total
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, include
@@ -20,6 +20,9 @@ from pipeline.refine.result import Path
 _TOOL = "tool"
 POSITION, ROTATION = "the tool is off by no more than stated", "the tool is turned by no more than stated"
 ERRORS = "the errors are those that were asked for"
+INTERVALS = "what is stated is stated of its boxes' intervals"
+_TABLE_ROUNDING = 1e-12
+"""How far the table may round the ends of its intervals."""
 _NARROWED = 1.5
 _LEAST_RADIUS = 1e-9
 _ROUNDING = 1e-13
@@ -29,9 +32,20 @@ _RX, _RY, _RZ = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class StatedError:
-    """What a run states of its tool's error: the chain, and bounds (n,) of position and rotation over each box."""
+    """What a run states of its tool's error.
+
+    Attributes
+    ----------
+    chain : ProvenChain
+        The boxes.
+    intervals : (n, 2)
+        Where the table's rows begin and end, rounded to its decimals.
+    position_m, rotation_rad : (n,)
+        Bounds over each box.
+    """
 
     chain: ProvenChain
+    intervals: FloatArray
     position_m: FloatArray
     rotation_rad: FloatArray
 
@@ -40,7 +54,7 @@ def verify_pose_error(machine: Machine, path: Path, stated: StatedError, asked: 
     """Verify that a chain closes for the errors that were asked for, and every bound over it."""
     proven, counted = stated.chain, chain.BoxCounts()
     known = proven.uncertainty == asked and len(stated.position_m) == len(stated.rotation_rad) == len(proven.boxes)
-    claims = [Claim(f"{_TOOL}: {ERRORS}", known, f"over {len(proven.boxes)} boxes")]
+    claims = [Claim(f"{_TOOL}: {ERRORS}", known, f"over {len(proven.boxes)} boxes"), _interval_claim(stated)]
     found: list[tuple[FloatArray, FloatArray]] = []
     # NaN compares as false: what cannot be computed is not verified.
     with np.errstate(all="ignore"):
@@ -55,6 +69,14 @@ def verify_pose_error(machine: Machine, path: Path, stated: StatedError, asked: 
     poses = pose_claim(path, proven)
     claims.append(replace(poses, what=f"{_TOOL}: {poses.what}"))
     return [*claims, *_bound_claims(stated, *(np.concatenate(part) for part in zip(*found, strict=True)))]
+
+
+def _interval_claim(stated: StatedError) -> Claim:
+    """Verify that each row is about its box: bounds of one are not those of another."""
+    intervals = np.array([(box.first, box.last) for box in stated.chain.boxes])
+    same = stated.intervals.shape == intervals.shape
+    near = (np.abs(stated.intervals - intervals) <= _TABLE_ROUNDING).all(axis=1) if same else np.zeros(0, dtype=bool)
+    return Claim(f"{_TOOL}: {INTERVALS}", same and bool(near.all()), f"{int(near.sum())} of {len(intervals)}")
 
 
 def _bound_claims(stated: StatedError, position: FloatArray, rotation: FloatArray) -> Iterator[Claim]:
@@ -77,20 +99,33 @@ def _bounds(machine: Machine, segment: EvaluatedChain, uncertainty: Uncertainty)
     lost = _ROUNDING * np.einsum("iln,ln->in", most, sizes)
     reach = total(bound("iln,ln->in", most, sizes, terms=11), lost, found.image)[3 + _RZ]
     rz = boxes.over.pose[0]
-    middle, spread = np.sin(rz.mid[3 + _RZ]), total(rz.rad[3 + _RZ], reach, np.full_like(reach, _ROUNDING))
+    sines = _sines(rz.mid[3 + _RZ], total(rz.rad[3 + _RZ], reach, np.full_like(reach, _ROUNDING)))
     position, rotation = np.zeros_like(boxes.half), np.zeros_like(boxes.half)
     for side in (-1.0, 1.0):
         linear = (symbols[0] + side * boxes.half * symbols[1]) * sizes
         for moved in _corners(linear):
             position = np.maximum(position, np.linalg.norm(moved[:3], axis=0))
             w = moved[3:]
-            squares = (w**2).sum(axis=0) - 2.0 * w[_RX] * w[_RY] * middle + 2.0 * np.abs(w[_RX] * w[_RY]) * spread
-            rotation = np.maximum(rotation, squares)
+            for sine in sines:
+                rotation = np.maximum(rotation, (w**2).sum(axis=0) - 2.0 * w[_RX] * w[_RY] * sine)
     slack = _ROUNDING * (most[3:] ** 2).sum(axis=0).max(axis=0) * (sizes.sum(axis=0) ** 2)
     return (
         total(position, lost[:3].sum(axis=0) * 2.0, root((rest[:3] ** 2).sum(axis=0) * (1.0 + _ROUNDING))),
         total(root(rotation + slack), lost[3:].sum(axis=0) * 2.0, rest[3:].sum(axis=0) * (1.0 + _ROUNDING)),
     )
+
+
+def _sines(middle: FloatArray, spread: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Bound sin over middles (n,) and all that is within `spread` (n,) from below and above."""
+    ends = np.sin(middle - spread), np.sin(middle + spread)
+
+    def passes(angle: float) -> BoolArray:
+        """Check whether the angle, or it and full turns, is within reach."""
+        begins, last = ((middle + side * spread - angle) / (2.0 * np.pi) for side in (-1.0, 1.0))
+        return np.asarray(np.floor(begins) != np.floor(last))
+
+    least = np.where(passes(-np.pi / 2.0), -1.0, np.minimum(*ends) - _ROUNDING)
+    return least, np.where(passes(np.pi / 2.0), 1.0, np.maximum(*ends) + _ROUNDING)
 
 
 def _corners(linear: FloatArray) -> Iterator[FloatArray]:

@@ -78,7 +78,7 @@ def _heading(request: ExportRequest) -> list[str]:
     assert request.tube is not None, "there are limits"
     off = 0.0 if request.deviation_m is None else float(request.deviation_m.max())
     return [
-        f"# Proven: with every actuator up to {1e3 * request.tube.errors_m[0]:.4g} mm off the path at a time,",
+        f"# Proven: with every actuator up to {1e3 * request.tube.errors_m.min():.4g} mm off the path at a time,",
         f"# {request.tube.meaning}. Up to {1e3 * off:.2g} mm of it is what is between the points of the export.",
         "# What the drives still move while they brake after a trip has to be taken away, too.",
     ]

@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
 from pipeline.inclusion.closure import working_precision
 from pipeline.refine.result import Path
@@ -43,17 +44,21 @@ class _Curve:
         return isinstance(other, _Curve) and (self.is_same(other.path) or self.is_reverse(other.path))
 
     def is_same(self, path: Path) -> bool:
-        """Check whether a path is the same function of s."""
+        """Check whether a path is the same function of s, with the same known poses."""
         ours, theirs = self.path.spline, path.spline
         same = ours.k == theirs.k and np.array_equal(ours.t, theirs.t) and np.array_equal(ours.c, theirs.c)
-        return same and self.path.machine is path.machine
+        return same and self._has_poses(path.node_pose) and self.path.machine is path.machine
 
     def is_reverse(self, path: Path) -> bool:
         """Check whether a path is q(1 - s), but for the rounding of 1 - s."""
         ours, theirs = self.path.spline, path.spline
         same = ours.k == theirs.k and np.array_equal(ours.c, theirs.c[::-1]) and len(ours.t) == len(theirs.t)
         same = same and bool(np.abs(1.0 - theirs.t - ours.t[::-1]).max() <= _ROUNDING)
-        return same and self.path.machine is path.machine
+        return same and self._has_poses(path.node_pose[::-1]) and self.path.machine is path.machine
+
+    def _has_poses(self, pose: FloatArray) -> bool:
+        """Check whether known poses (k, 6) are these: actuators alone do not tell the assembly."""
+        return np.array_equal(self.path.node_pose, pose)
 
 
 @lru_cache(maxsize=2)

@@ -10,6 +10,7 @@ from pipeline.certify.recheck.tube import ProvenTube
 from pipeline.export import ExportOptions, ExportRequest, export_files
 from pipeline.export.controllers.trip_limits import format_linuxcnc_ini, format_ros2_constraints, trip_limits
 from pipeline.export.formats import TRIP_INI, TRIP_YAML, Format, LengthUnit
+from pipeline.machine.actuator_space.controller_units import ControllerUnits
 
 LIMITS = np.array([2.0, 2.0, 2.0, 0.5, 0.5])
 NAMES = ("slide/a", "slide: b", "c", "d.x", "e")
@@ -67,3 +68,14 @@ def test_they_are_beside_the_motion(make_samples) -> None:
     assert TRIP_YAML in export_files(Format.ROS2, request)
     assert TRIP_YAML in export_files(Format.ROS2_JSON, request)
     assert TRIP_INI in export_files(Format.LINUXCNC, request)
+
+
+def test_what_is_called_proven_holds_for_every_actuator_in_units_of_the_controller(make_samples) -> None:
+    """Scales make the proven errors differ: the comment has the least of them, each limit its own."""
+    units = ControllerUnits(np.zeros(5), np.zeros(5), np.array([0.9, 1.0, 1.0, 1.1, 1.0]))
+    text = export_files(Format.ROS2, _request(make_samples(0.01), deviation_m=None, units=units))[TRIP_YAML].decode()
+    constraints = yaml.safe_load(text)["joint_trajectory_controller"]["ros__parameters"]["constraints"]
+    limits = np.array([constraints[name]["trajectory"] for name in NAMES])
+    assert "with every actuator up to 2.5 mm off" in text
+    np.testing.assert_allclose(limits, TUBE.errors_m / units.scales, atol=1.1e-7)
+    assert (limits <= TUBE.errors_m / units.scales).all()

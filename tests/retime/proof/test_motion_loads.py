@@ -8,6 +8,7 @@ from scipy.interpolate import make_interp_spline
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import NoSolutionError
+from pipeline.machine.kinematics import follow, newton
 from pipeline.refine.result import Path
 from pipeline.retime import Trajectory, measure_usage, require_proven, time_reversed
 from pipeline.retime.proof.load_use import LoadUse
@@ -65,6 +66,18 @@ def test_the_way_back_has_the_same_loads_but_for_friction(moving: Trajectory) ->
     assert both[1] is not None
     np.testing.assert_allclose(both[1].attained, both[0].attained, rtol=1e-3)
     np.testing.assert_allclose(both[1].proven, both[0].proven, rtol=1e-3)
+
+
+def test_the_same_drives_in_another_assembly_have_other_loads(moving: Trajectory, proven: LoadUse) -> None:
+    """What was bounded of one path is not taken for that of another with the same splines."""
+    path = moving.path
+    begins, _ = newton(path.machine, path.q(0.0)[None], np.array([[0.84, -0.32, 1.08, 0.0, -2.64, 0.0]]))
+    poses, _ = follow(path.machine, path.q(path.node_s)[None], begins)
+    other = replace(moving, path=replace(path, node_pose=poses[0]))
+    use = prove_loads(other)
+    assert use is not None
+    assert (use.peaks["force"] >= measure_usage(other, 0.02).peaks["force"] * (1.0 - 1e-6)).all()
+    assert not np.allclose(use.attained, proven.attained, rtol=1e-3)
 
 
 def _limited(moving: Trajectory, force_n: float) -> Trajectory:
