@@ -8,14 +8,21 @@ import pytest
 
 from pipeline.certify import Certificate, prove_path
 from pipeline.certify.bounds import Bounds, Ranges
+from pipeline.certify.examiner import build_error_examiner
+from pipeline.certify.following.search import new_search
+from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck import verify
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
+from pipeline.certify.recheck.claims import errors
 from pipeline.certify.recheck.claims.distances.body_distances import check, measure
 from pipeline.certify.recheck.claims.evidence import Evidence
+from pipeline.certify.result import proven_chain
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
+from pipeline.inclusion.uncertainty import of_actuators
+from pipeline.limits import error_proven_limits
 from pipeline.limits.bodies.obstacle_distance import obstacles_of
-from pipeline.machine import Machine
+from pipeline.machine import Machine, build_machine
 from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
@@ -165,3 +172,31 @@ def test_distances_from_obstacles_are_proven(bodies_config: Config, path: Path, 
         assert (ranges.values[:, 0] <= least).all()
         claims = verify(config, path.machine, path, ends, state(found))
         assert [claim.what for claim in claims if not claim.verified] == []
+
+
+def test_drives_that_are_off_keep_bodies_apart(bodies_config: Config, bodies_machine: Machine, vary) -> None:
+    """What is proven within limits is verified again; with more asked for neither is, though the chain is the same."""
+    ends, eps = [START, START + [1e-3, 1e-3, 0.0, 0.0, 0.0]], 3e-4
+    path = pose_path(bodies_machine, np.linspace(*ends, 8), 0, nodes=8)
+    s = np.linspace(0.0, 1.0, 5)
+    nearest = float(body_distances(bodies_machine.bodies, PoseSamples(bodies_machine, path.pose(s), path.q(s))).min())
+    given = []
+    for short_m in (2e-3, 2e-5):
+        config = vary(bodies_config, {"machine.clearance.bodies_m": nearest - short_m})
+        given.append((config, build_machine(config.machine)))
+    (config, kept), (strict, broken) = given
+    kind = of_actuators(np.ones(5))
+    with working_precision(64):
+        chains = [
+            new_search(
+                build_problem(machine, path, 0.05), kind, build_error_examiner(error_proven_limits(one, machine)), 0.1
+            ).close(eps)
+            for one, machine in given
+        ]
+    assert chains[0].failure is None
+    assert chains[1].failure is not None
+    assert "m apart" in chains[1].failure.reason.text
+    proven = proven_chain(chains[0], kind(eps), within_limits=True)
+    (segment,) = evaluate_chain(kept, path, proven)
+    assert errors.limit_claim("chain", config, kept, errors.measure(config, kept, segment, None)).verified
+    assert not errors.limit_claim("chain", strict, broken, errors.measure(strict, broken, segment, None)).verified
