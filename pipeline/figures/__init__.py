@@ -12,8 +12,8 @@ from pipeline.figures.maps.regions import regions_figure
 from pipeline.figures.maps.route import route_figure
 from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.maps.workspace import workspace_figure
-from pipeline.figures.pose_error import pose_error_figure
-from pipeline.figures.proof import proof_figure
+from pipeline.figures.proven.pose_error import pose_error_figure
+from pipeline.figures.proven.proof import proof_figure
 from pipeline.figures.run_figures import FIGURES, RunData, RunFigure, all_figures
 from pipeline.figures.time.drives import drives_figure, has_masses
 from pipeline.figures.time.loads import has_loads, loads_figure, usage_figure

@@ -11,13 +11,13 @@ from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
 from pipeline.figures.bodies import bodies_figure, has_pairs
 from pipeline.figures.clearance import clearance_figure
-from pipeline.figures.following import following_figure
 from pipeline.figures.kappa import kappa_figure
 from pipeline.figures.machine import machine_figure
 from pipeline.figures.maps.regions import regions_figure
 from pipeline.figures.maps.route import route_figure
-from pipeline.figures.pose_error import pose_error_figure
-from pipeline.figures.proof import proof_figure
+from pipeline.figures.proven.following import following_figure
+from pipeline.figures.proven.pose_error import pose_error_figure
+from pipeline.figures.proven.proof import proof_figure
 from pipeline.figures.time.drives import drives_figure, has_masses
 from pipeline.figures.time.loads import has_loads, loads_figure, usage_figure
 from pipeline.figures.time.phase import phase_figure

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from pipeline.config import Config
 from pipeline.figures.maps.route import route_figure
 from pipeline.figures.maps.volume import workspace_volume_figure
-from pipeline.figures.pose_error import pose_error_figure
+from pipeline.figures.proven.pose_error import pose_error_figure
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.pose_error import PoseError, SampledError
 from pipeline.refine.measure import PathSamples

@@ -7,7 +7,7 @@ from pipeline.certify.endpoints import TOLERANCE as END_TOLERANCE
 from pipeline.certify.recheck import KappaProfile
 from pipeline.compare.metrics import TABLE_HEADER, ComparisonRow, table_cells
 from pipeline.config import Config
-from pipeline.figures.proof import boxes_of
+from pipeline.figures.proven.proof import boxes_of
 from pipeline.limits import CertificateKey, Side, certificate_keys, proven_limits
 from pipeline.machine.actuator_space import mode_words
 from pipeline.machine.geometry import ACTUATORS, Machine

@@ -217,7 +217,7 @@ def _write(found: "PoseError", output: Path) -> None:
 
 
 def _draw(results: "Results", found: "PoseError", picture: Path) -> None:
-    from pipeline.figures.pose_error import pose_error_figure
+    from pipeline.figures.proven.pose_error import pose_error_figure
     from pipeline.pose_error import sample_pose_error
 
     sampled = sample_pose_error(results.refinement.path, found.uncertainty, found.middles)

@@ -10,7 +10,7 @@ from matplotlib.patches import StepPatch
 
 from pipeline.certify.recheck import KappaProfile
 from pipeline.config import Config
-from pipeline.figures.proof import boxes_of, proof_figure
+from pipeline.figures.proven.proof import boxes_of, proof_figure
 from pipeline.refine.measure import PathSamples
 from pipeline.route.metric import arc_length, step_sizes
 

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
 
-from pipeline.figures.pose_error import pose_error_figure
+from pipeline.figures.proven.pose_error import pose_error_figure
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.pose_error import DriveAmplification, PoseError, SampledError
 

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.patches import StepPatch
 
 from pipeline.certify.following.steps import FollowingProfile
-from pipeline.figures.following import following_figure
+from pipeline.figures.proven.following import following_figure
 
 
 def test_a_stair_per_claim_in_millimetres() -> None:

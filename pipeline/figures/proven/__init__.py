@@ -1,0 +1,1 @@
+"""What the certificate proves over s: kappa, following errors, and the error of the tool."""
