@@ -124,8 +124,8 @@ def certificate_words(section: Section) -> str:
     if (following := section.get("following_m")) is not None:
         branch = section["following_on_branch_m"]
         found += (
-            f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances of axes within limits, and by "
-            f"{1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
+            f"; all drives may be off by {1e3 * following:.2f} mm with kappa and distances of axes within limits, and "
+            f"by {1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
         )
     if (least := section.get("least_kappa")) is not None:
         found += f"; no path can have a largest kappa below {least:.2f}"
