@@ -18,8 +18,8 @@ class ProvenTube:
     errors_m : (5,)
         How far c1, c2, c3, l2b, l3b may be off any point of the path, at a time and at any time.
     within_limits : bool
-        Whether the limits of kappa, distances and joints are kept in it, too; otherwise the links close and no
-        singularity is met, and that is all.
+            Whether the limits of kappa, distances and joints are kept in it, too; otherwise the links close and no
+            singularity is met, and that is all.
     """
 
     errors_m: FloatArray

@@ -98,9 +98,8 @@ def export(
     for suffix, path in beside.items():
         refuse_same(output, path, f"--output and the {suffix} file beside it")
     from pipeline.export import ExportOptions, ExportRequest, export_files
-    from pipeline.export.deviation import quintic_deviation
     from pipeline.machine.actuator_space.controller_units import controller_units
-    from pipeline.retime import sample_trajectory, whole_periods
+    from pipeline.retime import interpolations, sample_trajectory, whole_periods
     from pipeline.run.reading import open_tubes
 
     wanted, named = _listed(columns), _listed(names)
@@ -121,7 +120,10 @@ def export(
         units=controller_units(config.machine),
     )
     if tube is not None and TRIP_YAML in beside:
-        request = replace(request, deviation_m=quintic_deviation(whole_periods(trajectory, samples.period_s), samples))
+        found = interpolations(whole_periods(trajectory, samples.period_s), samples)
+        off = {one.method: one.deviation_m for one in found}
+        # What reads this file drives polynomials of degree five.
+        request = replace(request, deviation_m=off["quintic"])
     files = export_files(kind, request)
     _write(kind, files, output, beside)
     if output is not None:

@@ -193,7 +193,10 @@ def _derivative(coefficients: FloatArray, order: int) -> FloatArray:
 
 
 class _Motion:
-    """The motion itself between rows, pieces of the law and knots of the path: polynomials of u, -1 <= u <= 1."""
+    """The motion itself between rows, pieces of the law and knots of the path: polynomials of u, -1 <= u <= 1.
+
+    Before and after its law it is at rest, which a row need not begin or end with.
+    """
 
     def __init__(self, trajectory: Trajectory, t_s: FloatArray) -> None:
         spline, law = trajectory.path.spline, trajectory.time_law
@@ -201,8 +204,7 @@ class _Motion:
         taylor = [spline(knots[:-1], nu=order) / factorial(order) for order in range(spline.k, -1, -1)]
         self._law, self._path = law, PPoly(np.stack(taylor), knots)
         passed = [law.solve(knot, discontinuity=False, extrapolate=False) for knot in knots[1:-1].tolist()]
-        breaks = np.concatenate([law.x, self._rows, *passed])
-        breaks = np.unique(breaks[(breaks >= 0.0) & (breaks <= trajectory.motion_s)])
+        breaks = np.unique(np.concatenate([law.x, self._rows, *passed]))
         apart = np.diff(breaks) > 1e-9 * trajectory.motion_s / len(breaks)
         self._begins, self._ends = breaks[:-1][apart], breaks[1:][apart]
 
@@ -223,6 +225,9 @@ class _Motion:
         """Compose positions with s over intervals, (powers, n, 5)."""
         piece = np.clip(np.searchsorted(self._law.x, middle, side="right") - 1, 0, self._law.c.shape[1] - 1)
         s = _substituted(self._law.c[::-1, piece], np.stack([middle - self._law.x[piece], half]))
+        within = middle.clip(self._law.x[0], self._law.x[-1])
+        rests = middle != within
+        s[1:, rests], s[0, rests] = 0.0, self._law(within[rests])
         at = np.clip(np.searchsorted(self._path.x, s[0], side="right") - 1, 0, self._path.c.shape[1] - 1)
         s[0] -= self._path.x[at]
         return _composed(self._path.c[:, at], s[:, :, None])

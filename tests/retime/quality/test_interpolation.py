@@ -1,5 +1,7 @@
 """What a controller makes of rows: bounds that hold, of known order, and a motion slow enough for all of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.interpolate import BPoly, CubicHermiteSpline
@@ -48,6 +50,19 @@ def test_bounds_are_those_of_other_code(moving: Trajectory) -> None:
             seen = np.abs(function(t, order)).max(axis=0) / limit
             assert (seen <= found[method].usage[name] * (1.0 + 1e-9)).all()
             assert (found[method].usage[name] <= 1.01 * seen + 1e-6).all()
+
+
+@pytest.mark.parametrize("dwell_s", [0.249, 0.247, 0.21])
+def test_rows_may_lie_beside_the_beginning_and_the_end_of_the_motion(moving: Trajectory, dwell_s: float) -> None:
+    """Polynomials leave the start before the motion does: that is as far off as they are in it."""
+    waiting = whole_periods(replace(moving, dwell_s=(dwell_s, dwell_s)), _PERIOD_S)
+    rows, found = sample_trajectory(waiting, _PERIOD_S), _found(waiting)
+    t = np.linspace(0.0, waiting.duration_s, 40_001)[1:-1]
+    quintic = BPoly.from_derivatives(rows.t_s, np.stack([rows.q_m, rows.qd_mps, rows.qdd_mps2], 1))
+    for method, function in (("cubic", CubicHermiteSpline(rows.t_s, rows.q_m, rows.qd_mps)), ("quintic", quintic)):
+        seen = np.abs(function(t) - waiting.q(t)).max(axis=0)
+        assert (seen <= found[method].deviation_m).all()
+        assert (found[method].deviation_m <= 1.2 * seen + 1e-12).all()
 
 
 def test_deviations_fall_with_the_period(moving: Trajectory) -> None:
