@@ -59,8 +59,9 @@ _SIZE = 6
 _ATTEMPTS, _ATTEMPTS_WITH_ERRORS = 3, 6
 _INFLATION, _CAREFULLY = 1.5, 1.2
 """Near the largest errors few radii are neither too small nor too large."""
-SLACK = arb(0.95)
-"""Share of a radius that has to suffice, so that other arithmetic with wider enclosures can verify the same boxes."""
+SLACK, _SLACK_WITH_ERRORS = arb(0.95), arb(0.9)
+"""Share of a radius that has to suffice, so that other arithmetic with wider enclosures can verify the same boxes; with
+errors of actuators enclosures are wider still."""
 LEAST_RADIUS = 1e-6
 """Least radius of a box in metres and radians, so that neighbours overlap despite rounding."""
 
@@ -183,14 +184,14 @@ def include(
     rest = added(own, following.miss)
     if uncertainty.calibration:
         rest = added(rest, times(miss, times(C_abs, E)))
-    inflation, worst = _INFLATION, np.inf
+    inflation, worst, slack = _INFLATION, np.inf, _SLACK_WITH_ERRORS if following.any else SLACK
     for _ in range(_ATTEMPTS_WITH_ERRORS if following.any else attempts):
         radius = [arb(value) for value in box.radius]
         reach = added(moved, radius)
         hull = _hull(machine, series, reach)
         D = jacobian_change(machine, hull, uncertainty)
         image = _image(C_over, hull, (miss, rest, E, moved, D), following, radius)
-        if all(k < r * SLACK for k, r in zip(image, radius, strict=True)):
+        if all(k < r * slack for k, r in zip(image, radius, strict=True)):
             return Inclusion(box, inverse, image, E, D, following)
         if not all(k.is_finite() and k < 1 for k in image):
             return None

@@ -11,11 +11,13 @@ from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following.broken_limits import Broken, breaking_errors
 from pipeline.certify.following.profile import prove_profile
 from pipeline.certify.following.search import Search, largest_error, new_search
+from pipeline.certify.following.second_process import begun
 from pipeline.certify.following.weights import BY_VELOCITY, COMMON, following_weights
 from pipeline.certify.monte_carlo import failing_eps
 from pipeline.certify.problem import Memory, ProofProblem, build_problem
 from pipeline.certify.result import FollowingTolerances, ProvenChain, Tolerance, proven_chain
 from pipeline.config import Config
+from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import Uncertainty, of_actuators
 from pipeline.limits import error_proven_limits
 from pipeline.machine.geometry import Machine
@@ -47,26 +49,49 @@ def search_following(config: Config, machine: Machine, path: Path, monitor: Moni
     """Search the largest errors of the actuators, of every kind: eps is that of the actuator with the largest.
 
     Each is searched twice: with the limits of kappa, distances and joints kept, and with none, so that the motion
-    merely stays regular and on its branch.
+    merely stays regular and on its branch. With two processors the first searches run in a second process, the others
+    and the profiles here: neither needs anything of the other, and what is found is the same.
     """
+    given = _given(config, machine, path)
+    with begun(_search_within_limits_apart, config, machine, path) as apart:
+        branch = dict[str, Tolerance]()
+        for name, weights in following_weights(machine).items():
+            likely_m = branch[COMMON].eps_m if branch else 0.0
+            branch[name] = _late(_on_branch(given, weights, likely_m or _FIRST_M, monitor), name, machine)
+        calibrated = _calibrated(given, branch[COMMON], monitor)
+        likely_m = branch[COMMON].eps_m or _FIRST_M
+        keep = build_error_examiner(error_proven_limits(config, machine))
+        profiles = {
+            name: _profile(given, examine, likely_m, monitor)
+            for name, examine in (("within_limits", keep), ("on_branch", accept_any))
+        }
+        monitor.progress("searching errors within limits")
+        within = apart.result(lambda: _search_within_limits(given, monitor))
+    proven = {name: chain for name, chain in profiles.items() if chain is not None}
+    return FollowingTolerances(within, branch, calibrated, proven)
+
+
+def _given(config: Config, machine: Machine, path: Path) -> _Path:
     problem = replace(build_problem(machine, path, _LEAST_WIDTH), memory=Memory())
     s = np.linspace(0.0, 1.0, _SAMPLES)
-    given = _Path(config, problem, float(s[np.argmax(kappa_along(path, s))]))
-    limits = error_proven_limits(config, machine)
-    keep = build_error_examiner(limits)
-    within, branch, likely_m = dict[str, Tolerance](), dict[str, Tolerance](), _FIRST_M
+    return _Path(config, problem, float(s[np.argmax(kappa_along(path, s))]))
+
+
+def _search_within_limits_apart(config: Config, machine: Machine, path: Path) -> dict[str, Tolerance]:
+    """Search within limits in a process of its own."""
+    with working_precision(config.certify.precision_bits):
+        return _search_within_limits(_given(config, machine, path), QUIET)
+
+
+def _search_within_limits(given: _Path, monitor: Monitor) -> dict[str, Tolerance]:
+    """Search errors of every kind with the limits kept."""
+    machine, path = given.problem.machine, given.problem.path
+    limits = error_proven_limits(given.config, machine)
+    keep, found = build_error_examiner(limits), dict[str, Tolerance]()
     for name, weights in following_weights(machine).items():
         seen = breaking_errors(limits, path, weights)
-        within[name] = _late(_within_limits(given, weights, keep, seen, monitor), name, machine)
-        branch[name] = _late(_on_branch(given, weights, likely_m, monitor), name, machine)
-        likely_m = branch[COMMON].eps_m or _FIRST_M
-    profiles = {
-        name: _profile(given, examine, found[COMMON].eps_m, monitor)
-        for name, examine, found in (("within_limits", keep, within), ("on_branch", accept_any, branch))
-        if found[COMMON].eps_m > 0.0
-    }
-    proven = {name: chain for name, chain in profiles.items() if chain is not None}
-    return FollowingTolerances(within, branch, _calibrated(given, branch[COMMON], monitor), proven)
+        found[name] = _late(_within_limits(given, weights, keep, seen, monitor), name, machine)
+    return found
 
 
 def _within_limits(given: _Path, weights: FloatArray, keep: Examiner, seen: Broken, monitor: Monitor) -> Tolerance:
@@ -105,6 +130,7 @@ def _late(tolerance: Tolerance, name: str, machine: Machine) -> Tolerance:
 
 
 def _profile(given: _Path, examine: Examiner, likely_m: float, monitor: Monitor) -> ProvenChain | None:
+    """Prove errors over s; None if some s bears none."""
     search = given.search(of_actuators(np.ones(5)), examine)
     return prove_profile(search, likely_m, within_limits=examine is not accept_any, monitor=monitor)
 

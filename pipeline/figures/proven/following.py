@@ -14,7 +14,7 @@ def following_figure(following: FollowingProfile) -> Figure:
     axes = figure.subplots()
     for steps, colour, name in (
         (following.on_branch_m, style.GREY, "stays regular and on its branch, limits may be broken"),
-        (following.within_limits_m, style.BLUE, "limits of κ and distances kept, too"),
+        (following.within_limits_m, style.BLUE, "limits of κ, distances and joints kept, too"),
     ):
         if np.isfinite(steps).any():
             axes.stairs(1e3 * steps, following.s, baseline=None, color=colour, linewidth=1.0, label=name)

@@ -12,6 +12,7 @@ from pipeline.certify.following.profile import prove_profile
 from pipeline.certify.following.search import Search, largest_error, new_search, piece_at
 from pipeline.certify.following.tolerances import search_following, tilt_reserve_deg
 from pipeline.certify.problem import build_problem
+from pipeline.certify.result import FollowingTolerances, ProvenChain
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import CERTAIN, of_actuators
@@ -19,6 +20,7 @@ from pipeline.limits import error_proven_limits
 from pipeline.machine import Machine
 from pipeline.machine.kinematics import newton
 from pipeline.machine.samples import PoseSamples
+from pipeline.parallel import THREADS
 from pipeline.refine import Path
 from tests.certify.paths import START, pose_path
 
@@ -150,13 +152,20 @@ def test_the_tilts_reserve_covers_all_corners(near: Path) -> None:
 
 
 @pytest.mark.slow
-def test_every_kind_of_error_is_searched_for_both_claims(near: Path, tight: tuple[Config, Machine]) -> None:
-    """Slower actuators off by less, or fewer of them off, leave the others more room; limits ask for less."""
+def test_every_kind_of_error_is_searched_for_both_claims(
+    near: Path, tight: tuple[Config, Machine], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Slower actuators off by less, or fewer of them off, leave the others more room; limits ask for less.
+
+    In one process the same is found as in two.
+    """
     config, machine = tight
     options = config.certify.model_copy(update={"following_coordinate_m": 2e-5})
     config = config.model_copy(update={"certify": options})
     with working_precision(64):
         found = search_following(config, machine, near)
+        monkeypatch.setenv(THREADS, "1")
+        alone = search_following(config, machine, near)
     names = ["common", "by_velocity", "c1", "c2", "c3", "l2b", "l3b"]
     assert list(found.within_limits) == list(found.on_branch) == names
     for name in names:
@@ -173,3 +182,14 @@ def test_every_kind_of_error_is_searched_for_both_claims(near: Path, tight: tupl
     assert found.calibrated is not None
     assert found.calibrated.eps_m < found.on_branch["common"].refuted_m
     assert set(found.profiles) == {"within_limits", "on_branch"}
+    for one, other in zip(_chains(found), _chains(alone), strict=True):
+        assert (one.uncertainty, one.profile_m) == (other.uncertainty, other.profile_m)
+        assert [box.last for box in one.boxes] == [box.last for box in other.boxes]
+
+
+def _chains(found: FollowingTolerances) -> list[ProvenChain]:
+    tolerances = (*found.within_limits.values(), *found.on_branch.values())
+    assert set(found.profiles) == {"within_limits", "on_branch"}
+    return [one.chain for one in tolerances if one.chain is not None] + [
+        found.profiles[key] for key in sorted(found.profiles)
+    ]
