@@ -47,6 +47,10 @@ reference: $(DEV)
 	$(BIN)/python -m tests.show.page.picture $(REFERENCE)/show.png
 	mkdir -p results/reference/agder-bodies
 	$(BIN)/gantry-tau check configs/agder-bodies.yaml --picture results/reference/agder-bodies/machine.png
+	mkdir -p results/reference/spindle
+	$(BIN)/gantry-tau run configs/spindle.yaml --out results/spindle --force
+	$(BIN)/gantry-tau check configs/spindle.yaml --picture results/reference/spindle/machine.png
+	$(BIN)/python -m tests.benchmarks.swept results/spindle results/reference/spindle/swept.png
 
 # The studies that are kept in git, with their pictures: of 4-DOF machines, ten minutes; of the machine's dimensions, some.
 STUDIES := four_dof design

@@ -27,6 +27,7 @@ class Base(StrEnum):
     TINY = "tiny"
     FAST = "fast"
     BODIES = "agder-bodies"
+    SPINDLE = "spindle"
 
 
 _MEANING = {
@@ -35,6 +36,7 @@ _MEANING = {
     Base.TINY: "the reference machine and task on a grid so coarse that the paper's own program can be solved",
     Base.FAST: "the reference machine, driven as fast as a limit of kappa allows",
     Base.BODIES: "the reference machine with bodies: platform, tool, links, carts, rails and posts",
+    Base.SPINDLE: "the reference machine with bodies and a spindle ahead of its platform, on a coarse grid",
 }
 
 
