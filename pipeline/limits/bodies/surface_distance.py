@@ -1,12 +1,12 @@
 """The least distance between the surfaces of pairs of bodies, which kinds of limit have in common."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from pipeline.arrays import BoolArray, FloatArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.limits.axis_distance import PROOF_SLACK_M
 from pipeline.limits.interface.limit import Curve, Wording
 from pipeline.limits.interface.proof import CertificateKey, ProvenQuantity
@@ -77,6 +77,10 @@ class SurfaceDistance:
     def values(self, samples: PoseSamples) -> FloatArray:
         """Compute the distances of all pairs, at most `REACH_M` above the least one, shape (n, pairs)."""
         return body_distances(self.bodies, samples, self.least + REACH_M)
+
+    def only(self, columns: IntArray) -> Self:
+        """Limit some of the pairs alone, given by their numbers (k,)."""
+        return replace(self, bodies=self.bodies.only(columns))
 
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute distances less the least one, shape (n, pairs)."""
