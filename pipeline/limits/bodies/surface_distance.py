@@ -10,7 +10,7 @@ from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.limits.axis_distance import PROOF_SLACK_M
 from pipeline.limits.interface.limit import Curve, Wording
 from pipeline.limits.interface.proof import CertificateKey, ProvenQuantity
-from pipeline.machine.bodies.distances import are_clear, body_distances
+from pipeline.machine.bodies.distances import are_clear, body_distances, least_distances
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.shapes.model import Bodies
 
@@ -108,7 +108,7 @@ class SurfaceDistance:
 
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return the least distance at each sample."""
-        values = body_distances(self.bodies, samples).min(axis=1)
+        values = least_distances(self.bodies, samples)
         return (Curve(f"least {self.wording.name}", "m", values, self.least, np.inf),)
 
     def readings(self, samples: PoseSamples) -> Sequence[Curve]:
