@@ -7,6 +7,7 @@ A new kind of limit is a module with the functions of `LimitKind`, its entry in 
 from pipeline.limits.interface.direction import DirectedLimit, applying, counting, end_stretches
 from pipeline.limits.interface.limit import (
     Curve,
+    DivisibleLimit,
     ErrorProvenLimit,
     Limit,
     NodeLimit,
@@ -42,6 +43,7 @@ __all__ = [
     "CertificateKey",
     "Curve",
     "DirectedLimit",
+    "DivisibleLimit",
     "ErrorProvenLimit",
     "Limit",
     "LimitKind",

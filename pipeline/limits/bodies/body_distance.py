@@ -10,7 +10,7 @@ from pipeline.limits.interface.limit import Limit
 from pipeline.limits.interface.measure import Measure
 from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, Side
 from pipeline.limits.interface.relaxation import Relaxation, with_values
-from pipeline.machine.bodies.distances import body_distances
+from pipeline.machine.bodies.distances import body_distances, least_distance
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 
@@ -71,7 +71,7 @@ def _premises(config: Config) -> dict[str, Any]:
 
 def _least(samples: PoseSamples) -> float:
     assert samples.machine.bodies is not None
-    return float(body_distances(samples.machine.bodies, samples).min())
+    return least_distance(samples.machine.bodies, samples)
 
 
 CERTIFICATE = CertificateEntry((BODY_DISTANCE,), _premises)

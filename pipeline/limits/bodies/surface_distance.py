@@ -1,16 +1,16 @@
 """The least distance between the surfaces of pairs of bodies, which kinds of limit have in common."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from pipeline.arrays import BoolArray, FloatArray
+from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.limits.axis_distance import PROOF_SLACK_M
 from pipeline.limits.interface.limit import Curve, Wording
 from pipeline.limits.interface.proof import CertificateKey, ProvenQuantity
-from pipeline.machine.bodies.distances import are_clear, body_distances
+from pipeline.machine.bodies.distances import are_clear, body_distances, least_distances
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.shapes.model import Bodies
 
@@ -78,6 +78,10 @@ class SurfaceDistance:
         """Compute the distances of all pairs, at most `REACH_M` above the least one, shape (n, pairs)."""
         return body_distances(self.bodies, samples, self.least + REACH_M)
 
+    def only(self, columns: IntArray) -> Self:
+        """Limit some of the pairs alone, given by their numbers (k,)."""
+        return replace(self, bodies=self.bodies.only(columns))
+
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute distances less the least one, shape (n, pairs)."""
         return self.values(samples) - self.least
@@ -104,7 +108,7 @@ class SurfaceDistance:
 
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return the least distance at each sample."""
-        values = body_distances(self.bodies, samples).min(axis=1)
+        values = least_distances(self.bodies, samples)
         return (Curve(f"least {self.wording.name}", "m", values, self.least, np.inf),)
 
     def readings(self, samples: PoseSamples) -> Sequence[Curve]:

@@ -9,7 +9,7 @@ Not every limit answers every question: each question has a protocol of its own.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -151,6 +151,14 @@ class NodeLimit(Protocol):
 
     def program_part(self, nodes: "Nodes") -> "ProgramPart":
         """Write the rows, and unknowns of its own, of the nonlinear program."""
+
+
+@runtime_checkable
+class DivisibleLimit(NodeLimit, Protocol):
+    """A limit of many values, few of which count at a time, and that are computed apart from the others."""
+
+    def only(self, columns: IntArray) -> Self:
+        """Limit some of the values alone, given by their columns (k,)."""
 
 
 @runtime_checkable

@@ -21,6 +21,8 @@ _BLOCK = 2_048
 """Poses at a time: what belongs to them stays in fast memory."""
 _FEW = 512
 """Poses at a time where all distances are computed: pairs are looked at all at a time then."""
+_REACHES_M = (0.02, 0.1, 0.5, np.inf)
+"""Distances within which the least one is looked for, one after the other."""
 _RANKED = 128
 """Poses by which pairs are ranked, those that refuse most of them first."""
 _DEAD = 0.25
@@ -126,6 +128,24 @@ def body_distances(bodies: Bodies, samples: PoseSamples, reach_m: float = np.inf
         pair, row = np.nonzero(placed.all_near(reach_m))
         found[begin + row, pair] = np.minimum(placed.distances_of(pair, row, reach_m), reach_m)
     return found
+
+
+def least_distances(bodies: Bodies, samples: PoseSamples) -> FloatArray:
+    """Compute the least distance of all pairs at each of n poses, shape (n,): no pair is pursued that is not near."""
+    least, rows = np.empty(len(samples)), np.arange(len(samples))
+    for reach in _REACHES_M:
+        least[rows] = body_distances(bodies, samples.take(rows), reach).min(axis=1)
+        rows = rows[least[rows] >= reach]
+    return least
+
+
+def least_distance(bodies: Bodies, samples: PoseSamples) -> float:
+    """Compute the least distance of all pairs at any of n poses."""
+    for reach in _REACHES_M:
+        least = float(body_distances(bodies, samples, reach).min())
+        if least < reach:
+            break
+    return least
 
 
 def are_clear(bodies: Bodies, samples: PoseSamples) -> BoolArray:

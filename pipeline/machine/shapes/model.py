@@ -1,9 +1,9 @@
 """Bodies as arrays: hulls of points that move with a frame, and the pairs of them that are kept apart."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 
 
 class FrameKind(Enum):
@@ -103,6 +103,18 @@ class Bodies:
     names: tuple[str, ...]
     clearance_m: float
     neighbours: tuple[Neighbours, ...]
+
+    def only(self, pairs: IntArray) -> "Bodies":
+        """Keep some of the pairs (k,), by their numbers, and the hulls that they are of."""
+        kept = [self.pairs[number] for number in pairs.tolist()]
+        used = sorted({number for pair in kept for number in pair})
+        new = {number: k for k, number in enumerate(used)}
+        return replace(
+            self,
+            hulls=tuple(self.hulls[number] for number in used),
+            pairs=tuple((new[i], new[j]) for i, j in kept),
+            names=tuple(self.names[number] for number in pairs.tolist()),
+        )
 
     def radii_m(self, pair: tuple[int, int]) -> float:
         """Sum of the radii of a pair: distances of hulls less this are those of surfaces."""

@@ -5,12 +5,13 @@ The unknowns of a step, in this order: changes of the coefficients (5 n), the la
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
-from pipeline.limits import NodeLimit
+from pipeline.limits import DivisibleLimit, NodeLimit
 from pipeline.machine.pose import CONTROLLED
 from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.corridor.cone import Walls
@@ -108,11 +109,25 @@ def _limit(points: EvaluationPoints, required: LeastValues, iterate: Iterate, fr
     count = least.shape[1]
 
     def slope(rows: IntArray) -> csr_array:
-        at = free[rows // count]
-        return by_unknowns(points, at, iterate.slopes(limit.values)[at, rows % count])
+        return by_unknowns(points, free[rows // count], _slopes(limit, iterate, free[rows // count], rows % count))
 
-    value = limit.values(iterate.samples)[free].ravel()
+    value = _values(required, iterate)[free].ravel()
     return Constraint(value, least.ravel(), np.full(len(value), np.inf), limit.slack, slope, limit.near)
+
+
+@lru_cache(maxsize=16)
+def _values(required: LeastValues, iterate: Iterate) -> FloatArray:
+    """Compute the values (k, m) of a limit; the last results are kept, since an iterate is looked at several times."""
+    return required.limit.values(iterate.samples)
+
+
+def _slopes(limit: NodeLimit, iterate: Iterate, at: IntArray, column: IntArray) -> FloatArray:
+    """Differentiate values of a limit by the actuators, each of a column (n,) at a point (n,). Shape (n, 5)."""
+    if not isinstance(limit, DivisibleLimit):
+        return iterate.slopes(limit.values)[at, column]
+    points, here = np.unique(at, return_inverse=True)
+    columns, there = np.unique(column, return_inverse=True)
+    return iterate.slopes_at(points, limit.only(columns).values)[here, there]
 
 
 def _sides(points: EvaluationPoints, corridor: Corridor, iterate: Iterate) -> Constraint:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
-from pipeline.arrays import FloatArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.geometry import Machine
 from pipeline.machine.kinematics import newton, pose_jacobian
 from pipeline.machine.samples import PoseSamples
@@ -109,9 +109,12 @@ class Iterate:
 
     def slopes(self, of: Callable[[PoseSamples], FloatArray]) -> FloatArray:
         """Differentiate a function of poses and actuators with values (k, ...) by the actuators. Shape (k, ..., 5)."""
-        ahead, behind = np.split(of(self._beside), 2)
-        columns = ((ahead - behind) / (2.0 * _DIFFERENCE_M)).reshape(5, len(self.samples), *ahead.shape[1:])
-        return np.moveaxis(columns, 0, -1)
+        return _central_differences(of(self._beside))
+
+    def slopes_at(self, points: IntArray, of: Callable[[PoseSamples], FloatArray]) -> FloatArray:
+        """Differentiate such a function at some of the points (m,) only. Shape (m, ..., 5)."""
+        beside = np.arange(0, len(self._beside), len(self.samples))[:, None] + points
+        return _central_differences(of(self._beside.take(beside.ravel())))
 
     @cached_property
     def _beside(self) -> PoseSamples:
@@ -124,6 +127,12 @@ class Iterate:
             np.concatenate([samples.pose + pose, samples.pose - pose]).reshape(-1, 6),
             np.concatenate([samples.q_m + q, samples.q_m - q]).reshape(-1, 5),
         )
+
+
+def _central_differences(beside: FloatArray) -> FloatArray:
+    """Differentiate by the actuators, given values (10 k, ...) with each moved ahead, then behind. (k, ..., 5)."""
+    ahead, behind = beside.reshape(2, 5, -1, *beside.shape[1:])
+    return np.moveaxis((ahead - behind) / (2.0 * _DIFFERENCE_M), 0, -1)
 
 
 def iterate_at(points: EvaluationPoints, coefficients: FloatArray, near: FloatArray) -> Iterate | None:

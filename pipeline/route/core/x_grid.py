@@ -16,7 +16,7 @@ from pipeline.route.regions.table import RegionTable
 
 _MOST_STATES = 400_000_000
 """Arcs times grid points times travels: cores in which there are more are not searched."""
-_BLOCK = 2_000_000
+_BLOCK = 50_000
 """Moves times grid points at a time."""
 
 

@@ -92,6 +92,9 @@ def check_pairs(
     A move and its reverse are one line, which is followed once unless limits depend on the direction; memory is
     bounded by working in blocks.
     """
+    # A few rows of a large table are all that is looked at.
+    rows, numbers = np.unique([source, target], return_inverse=True)
+    regions, (source, target) = regions.take(rows), numbers.reshape(2, -1)
     without_x = move_limits(config, machine, given_x=False)
     follower = _Follower.of(config, machine, without_x)
     pose, q = regions.pose, regions.q_m.copy()

@@ -101,6 +101,8 @@ class _Follower:
 
     def _broken(self, pairs: Bodies, applies: BoolArray, ends: IntArray, x: FloatArray) -> BoolArray:
         """Follow moves (m, 2) at x (m, 2) of their ends; what may change its branch counts as broken."""
+        counting = np.flatnonzero(applies.any(axis=0))
+        pairs, applies = pairs.only(counting), applies[:, counting]
         pose, q = self.regions.pose[ends], self.regions.q_m[ends]
         q[..., :3] += (x - pose[..., 0])[..., None]
         pose[..., 0] = x

@@ -7,7 +7,7 @@ the smoothest is taken: the least sum of squared moves, a small quadratic progra
 from collections.abc import Callable
 
 import numpy as np
-from scipy.sparse import block_array, csc_array
+from scipy.sparse import csc_array
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.route.cost.objectives import route_cost
@@ -19,6 +19,9 @@ _LEAST_S = 1.0
 """Seconds that a program of one sequence may take even when the time is up: it takes milliseconds."""
 _MOST_CUTS = 100
 """Tangents of a move at most; a dozen do."""
+
+_Tangent = tuple[FloatArray, FloatArray]
+"""Costs of n moves at no travel, and their slopes, (n,) each."""
 
 
 def smoothest_x(
@@ -58,11 +61,12 @@ def cheapest_x(
     Kelley's cutting planes: linear programs over tangents of the moves' costs, which are convex in their travel, until
     the cost is that of the tangents. None: no x keeps the windows, (13) and the budgets.
     """
+    regions, rows = regions.take(rows), np.arange(len(rows))
     ends = regions, rows[:-1], rows[1:]
-    travels = problem.cost.first_travel(*ends, 0.0)
+    tangents = [problem.cost.tangent(*ends, travel) for travel in problem.cost.first_travel(*ends, 0.0)]
     best: tuple[FloatArray, float] | None = None
     for _ in range(_MOST_CUTS):
-        outcome = solve_program(_x_program(problem, regions, rows, travels), max(problem.deadline.left_s, _LEAST_S))
+        outcome = solve_program(_x_program(problem, regions, tangents), max(problem.deadline.left_s, _LEAST_S))
         if not outcome.status.solved or outcome.values.size == 0:
             return best
         # The solver's tolerance must not put a cart beyond its rail.
@@ -72,31 +76,31 @@ def cheapest_x(
             best = x, cost
         if best[1] - outcome.objective <= close * abs(best[1]):
             break
-        travels = np.vstack([travels, np.diff(x)])
+        tangents.append(problem.cost.tangent(*ends, np.diff(x)))
     return best
 
 
-def _x_program(problem: RouteProblem, regions: RegionTable, rows: IntArray, travels_m: FloatArray) -> LinearProgram:
-    """Write the linear program of tangents at travels (k, n - 1): x, then the cost and the |dx| of each move."""
-    n, moves = len(rows), len(rows) - 1
-    change = csc_array(np.diff(np.eye(n), axis=0))
-    eye, step = csc_array(np.eye(moves)), problem.options.x_step_m
-    low, high = regions.x_window_m[rows].T
-    blocks: list[list[csc_array | None]] = [[change, None, None], [change, None, -eye], [-change, None, -eye]]
+def _x_program(problem: RouteProblem, regions: RegionTable, tangents: list[_Tangent]) -> LinearProgram:
+    """Write the linear program of tangents, for n rows in their order: x, then the cost and the |dx| of each move."""
+    n, moves = len(regions), len(regions) - 1
+    ends = regions, np.arange(moves), np.arange(1, n)
+    change, eye, none = np.diff(np.eye(n), axis=0), np.eye(moves), np.zeros((moves, moves))
+    step = problem.options.x_step_m
+    low, high = regions.x_window_m.T
+    blocks = [[change, none, none], [change, none, -eye], [-change, none, -eye]]
     row_low = [np.full(moves, -step), np.full(2 * moves, -np.inf)]
     row_high = [np.full(moves, step), np.zeros(2 * moves)]
-    for dx in travels_m:
-        constant, slope = problem.cost.tangent(regions, rows[:-1], rows[1:], dx)
-        blocks.append([csc_array(-slope[:, None] * change.toarray()), eye, None])
+    for constant, slope in tangents:
+        blocks.append([-slope[:, None] * change, eye, none])
         row_low.append(constant)
         row_high.append(np.full(moves, np.inf))
     for budget in problem.budgets:
         if budget.travels:
-            blocks.append([None, None, csc_array(np.ones((1, moves)))])
+            blocks.append([np.zeros((1, n)), np.zeros((1, moves)), np.ones((1, moves))])
             row_low.append(np.array([-np.inf]))
-            row_high.append(np.array([budget.limit - budget.used(regions, rows[:-1], rows[1:]).sum()]))
+            row_high.append(np.array([budget.limit - budget.used(*ends).sum()]))
     return LinearProgram(
-        matrix=csc_array(block_array(blocks, format="csc")),
+        matrix=csc_array(np.block(blocks)),
         cost=np.concatenate([np.zeros(n), np.ones(moves), np.zeros(moves)]),
         column_bounds=(np.concatenate([low, np.zeros(2 * moves)]), np.concatenate([high, np.full(2 * moves, np.inf)])),
         row_bounds=(np.concatenate(row_low), np.concatenate(row_high)),

@@ -53,6 +53,16 @@ def test_admitted_poses_have_no_margin_below_zero(bodies_machine: Machine, draw_
     np.testing.assert_allclose(limit.excess(samples), -limit.margins(samples))
 
 
+def test_some_pairs_alone_have_the_distances_they_have_among_all(bodies_machine: Machine, draw_poses) -> None:
+    """In the order in which they are asked for, without the hulls that none of them is of."""
+    drawn, columns = draw_poses(bodies_machine, 6, 50), np.array([7, 2, 90])
+    samples, limit = PoseSamples(bodies_machine, drawn.pose, drawn.q_m), limit_of(bodies_machine)
+    some = limit.only(columns)
+    np.testing.assert_array_equal(some.values(samples), limit.values(samples)[:, columns])
+    assert some.bodies.names == tuple(limit.bodies.names[k] for k in columns.tolist())
+    assert len(some.bodies.hulls) <= 2 * len(columns)
+
+
 def test_what_is_too_close_is_named_worst_first(bodies_machine: Machine, draw_poses) -> None:
     """Three pairs at most, and how many more there are."""
     drawn = draw_poses(bodies_machine, 6, 300)

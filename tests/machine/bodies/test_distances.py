@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.config import Config
 from pipeline.machine import Machine, build_machine
-from pipeline.machine.bodies.distances import are_clear, body_distances
+from pipeline.machine.bodies.distances import are_clear, body_distances, least_distance, least_distances
 from pipeline.machine.bodies.placement import Frames
 from pipeline.machine.clearance import link_pairs
 from pipeline.machine.samples import PoseSamples
@@ -114,3 +114,15 @@ def test_spheres(quick_config: Config, vary, draw_poses) -> None:
     along = np.clip(np.einsum("nlc,nlc->nl", centre[:, None] - joints, vectors) / (vectors**2).sum(axis=2), 0.0, 1.0)
     expected = np.linalg.norm(joints + along[..., None] * vectors - centre[:, None], axis=2) - 0.05
     np.testing.assert_allclose(body_distances(machine.bodies, samples), expected, atol=1e-12)
+
+
+def test_the_least_distances_are_those_of_all_pairs(bodies_machine: Machine, samples: PoseSamples) -> None:
+    """At every pose, and at poses where nothing is near alone."""
+    bodies = bodies_machine.bodies
+    assert bodies is not None
+    exact = body_distances(bodies, samples).min(axis=1)
+    np.testing.assert_allclose(least_distances(bodies, samples), exact, atol=1e-11)
+    for far in (0.0, 0.02):
+        rows = np.flatnonzero(exact > far)
+        assert 0 < len(rows) < len(samples)
+        assert least_distance(bodies, samples.take(rows)) == pytest.approx(exact[rows].min(), abs=1e-11)

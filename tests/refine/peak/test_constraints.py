@@ -6,11 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.arrays import IntArray
 from pipeline.config import Config
 from pipeline.limits import node_limits
+from pipeline.limits.axis_distance import AxisDistance
 from pipeline.machine import Machine, link_distances
 from pipeline.machine.working_modes import reach_along_rails
-from pipeline.refine.peak.constraints import Constraint, LeastValues, least_values
+from pipeline.refine.peak.constraints import Constraint, LeastValues, least_values, pose_constraints
 from pipeline.refine.peak.iterate import Iterate, iterate_at
 from pipeline.refine.peak.problem import PeakProblem
 
@@ -90,3 +92,25 @@ def test_a_pair_without_margin_at_the_ends_keeps_it_where_it_has_it(peak: PeakPr
     counts = np.array([[True, False], [True, True], [False, True]])
     wanted = least_values(limit, distance, 0.001, counts).least
     np.testing.assert_array_equal(np.isinf(wanted), ~counts)
+
+
+class _Divisible(AxisDistance):
+    """Distances of which some are computed apart from the others."""
+
+    def only(self, columns: IntArray) -> AxisDistance:
+        return replace(self, distances_m=lambda samples: self.distances_m(samples)[:, columns])
+
+
+def test_values_computed_apart_have_the_slopes_of_all(guarded: PeakProblem, iterate: Iterate) -> None:
+    """A limit of many values is differentiated where they are near, and nothing else of it."""
+    required = guarded.required.limits[-1]
+    assert isinstance(required.limit, AxisDistance)
+    divisible = replace(required, limit=_Divisible(**vars(required.limit)))
+    slopes = []
+    for one in (required, divisible):
+        paths = replace(guarded.required, limits=[one])
+        _, constraint, *_ = pose_constraints(guarded.points, paths, iterate)
+        rows = np.arange(5, len(constraint.value), 7)
+        slopes.append(constraint.slope(rows).toarray())
+    np.testing.assert_array_equal(slopes[1], slopes[0])
+    assert slopes[0].any()

@@ -51,3 +51,11 @@ def test_derivatives_by_the_actuators_agree_with_differences(
 def test_coefficients_that_cannot_close_give_no_iterate(points: EvaluationPoints, iterate: Iterate) -> None:
     """A cart five metres away tears the machine apart."""
     assert iterate_at(points, iterate.coefficients + [0.0, 0.0, 5.0, 0.0, 0.0], iterate.samples.pose) is None
+
+
+def test_differences_at_some_points_are_those_at_all(iterate: Iterate) -> None:
+    """Of whatever values there are at a pose, in whatever order the points are given."""
+    some = np.array([4, 1, 7])
+    np.testing.assert_array_equal(
+        iterate.slopes_at(some, lambda samples: samples.reach_m), iterate.slopes(lambda samples: samples.reach_m)[some]
+    )

@@ -5,6 +5,8 @@ from dataclasses import replace
 from pipeline.route.bounds.prices import priced_bounds
 from pipeline.route.deadline import Deadline
 from pipeline.route.problem import RouteProblem
+from pipeline.route.search.best_so_far import BestSoFar
+from pipeline.route.search.first_route import offer_first_route
 from pipeline.route.search.optimum import prove_on_core
 from pipeline.route.search.states import unexpanded_graph
 
@@ -22,6 +24,25 @@ def test_a_route_found_in_time_is_kept_with_its_gap(small, pose_problem, vary):
     assert not found.proven
     assert found.bound <= best.objective + 1e-6
     assert found.objective >= best.objective - 1e-6
+
+
+def test_moves_beside_a_refused_one_are_followed_with_it(small, pose_problem, vary):
+    """What is in the way of a move is mostly in the way of others: one search of a path more serves them all."""
+    posed = pose_problem(vary(small.config, {"route.objective": "integral"}))
+    problem = RouteProblem.of(posed.config, posed.machine, posed.regions, posed.moves)
+    bounds = priced_bounds(posed.regions, posed.moves, problem.cost, ())
+    graph, asked = unexpanded_graph(posed.regions, posed.moves), []
+
+    def refuse_one(core, moves, base):
+        asked.append(core)
+        refused = (moves.source == asked[0].source[0]) & (moves.target == asked[0].target[0])
+        return moves.take(~refused) if refused.any() else moves
+
+    offer_first_route(problem, graph, bounds, refuse_one, BestSoFar(graph, bounds, bounds.optimum))
+    source, target = asked[0].source[0], asked[0].target[0]
+    assert ((asked[1].source == source) | (asked[1].target == target)).all()
+    assert not ((asked[1].source == source) & (asked[1].target == target)).any()
+    assert len(asked[1]) > 1
 
 
 class _EndsWhenAsked(Deadline):
