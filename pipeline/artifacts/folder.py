@@ -45,6 +45,13 @@ class RunFolder:
         self.state = state
         self.damaged = damaged
         self._attic: Path | None = None
+        self._moved: list[str] = []
+
+    @property
+    def superseded(self) -> tuple[Path, tuple[str, ...]] | None:
+        """Where files of earlier runs were moved to, and those that have no successor; None if there are none."""
+        gone = tuple(name for name in dict.fromkeys(self._moved) if not (self.path / name).exists())
+        return (self._attic, gone) if self._attic is not None and gone else None
 
     def change(
         self,
@@ -97,6 +104,7 @@ class RunFolder:
             target.parent.mkdir(parents=True, exist_ok=True)
             (self.path / name).replace(target)
             _remove_if_empty((self.path / name).parent)
+        self._moved += names
 
 
 @contextlib.contextmanager

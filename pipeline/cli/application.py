@@ -43,8 +43,9 @@ One YAML file describes the machine and the task. A run turns it into a
 route (which regions, which working modes), a path (a smooth curve in
 actuator space) and a trajectory (that curve in time, for the controller).
 
-Exit codes: 0 done; 1 no solution, with the reason and what to change;
-2 bad usage or configuration; 130 interrupted.
+Exit codes: 0 done; 1 no solution, or a route not proven optimal, with the
+reason and what to change; 2 bad usage or configuration, with the key;
+130 interrupted; 141 nobody reads the output any more.
 """
 
 _BEGIN = (

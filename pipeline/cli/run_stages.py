@@ -37,6 +37,10 @@ def run_stages(path: Path, config: "Config", out: Path | None, options: "RunOpti
     width = max(len(str(file)) for file, _ in found)
     for file, what in found:
         console.print(f"{file!s:<{width}}  {what}", soft_wrap=True)
+    if report.superseded is not None:
+        attic, names = report.superseded
+        tops = ", ".join(dict.fromkeys(name.split("/")[0] for name in names))
+        console.print(f"Out of date, and moved to {attic}: {tops}", soft_wrap=True)
     report.require_complete()
     next_step = spec_of(specs, options.last).next_step.format(
         config=shlex.quote(str(path)),

@@ -107,7 +107,9 @@ def read_yaml(path: Path, read: Read = read_named_file) -> object:
         return parse_yaml(read(path, MOST_BYTES).decode())
     except OSError as error:
         inside = path / _IN_RUN_FOLDERS
-        hint = f"; the configuration in it is {inside}" if inside.is_file() else ""
+        hint = (
+            f"; the configuration in it is {inside}; add --out {path} to run stages there" if inside.is_file() else ""
+        )
         raise _unreadable(path, f"cannot be read: {error.strerror}{hint}") from None
     except UnicodeDecodeError:
         raise _unreadable(path, "is not a UTF-8 text file") from None

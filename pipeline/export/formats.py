@@ -56,6 +56,17 @@ class Format(StrEnum):
         """Whether it describes the machine, or moves such a description: written from the geometry as it is."""
         return self in (Format.MCAP, Format.MJCF, Format.URDF)
 
+    @property
+    def read_by(self) -> tuple[str, ...]:
+        """The interpolations by which its rows are read: by what they hold, and by what is known of their readers."""
+        return {
+            Format.PVT: ("cubic",),
+            Format.ROS2: ("quintic",),
+            Format.ROS2_JSON: ("quintic",),
+            Format.MCAP: ("quintic",),
+            Format.LINUXCNC: ("linear",),
+        }.get(self, ("linear", "cubic", "quintic"))
+
     CSV = (
         "csv",
         "trajectory_csv.format_trajectory_csv",

@@ -81,7 +81,8 @@ def run_pipeline(
             run.require_earlier(options.first)
         outcomes = [run.run(stage) for stage in (*options.last.earlier, options.last)]
         run.report_missing_part(outcomes[-1])
-        return RunReport(out, tuple(outcomes), run.prune_outdated())
+        summary = run.prune_outdated()
+        return RunReport(out, tuple(outcomes), summary, folder.superseded)
 
 
 def _check_range(out: Path, first: Stage | None, last: Stage) -> None:

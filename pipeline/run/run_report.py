@@ -24,11 +24,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class RunReport:
-    """What a run did, and where its results are."""
+    """What a run did, and where its results are; where it moved outdated files without a successor, and their names."""
 
     folder: Path
     outcomes: tuple[Outcome, ...]
     summary: dict[str, Any]
+    superseded: tuple[Path, tuple[str, ...]] | None = None
 
     def require_complete(self) -> None:
         """Require all parts of all results.

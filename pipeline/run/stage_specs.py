@@ -197,7 +197,11 @@ SPECS: Specs = (
         files=(CERTIFICATE_JSON, FOLLOWING_CSV, POSE_ERROR_CSV, POSE_ERROR_NPZ),
         section="certificate",
         words=Deferred("pipeline.summary.certificate", "certificate_words"),
-        shown=((CERTIFICATE_JSON, "the proof that the path is free of singularities, and its bounds"),),
+        shown=(
+            (CERTIFICATE_JSON, "the proof that the path is free of singularities, and its bounds"),
+            (FOLLOWING_CSV, "by how much drives may be off the path, over s"),
+            (POSE_ERROR_CSV, "how far the tool may be off, over s"),
+        ),
         next_step=_COMPARE,
         sufficient=with_sufficient_proofs,
         in_summary=Deferred("pipeline.summary.certificate", "certificate_in_summary"),

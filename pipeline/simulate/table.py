@@ -90,7 +90,11 @@ def tube_table(simulation: Simulation, check: TubeCheck) -> TextTable:
         for k, (name, row) in enumerate(zip(ACTUATORS, off.argmax(axis=0).tolist(), strict=True))
     ]
     header = ("drive", "contour error mm", "at s", "proven mm", "of proven")
-    return TextTable("distances from the path against the proven tube", header, rows, 1)
+    title = (
+        "contour errors against the proven tube (from the one point of the path nearest for all drives together: a "
+        "late telescope moves it, and carts are then off by more than their following errors)"
+    )
+    return TextTable(title, header, rows, 1)
 
 
 def tube_text(simulation: Simulation, check: TubeCheck) -> str:
@@ -98,14 +102,30 @@ def tube_text(simulation: Simulation, check: TubeCheck) -> str:
     worst, widest_mm = check.worst, 1e3 * check.tube.errors_m.min()
     share = f"{check.share[worst]:.1%} of it at {simulation.t_s[worst]:.3f} s"
     if check.inside:
-        return (
-            f"within the proven tube of {widest_mm:.4g} mm, {share}: {check.tube.meaning} by the machine as configured"
-        )
+        return f"within the proven tube of {widest_mm:.4g} mm, {share}: as configured, {check.tube.meaning}"
     left = float(simulation.t_s[np.argmax(check.share > 1.0)])
     text = f"NOT within the proven tube of {widest_mm:.4g} mm, from {left:.3f} s on, {share}: {check.tube.lost} there"
     if (tripped := trip_at(simulation, check)) is not None:
         text += f"; with following_error_trip_m at {widest_mm:.4g} mm drives would have tripped at {tripped:.3f} s"
     return text
+
+
+def trip_text(simulation: Simulation, checks: Sequence[TubeCheck]) -> str | None:
+    """Say which drives would trip only outside of a proven tube, and what to set instead; None if none would."""
+    trip_m = simulation.drives.trip_m
+    passed = [(check.tube, trip_m > check.tube.errors_m) for check in checks]
+    passed = [(tube, late) for tube, late in passed if late.any()]
+    if not passed:
+        return None
+    late = np.any([late for _, late in passed], axis=0)
+    drives = ", ".join(f"{ACTUATORS[k]} at {1e3 * trip_m[k]:.4g} mm" for k in np.flatnonzero(late))
+    if late.all() and np.ptp(trip_m) == 0.0:
+        drives = f"at {1e3 * trip_m[0]:.4g} mm"
+    proven = " and ".join(f"{1e3 * tube.errors_m.min():.4g} mm ({tube.meaning})" for tube, _ in passed)
+    return (
+        f"these drives trip too late to stay in the proven tube: {drives}, beyond {proven}; set following_error_trip_m "
+        "in drives below that, less what a drive moves off the path while it brakes, which is not known here"
+    )
 
 
 def trip_at(simulation: Simulation, check: TubeCheck) -> float | None:
@@ -126,6 +146,7 @@ def _tube_data(simulation: Simulation, check: TubeCheck) -> dict[str, Any]:
         "contour_error_m": np.abs(check.contour_error_m).max(axis=0).tolist(),
         "late_s": [float(check.late_s.min()), float(check.late_s.max())],
         "trip_at_s": trip_at(simulation, check),
+        "trips_within": bool((simulation.drives.trip_m <= check.tube.errors_m).all()),
     }
 
 

@@ -11,10 +11,12 @@ from typer.testing import CliRunner, Result
 from pipeline.artifacts import State, open_run_folder
 from pipeline.artifacts.layout import CERTIFICATE_JSON, PATH_NPZ
 from pipeline.artifacts.npz import npz_bytes
-from pipeline.artifacts.results.certificate.stored import certificate_bytes
+from pipeline.artifacts.results.certificate.stored import certificate_bytes, chains
+from pipeline.artifacts.results.following import following_files
 from pipeline.artifacts.results.path import pack_refinement
 from pipeline.certify import Certificate, Tolerance
 from pipeline.certify.chain import close_chain
+from pipeline.certify.following.steps import following_profile
 from pipeline.certify.problem import build_problem
 from pipeline.certify.result import proven_chain
 from pipeline.cli import app
@@ -36,6 +38,8 @@ def write_run(folder: pathlib.Path, config: Config, path: Path, certificate: Cer
         PATH_NPZ: npz_bytes(pack_refinement(refinement)),
         CERTIFICATE_JSON: certificate_bytes(certificate, {"seconds": 1.0}),
     }
+    if (profile := following_profile(chains(certificate))) is not None:
+        files |= following_files(profile, None)
     with open_run_folder(folder) as run:
         run.change(State(config_sha256=config_sha256(config)), files, [], dump_config(config), {})
 

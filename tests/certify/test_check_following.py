@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PPoly
 
 from pipeline.artifacts.layout import CERTIFICATE_JSON, FOLLOWING_CSV
 from pipeline.artifacts.results.certificate.stored import read_certificate
-from pipeline.artifacts.results.following import TABLE, following_files
+from pipeline.artifacts.results.following import TABLE, TIMES, following_files, table_claims
 from pipeline.certify import certify_path
 from pipeline.certify.chain import accept_any
 from pipeline.certify.examiner import build_error_examiner
@@ -29,6 +30,9 @@ from pipeline.inclusion.uncertainty import Uncertainty, of_actuators
 from pipeline.limits import error_proven_limits
 from pipeline.machine import Machine
 from pipeline.refine import Path
+from pipeline.retime import Trajectory
+from pipeline.run import open_results
+from pipeline.run.makers.following import times_at
 from tests.certify.paths import START, pose_path
 from tests.certify.runs import Data, check, forge, write_run
 from tests.certify.test_check import refused
@@ -194,15 +198,59 @@ def test_a_table_with_larger_errors_is_refused(following_run: pathlib.Path) -> N
     """At a single s, in a single column; the table that belongs to the certificate is verified."""
     profile = following_profile(read_certificate(following_run / CERTIFICATE_JSON).chains)
     assert profile is not None
-    (text,) = (content.decode() for content in following_files(profile, None).values())
-    (following_run / FOLLOWING_CSV).write_text(text)
+    text = (following_run / FOLLOWING_CSV).read_text()
     assert refused(check(following_run)) == []
     rows = [line.split(",") for line in text.splitlines()]
     rows[2][4] = f"{1.001 * float(rows[2][4]):.12f}"
     (following_run / FOLLOWING_CSV).write_text("\n".join(map(",".join, rows)) + "\n")
-    assert refused(check(following_run)) == [TABLE]
+    result = check(following_run)
+    assert refused(result) == [TABLE]
+    assert f"line 3, {text.splitlines()[0].split(',')[4]}: {float(rows[2][4]):.12g}; proven " in result.stdout
     (following_run / FOLLOWING_CSV).write_text("s\nzero\n")
     assert refused(check(following_run)) == [TABLE]
+    (following_run / FOLLOWING_CSV).unlink()
+    result = check(following_run)
+    assert refused(result) == [TABLE]
+    assert "following.csv is missing" in result.stderr
+
+
+def test_times_of_the_table_are_those_of_the_trajectory(following_run: pathlib.Path) -> None:
+    """At every row; something other than a number is never a time."""
+    results = open_results(following_run)
+    trajectory = Trajectory(results.refinement.path, PPoly([[-2.0], [3.0], [0.0], [0.0]], [0.0, 1.0]))
+    stated = results.certificate.chains
+    profile = following_profile(stated)
+    assert profile is not None
+
+    def wrong(t_s: np.ndarray, known: Trajectory | None) -> list[str]:
+        (text,) = (content for content in following_files(profile, t_s).values())
+        (following_run / FOLLOWING_CSV).write_bytes(text)
+        return [f"{one.what}: {one.found}" for one in table_claims(following_run, stated, known) if not one.verified]
+
+    times = times_at(trajectory, profile.s)
+    assert wrong(times, trajectory) == wrong(times, None) == []
+    late = times + np.where(np.arange(len(times)) == 2, 1e-3, 0.0)
+    assert wrong(late, trajectory)[0].startswith(f"{TIMES}: line 4, t_s: at ")
+    assert len(wrong(times + 0.1, trajectory)) == 1
+    words = times.astype(str)
+    words[1] = "abc"
+    for known in (trajectory, None):
+        assert wrong(words, known) == [f"{TIMES}: line 3, t_s: abc is not a number"]
+    assert len(wrong(times[::-1], None)) == 1
+
+
+def test_every_claim_that_fails_is_named_and_comes_last(following_run: pathlib.Path) -> None:
+    """With what was found, where the table ends."""
+    forge(following_run, _twice)
+    (following_run / FOLLOWING_CSV).unlink()
+    result = check(following_run)
+    wrong = refused(result)
+    assert len(wrong) > 1
+    assert all(claim in result.stderr.replace("\n", " ") for claim in wrong)
+    assert f"{len(wrong)} of " in result.stderr
+    marks = [line.split("│")[2].strip() for line in result.stdout.splitlines() if line.count("│") > 3]
+    marks = [mark for mark in marks if mark]
+    assert marks == sorted(marks, reverse=True)
 
 
 def test_a_profile_states_the_least_of_its_errors(following_run: pathlib.Path) -> None:

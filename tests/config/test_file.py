@@ -102,7 +102,8 @@ def test_a_missing_file_is_reported(tmp_path: Path):
     assert problem(tmp_path) == "cannot be read: Is a directory"
     inside = tmp_path / "config.yaml"
     inside.touch()
-    assert problem(tmp_path) == f"cannot be read: Is a directory; the configuration in it is {inside}"
+    add = f"; add --out {tmp_path} to run stages there"
+    assert problem(tmp_path) == f"cannot be read: Is a directory; the configuration in it is {inside}{add}"
 
 
 @pytest.mark.parametrize(

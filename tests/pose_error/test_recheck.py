@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.artifacts.results.pose_error import amplification_claim
 from pipeline.certify.recheck.pose_error import ERRORS, POSITION, ROTATION, StatedError, verify_pose_error
 from pipeline.certify.result import ProvenChain
 from pipeline.inclusion.uncertainty import Uncertainty
@@ -50,6 +51,31 @@ def test_smaller_errors_are_refused(line: Path, of_drives: PoseError, name: str)
     values[len(values) // 2] *= 0.99
     forged = replace(_stated(of_drives), **{name: values})
     assert _refused(line, forged) == {POSITION if name == "position_m" else ROTATION}
+
+
+def test_the_row_with_a_smaller_error_is_named(line: Path, of_drives: PoseError) -> None:
+    """With its interval and both figures, even where the largest of the table is another one."""
+    values = of_drives.position_m.copy()
+    row = int(values.argmin())
+    values[row] *= 0.9
+    stated = replace(_stated(of_drives), position_m=values)
+    (claim,) = (one for one in verify_pose_error(line.machine, line, stated, DRIVES) if not one.verified)
+    assert claim.found.startswith(f"row {row + 1}, s = {of_drives.edges[row]:.6g} to ")
+    assert f"stated {1e3 * values[row]:.6g} mm (1 of {len(values)} rows)" in claim.found
+
+
+def test_amplifications_of_the_table_are_computed_again(line: Path, of_drives: PoseError) -> None:
+    """One that is a thousandth off is refused, and named by its row."""
+    assert of_drives.chain is not None
+    assert amplification_claim(line, of_drives.chain, of_drives).verified
+    forged = of_drives.amplification.rotation_radpm.copy()
+    forged[3, 1] *= 1.001
+    gains = replace(of_drives.amplification, rotation_radpm=forged)
+    claim = amplification_claim(line, of_drives.chain, replace(of_drives, amplification=gains))
+    assert not claim.verified
+    assert claim.found.startswith("row 4, c2: ")
+    fewer = replace(gains, position=gains.position[1:], rotation_radpm=forged[1:])
+    assert not amplification_claim(line, of_drives.chain, replace(of_drives, amplification=fewer)).verified
 
 
 def _larger(chain: ProvenChain) -> ProvenChain:

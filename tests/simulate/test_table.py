@@ -16,6 +16,7 @@ from pipeline.simulate.table import (
     simulation_columns,
     simulation_data,
     simulation_tables,
+    trip_text,
     tube_table,
     tube_text,
 )
@@ -103,3 +104,22 @@ def test_the_tube_is_told_with_the_trip_limit_that_would_have_held_it(simulation
     assert len(rows) == 5
     largest = max(float(row[4].rstrip("%")) for row in rows)
     assert largest == pytest.approx(100.0 * data["share"], abs=1.0)
+
+
+def test_trip_limits_outside_a_proven_tube_are_told(simulation: Simulation) -> None:
+    """By drive and by tube, as soon as a limit is above what is proven; the data say so of each tube."""
+    wide, narrow = (check_tube(simulation, ProvenTube(np.full(5, eps), eps < 0.01)) for eps in (0.02, 5e-4))
+    assert trip_text(simulation, []) is None
+    assert trip_text(simulation, [wide]) is None
+    told = trip_text(simulation, [narrow, wide])
+    assert told is not None
+    assert "at 20 mm, beyond 0.5 mm (no singularity is met, and limits" in told
+    trips = np.array([1e-4, 1e-4, 1e-4, 1e-4, 0.03])
+    of_one = replace(simulation, drives=replace(simulation.drives, trip_m=trips))
+    told = trip_text(of_one, [narrow, wide])
+    assert told is not None
+    assert "l3b at 30 mm, beyond 0.5 mm" in told
+    assert "and 20 mm (no singularity is met, but limits may be broken)" in told
+    assert "c1" not in told
+    tubes = simulation_data(simulation, [narrow, wide])["tubes"]
+    assert [tube["trips_within"] for tube in tubes] == [False, True]

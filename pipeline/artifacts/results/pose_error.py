@@ -10,16 +10,22 @@ from pipeline.artifacts.files import naming
 from pipeline.artifacts.layout import POSE_ERROR_CSV, POSE_ERROR_NPZ
 from pipeline.artifacts.npz import npz_bytes, read_npz, readable
 from pipeline.artifacts.results.saved import SavedRun
+from pipeline.certify.recheck import Claim
 from pipeline.certify.recheck.pose_error import StatedError
 from pipeline.certify.result import ProvenChain
 from pipeline.config.stages.pose_error import PoseErrorConfig
 from pipeline.export.csv import format_csv, read_csv
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
-from pipeline.pose_error import PoseError, pose_error_columns, pose_error_of
+from pipeline.machine.geometry import ACTUATORS
+from pipeline.pose_error import PoseError, amplify_drives, pose_error_columns, pose_error_of
 from pipeline.pose_error.table import INTERVAL_COLUMNS
+from pipeline.refine.result import Path
 
+AMPLIFICATIONS = "tool: pose_error.csv has the amplifications of each drive"
 _VERSION = 1
+_SAME = 1e-6
+"""How far an amplification may be from the one computed again, relative and absolute."""
 
 
 def pose_error_files(found: PoseError) -> dict[str, bytes]:
@@ -73,6 +79,21 @@ def stated_error(folder: pathlib.Path) -> StatedError:
         table = pose_error_of(chain.uncertainty, columns)
         intervals = np.stack([np.asarray(columns[name], dtype=float) for name in INTERVAL_COLUMNS], axis=1)
     return StatedError(chain, intervals, table.position_m, table.rotation_rad)
+
+
+def amplification_claim(path: Path, chain: ProvenChain, found: PoseError) -> Claim:
+    """Verify that a table's amplifications, which are computed and not proven, are those of the path over its boxes."""
+    s = np.clip([chain.boxes[0].first, *(box.last for box in chain.boxes)], 0.0, 1.0)
+    computed, stated = amplify_drives(path, s), found.amplification
+    for of_table, wanted in ((stated.position, computed.position), (stated.rotation_radpm, computed.rotation_radpm)):
+        if of_table.shape != wanted.shape:
+            return Claim(AMPLIFICATIONS, verified=False, found=f"{len(of_table)} rows for {len(wanted)} boxes")
+        same = np.isclose(of_table, wanted, rtol=_SAME, atol=_SAME)
+        if not same.all():
+            row, drive = np.argwhere(~same)[0].tolist()
+            text = f"row {row + 1}, {ACTUATORS[drive]}: {of_table[row, drive]:.6g}; computed {wanted[row, drive]:.6g}"
+            return Claim(AMPLIFICATIONS, verified=False, found=text)
+    return Claim(AMPLIFICATIONS, verified=True, found=f"{len(stated.position)} rows, computed again")
 
 
 def _read_table(folder: pathlib.Path, errors: Uncertainty) -> PoseError:

@@ -76,15 +76,28 @@ def _interval_claim(stated: StatedError) -> Claim:
     intervals = np.array([(box.first, box.last) for box in stated.chain.boxes])
     same = stated.intervals.shape == intervals.shape
     near = (np.abs(stated.intervals - intervals) <= _TABLE_ROUNDING).all(axis=1) if same else np.zeros(0, dtype=bool)
-    return Claim(f"{_TOOL}: {INTERVALS}", same and bool(near.all()), f"{int(near.sum())} of {len(intervals)}")
+    found = f"{int(near.sum())} of {len(intervals)}"
+    if same and not near.all():
+        found += f"; not row {int(np.argmin(near)) + 1}"
+    return Claim(f"{_TOOL}: {INTERVALS}", same and bool(near.all()), found)
 
 
 def _bound_claims(stated: StatedError, position: FloatArray, rotation: FloatArray) -> Iterator[Claim]:
     rows = ((POSITION, position, stated.position_m, "mm"), (ROTATION, rotation, stated.rotation_rad, "mrad"))
     for what, bounds, most, unit in rows:
-        kept = bounds.shape == most.shape and bool((bounds <= most).all())
+        if bounds.shape != most.shape:
+            yield Claim(f"{_TOOL}: {what}", verified=False, found=f"{len(bounds)} boxes; {len(most)} are stated")
+            continue
+        kept = bounds <= most
         text = f"{1e3 * bounds.max():.6g} {unit}; stated {1e3 * most.max(initial=0.0):.6g} {unit}"
-        yield Claim(f"{_TOOL}: {what}", kept, text)
+        if not kept.all():
+            row = int(np.argmin(kept))
+            first, last = stated.intervals[row] if row < len(stated.intervals) else (np.nan, np.nan)
+            text = (
+                f"row {row + 1}, s = {first:.6g} to {last:.6g}: {1e3 * bounds[row]:.6g} {unit}; "
+                f"stated {1e3 * most[row]:.6g} {unit} ({int((~kept).sum())} of {len(kept)} rows)"
+            )
+        yield Claim(f"{_TOOL}: {what}", bool(kept.all()), text)
 
 
 def _bounds(machine: Machine, segment: EvaluatedChain, uncertainty: Uncertainty) -> tuple[FloatArray, FloatArray]:

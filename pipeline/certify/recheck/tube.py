@@ -37,8 +37,8 @@ class ProvenTube:
     @property
     def meaning(self) -> str:
         """What is proven in it, in words."""
-        kept = "limits of kappa, distances and joints are kept" if self.within_limits else "limits may be broken"
-        return f"no singularity is met, {kept}"
+        kept = "limits of kappa, distances and joints are kept" if self.within_limits else "but limits may be broken"
+        return f"no singularity is met, {'and ' if self.within_limits else ''}{kept}"
 
 
 def proven_tubes(chains: Sequence[ProvenChain]) -> tuple[ProvenTube, ...]:

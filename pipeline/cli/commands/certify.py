@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from pipeline.certify.recheck.time_law import StatedMotion
     from pipeline.run.results import Results
 
+_NAMED = 5
+"""Claims that an error names."""
+
 
 def certify(
     context: typer.Context,
@@ -80,7 +83,7 @@ def verify_file(file: Path) -> None:
         When a claim is not verified; the table shows every claim.
     """
     from pipeline.artifacts.files import MOST_BYTES
-    from pipeline.artifacts.layout import CERTIFICATE_JSON
+    from pipeline.artifacts.layout import CERTIFICATE_JSON, TRAJECTORY_NPZ
     from pipeline.artifacts.results.certificate.stored import read_certificate
     from pipeline.artifacts.results.following import table_claims
     from pipeline.certify.recheck import verify
@@ -98,23 +101,32 @@ def verify_file(file: Path) -> None:
     began = time.perf_counter()
     claims = verify(config, machine, path, task_endpoints(config, machine), stated)
     claims += _pose_error_claims(results)
-    claims += table_claims(file.parent, stated.chains)
+    trajectory = results.trajectory if (results.folder / TRAJECTORY_NPZ).exists() else None
+    claims += table_claims(file.parent, stated.chains, trajectory)
     claims += _motion_claims(results)
     seconds = time.perf_counter() - began
-    rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in claims]
+    # What fails comes last: it is what a reader has to see.
+    in_order = sorted(claims, key=lambda claim: not claim.verified)
+    rows = [(claim.what, "yes" if claim.verified else "NO", claim.found) for claim in in_order]
     header = ("claim", "verified", "found")
     results_console().print(text_table(f"{file}: verified again in {seconds:.2f} s", header, rows, (0, 1, 2)))
-    if wrong := [claim.what for claim in claims if not claim.verified]:
+    if wrong := [f"{claim.what} ({claim.found})" for claim in claims if not claim.verified]:
+        more = f"; and {len(wrong) - _NAMED} more, at the end of the table" if len(wrong) > _NAMED else ""
         raise NoSolutionError(
             Stage.CERTIFY,
-            f"{file} does not hold: {wrong[0]}",
+            f"{file} does not hold, {len(wrong)} of {len(claims)} claims: {'; '.join(wrong[:_NAMED])}{more}",
             "make it again: gantry-tau run CONFIG --from certify --force",
         )
 
 
 def _pose_error_claims(results: "Results") -> "list[Claim]":
     """Verify what the run states of its tool's error, if it was asked for."""
-    from pipeline.artifacts.results.pose_error import stated_error, uncertainty_of
+    from pipeline.artifacts.results.pose_error import (
+        amplification_claim,
+        load_pose_error,
+        stated_error,
+        uncertainty_of,
+    )
     from pipeline.certify.recheck import Claim
     from pipeline.certify.recheck.pose_error import verify_pose_error
 
@@ -126,7 +138,9 @@ def _pose_error_claims(results: "Results") -> "list[Claim]":
     except FileNotFoundError as error:
         found = f"{Path(str(error.filename)).name} is missing; prove it again: gantry-tau certify CONFIG --force"
         return [Claim("tool: its error is proven", verified=False, found=found)]
-    return verify_pose_error(results.machine, results.refinement.path, stated, uncertainty_of(asked))
+    claims = verify_pose_error(results.machine, results.refinement.path, stated, uncertainty_of(asked))
+    table = load_pose_error(results)
+    return claims if table is None else [*claims, amplification_claim(results.refinement.path, stated.chain, table)]
 
 
 def _motion_claims(results: "Results") -> "list[Claim]":

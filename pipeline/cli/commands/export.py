@@ -46,7 +46,9 @@ def export(
     back: Annotated[bool, typer.Option("--back", help="The way back: the same motion, reversed in time.")] = False,
     safe: Annotated[
         bool,
-        typer.Option("--safe", help="Slow down until rows keep all limits, by whichever polynomials they are read."),
+        typer.Option(
+            "--safe", help="Slow down until cubics or quintics between rows, as the format is read, keep all limits."
+        ),
     ] = False,
     output: Annotated[
         Path | None,
@@ -90,7 +92,9 @@ def export(
     is stretched to the next whole number of periods, so that limits still
     hold and the last row is the goal at rest. What a controller makes of the
     rows by its own interpolation may exceed limits between them: that is
-    warned of, and --safe slows the motion down until it does not.
+    warned of, and --safe slows the motion down until it does not. Only what
+    a format is read by counts: cubics for pvt, quintics for ROS 2, lines for
+    LinuxCNC, all of them otherwise. Velocities of lines jump at any speed.
     """
     beside = {} if output is None else {suffix: output.with_suffix(suffix) for suffix in kind.beside}
     for path in (output, *beside.values()):

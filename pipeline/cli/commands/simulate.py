@@ -132,7 +132,14 @@ def _simulate(
 def _show(simulation: "Simulation", checks: "list[TubeCheck]", facts: dict[str, Any], as_json: bool) -> None:
     from pipeline.artifacts import json_bytes
     from pipeline.artifacts.layout import CONFIG
-    from pipeline.simulate.table import determinant_text, simulation_data, simulation_tables, tube_table, tube_text
+    from pipeline.simulate.table import (
+        determinant_text,
+        simulation_data,
+        simulation_tables,
+        trip_text,
+        tube_table,
+        tube_text,
+    )
 
     if as_json:
         typer.echo(json_bytes({**facts, **simulation_data(simulation, checks)}), nl=False)
@@ -145,6 +152,8 @@ def _show(simulation: "Simulation", checks: "list[TubeCheck]", facts: dict[str, 
     results_console().print(determinant_text(simulation), soft_wrap=True)
     for check in checks:
         results_console().print(tube_text(simulation, check), soft_wrap=True)
+    if (late := trip_text(simulation, checks)) is not None:
+        results_console().print(late, soft_wrap=True)
     if not checks:
         results_console().print(
             f"no tube about the path is proven: gantry-tau certify {Path(facts['run']) / CONFIG} --out {facts['run']} "

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def interpolated_by_controller(kind: Format, trajectory: "Trajectory", config: "Config", *, safe: bool) -> "Trajectory":
     """Warn of limits that are exceeded between rows, or give a motion slow enough for all to be kept, and say so.
 
-    Formats that hold no rows, or leave some out, are not looked at.
+    Only interpolations by which a format is read count; formats that hold no rows, or leave some out, are not checked.
 
     Raises
     ------
@@ -33,14 +33,15 @@ def interpolated_by_controller(kind: Format, trajectory: "Trajectory", config: "
 
     period_s, jerk, console = config.retime.period_s, config.retime.jerk, messages_console()
     if safe:
-        slower = safe_to_interpolate(trajectory, period_s, jerk=jerk)
+        slower = safe_to_interpolate(trajectory, period_s, jerk=jerk, methods=kind.read_by)
         factor = slower.motion_s / trajectory.motion_s
         console.print(
             f"--safe: the motion takes {slower.motion_s:g} s instead of {trajectory.motion_s:g} s, {factor - 1.0:+.2%}",
             soft_wrap=True,
         )
         return slower
-    warnings = [one.warning for one in interpolations(trajectory, sample_trajectory(trajectory, period_s), jerk=jerk)]
+    found = interpolations(trajectory, sample_trajectory(trajectory, period_s), jerk=jerk)
+    warnings = [one.warning for one in found if one.method in kind.read_by]
     for warning in filter(None, warnings):
         console.print(f"Warning: {warning}.", soft_wrap=True)
     if any(warnings):

@@ -67,7 +67,13 @@ def format_linuxcnc_ini(request: ExportRequest) -> str | None:
     rows = zip(ACTUATORS, request.joint_names, limits.tolist(), strict=True)
     for k, (actuator, joint, limit) in enumerate(rows):
         shown = _rounded(limit, unit.metres)
-        lines += ["", f"[JOINT_{k}]", f"# {actuator}: {joint}", f"FERROR = {shown}", f"MIN_FERROR = {shown}"]
+        lines += [
+            "",
+            f"[JOINT_{k}]",
+            f"# {joint}" if joint == actuator else f"# {actuator}: {joint}",
+            f"FERROR = {shown}",
+            f"MIN_FERROR = {shown}",
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -77,11 +83,19 @@ _UNITS = {LengthUnit.M: "metres", LengthUnit.MM: "millimetres"}
 def _heading(request: ExportRequest) -> list[str]:
     assert request.tube is not None, "there are limits"
     off = 0.0 if request.deviation_m is None else float(request.deviation_m.max())
+    between = [f"# Taken away: {_length(off)}, how far polynomials between the points are off at most."] if off else []
     return [
         f"# Proven: with every actuator up to {1e3 * request.tube.errors_m.min():.4g} mm off the path at a time,",
-        f"# {request.tube.meaning}. Up to {1e3 * off:.2g} mm of it is what is between the points of the export.",
+        f"# {request.tube.meaning}.",
+        *between,
         "# What the drives still move while they brake after a trip has to be taken away, too.",
     ]
+
+
+def _length(length_m: float) -> str:
+    """Write a length in the unit in which it is no tiny fraction."""
+    unit, metres = next(((unit, m) for unit, m in (("mm", 1e-3), ("um", 1e-6)) if length_m >= 0.1 * m), ("nm", 1e-9))
+    return f"{length_m / metres:.2g} {unit}"
 
 
 def _rounded(limit_m: float, unit_m: float) -> str:

@@ -11,6 +11,7 @@ path. Their differences are bounded by their Bernstein coefficients, derivatives
 error of lines between these: no instant exceeds what is stated, but for the rounding of floats.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb, factorial
@@ -107,10 +108,14 @@ def interpolations(trajectory: Trajectory, samples: TrajectorySamples, *, jerk: 
     return found
 
 
-def safe_to_interpolate(trajectory: Trajectory, period_s: float, *, jerk: bool = True) -> Trajectory:
-    """Stretch time until rows a period apart keep all limits, whichever interpolation they are read by.
+def safe_to_interpolate(
+    trajectory: Trajectory, period_s: float, *, jerk: bool = True, methods: Collection[str] = tuple(METHODS)
+) -> Trajectory:
+    """Stretch time until rows a period apart keep all limits, whichever of some interpolations they are read by.
 
-    The slower a motion is, the nearer polynomials between its rows are to it, and the less of the limits both use.
+    Limits of what the polynomials have: velocities that jump between lines, or accelerations that jump between cubics,
+    still do. The slower a motion is, the nearer polynomials between its rows are to it, and the less of the limits
+    both use.
 
     Raises
     ------
@@ -119,7 +124,8 @@ def safe_to_interpolate(trajectory: Trajectory, period_s: float, *, jerk: bool =
     """
     trajectory = whole_periods(trajectory, period_s)
     while True:
-        found = interpolations(trajectory, sample_trajectory(trajectory, period_s), jerk=jerk)
+        of_all = interpolations(trajectory, sample_trajectory(trajectory, period_s), jerk=jerk)
+        found = [one for one in of_all if one.method in methods]
         if max(one.largest for one in found) <= 1.0:
             return trajectory
         factor = _BEYOND * max(one.stretch for one in found)

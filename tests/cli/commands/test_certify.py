@@ -50,14 +50,15 @@ class TestCertify:
         call("run", config_file, "--out", out)
         before = {file: file.read_bytes() for file in out.rglob("*.*") if file.is_file()}
         stages.taken()
-        call("certify", config_file, "--tolerance", "--out", out)
+        result = call("certify", config_file, "--tolerance", "--out", out)
+        assert f"Out of date, and moved to {out / 'superseded' / '0001'}: report.html, figures" in result.stdout
         assert stages.taken() == ["certify"]
         kept = {file: content for file, content in before.items() if file.exists()}
         changed = {file.name for file, content in kept.items() if file.read_bytes() != content}
         assert changed == {"certificate.json", "summary.json", "state.json"}
         assert {file.suffix for file in before.keys() - kept.keys()} == {".png", ".html"}
         assert not list((out / "superseded").rglob("trajectory.*"))
-        call("run", config_file, "--out", out)
+        assert "Out of date" not in call("run", config_file, "--out", out).stdout
         assert stages.taken() == ["figures"]
 
     @pytest.mark.parametrize("command", ["run", "retime", "certify"])

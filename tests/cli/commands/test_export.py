@@ -99,7 +99,7 @@ class TestExport:
         assert invoke("run", config_file, "--out", "out", "--force", specs=proven(stages, 2e-3)).exit_code == 0
         result = call("export", "out", "--format", "ros2", "--output", "m.yaml")
         assert ", and m.controller.yaml" in result.stderr
-        assert "2 mm off the path no singularity is met, limits may be broken" in result.stderr
+        assert "2 mm off the path no singularity is met, but limits may be broken" in result.stderr
         assert "trajectory: 0.00199" in Path("m.controller.yaml").read_text()
         assert call("export", "out", "--format", "linuxcnc", "--length", "mm", "--output", "m.txt").exit_code == 0
         assert "FERROR = 2.0000\n" in Path("m.ini").read_text()

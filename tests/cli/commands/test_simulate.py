@@ -67,8 +67,9 @@ def test_it_says_whether_the_motion_stays_within_what_is_proven(config_file: Pat
     assert "no tube about the path is proven: gantry-tau certify out/config.yaml --out out --following" in result.stdout
     assert call("run", config_file, "--out", "out", "--force", specs=proven(stages, 2e-2)).exit_code == 0
     result = call("simulate", "out")
-    assert "distances from the path" in result.stdout
+    assert "contour errors against the proven tube" in result.stdout
     assert "within the proven tube of 20 mm, " in result.stdout
+    assert "these drives trip too late" not in result.stdout
 
 
 def test_drives_of_another_file_are_used() -> None:

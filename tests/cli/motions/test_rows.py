@@ -54,6 +54,18 @@ def test_rows_that_exceed_a_limit_are_warned_of(
     assert capsys.readouterr().err == ""
 
 
+def test_only_what_a_format_is_read_by_is_warned_of(
+    straight: Trajectory, slow_controller: Config, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Cubics for PVT, quintics for ROS 2, lines for LinuxCNC, and so --safe of the last leaves the motion as it is."""
+    for kind, named in ((Format.PVT, {"cubic"}), (Format.ROS2, {"quintic"}), (Format.LINUXCNC, set())):
+        interpolated_by_controller(kind, straight, slow_controller, safe=False)
+        said = capsys.readouterr().err
+        assert {method for method in ("linear", "cubic", "quintic") if f"by {method} " in said} == named
+    slower = interpolated_by_controller(Format.LINUXCNC, straight, slow_controller, safe=True)
+    assert slower.motion_s == pytest.approx(straight.motion_s)
+
+
 def test_formats_without_rows_have_nothing_to_keep(
     straight: Trajectory, slow_controller: Config, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -11,6 +11,7 @@ from pipeline.export import ExportOptions, ExportRequest, export_files
 from pipeline.export.controllers.trip_limits import format_linuxcnc_ini, format_ros2_constraints, trip_limits
 from pipeline.export.formats import TRIP_INI, TRIP_YAML, Format, LengthUnit
 from pipeline.machine.actuator_space.controller_units import ControllerUnits
+from pipeline.machine.geometry import ACTUATORS
 
 LIMITS = np.array([2.0, 2.0, 2.0, 0.5, 0.5])
 NAMES = ("slide/a", "slide: b", "c", "d.x", "e")
@@ -19,7 +20,8 @@ OFF = np.array([1e-5, 2e-5, 0.0, 1.23456e-5, 0.0])
 
 
 def _request(samples, **changes) -> ExportRequest:
-    return ExportRequest(samples, LIMITS, NAMES, **{"tube": TUBE, "deviation_m": OFF, **changes})
+    names = changes.pop("joint_names", NAMES)
+    return ExportRequest(samples, LIMITS, names, **{"tube": TUBE, "deviation_m": OFF, **changes})
 
 
 def test_parameters_of_joint_trajectory_controller(make_samples) -> None:
@@ -35,6 +37,18 @@ def test_parameters_of_joint_trajectory_controller(make_samples) -> None:
             assert isinstance(limit, float)
             assert proven - 1e-7 <= limit <= proven
     assert "limits may be broken" in text
+
+
+@pytest.mark.parametrize(
+    ("off_m", "told"), [(0.0, None), (4.8e-9, "4.8 nm"), (2.5e-6, "2.5 um"), (3.1e-4, "0.31 mm"), (1e-3, "1 mm")]
+)
+def test_what_is_taken_away_is_told_in_a_fitting_unit(make_samples, off_m: float, told: str | None) -> None:
+    """And not at all where it is nothing; a joint with the actuator's name has it once."""
+    request = _request(make_samples(0.01), deviation_m=np.full(5, off_m), joint_names=ACTUATORS)
+    for text in (format_ros2_constraints(request), format_linuxcnc_ini(request)):
+        assert ("Taken away" in text) is (told is not None)
+        assert told is None or f"Taken away: {told}, " in text
+    assert "\n# c1\n" in format_linuxcnc_ini(request)
 
 
 @pytest.mark.parametrize("unit", [*LengthUnit])

@@ -87,9 +87,12 @@ def pose_error(
         _show_tolerances(results, uncertainty, _MM * accuracy_mm, as_json)
         return
     if not uncertainty.any:
+        asked = (drives, lengths_mm, coordinates_mm) != (None, None, None)
+        why = "all errors given are 0" if asked else f"certify.pose_error is null in {run}"
         raise UsageError(
-            f"nothing is off in {run}: certify.pose_error is null there.\n"
-            "  What to change: give --drives-mm, --lengths-mm or --coordinates-mm."
+            f"{why}: nothing is off, and there is nothing to bound.\n"
+            "  What to change: give a --drives-mm, --lengths-mm or --coordinates-mm above 0"
+            f"{', or none for the errors in certify.pose_error' if asked and _configured(results) else ''}."
         )
     found = _bound(results, uncertainty)
     _show(found, str(run), as_json)
@@ -97,6 +100,10 @@ def pose_error(
         _write(found, output)
     if picture is not None:
         _draw(results, found, picture)
+
+
+def _configured(results: "Results") -> bool:
+    return results.config.certify.pose_error is not None
 
 
 def _drives_m(text: str | None) -> tuple[float, ...] | None:
@@ -164,9 +171,11 @@ def _show(found: "PoseError", title: str, as_json: bool) -> None:
             strict=True,
         )
     ]
-    header = ("drive", "off by mm", "tool mm per mm", "at s", "mrad per mm")
+    geometry = (("every length", found.uncertainty.length_m), ("every coordinate", found.uncertainty.coordinate_m))
+    rows += [(name, f"{1e3 * error:g}", "-", "-", "-") for name, error in geometry]
+    header = ("off", "by mm", "tool mm per mm", "at s", "mrad per mm")
     console = results_console()
-    console.print(text_table(f"{title}: what the tool does with each drive", header, rows))
+    console.print(text_table(f"{title}: what is off, and what the tool does with each drive", header, rows))
     console.print(
         f"proven by {len(found.position_m)} boxes: the tool is off by at most "
         f"{1e3 * part['pose_error_bound_m']:.4g} mm (near s = {part['pose_error_bound_s']:.3f}) and turned by "

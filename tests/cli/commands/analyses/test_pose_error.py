@@ -51,7 +51,20 @@ def test_errors_are_those_that_are_given_or_configured(call: Call) -> None:
     assert found["pose_error_bound_m"] == pytest.approx(15e-4 + 6e-5)
     nothing = call("pose-error", "out")
     assert nothing.exit_code == 2
-    assert "give --drives-mm, --lengths-mm or --coordinates-mm" in nothing.stderr
+    assert "certify.pose_error is null in out" in nothing.stderr
+    zero = call("pose-error", "out", "--drives-mm", 0)
+    assert zero.exit_code == 2
+    assert "all errors given are 0" in zero.stderr
+    for told in (nothing, zero):
+        assert "give a --drives-mm, --lengths-mm or --coordinates-mm above 0." in told.stderr
+
+
+@pytest.mark.usefixtures("quick")
+def test_all_that_is_off_is_shown(call: Call) -> None:
+    """Errors of the geometry have rows, too."""
+    shown = call("pose-error", "out", "--coordinates-mm", 0.05, "--lengths-mm", 0.02).stdout
+    rows = [[cell.strip() for cell in line.split("│")] for line in shown.splitlines()]
+    assert [row[1:3] for row in rows if len(row) > 2][-2:] == [["every length", "0.02"], ["every coordinate", "0.05"]]
 
 
 @pytest.mark.usefixtures("quick")
