@@ -1,6 +1,7 @@
 """A calibration as text and as plain data: every parameter, errors, and what the convention of gauges is."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ from pipeline.export.trajectory_columns import POSE, POSITIONS
 
 FROM_DATA, FROM_PRIOR, NOT_FITTED = "from the data", "from the prior", "not fitted"
 ERROR_HEADER = ("poses", "points", "outliers", "configured mm", "calibrated mm", "predicted mm")
-PARAMETER_HEADER = ("parameter", "unit", "configured", "change", "deviation", "known to", "")
 GAUGES = (
     "Changes of the machine that change nothing that is seen are settled by what was known beforehand: rails, zeros of "
     "carts and offsets of their joints share what only their sum says; the frames of machine and platform are those of "
@@ -24,7 +24,9 @@ GAUGES = (
 NEXT_HEADER = ("pose", "mode", "x m", "y m", "z m", "rx deg", "rz deg", "kappa", "error then mm")
 _UNKNOWN_M = 0.1
 """Predicted errors above it only say that the tracker's frame is not known yet."""
-_UM = {"m": ("um", 1e6), "1": ("ppm", 1e6), "rad": ("urad", 1e6)}
+_MILLIONTHS = {"m": "um", "1": "ppm", "rad": "urad"}
+"""Units of parameters, and what changes of them are told in."""
+_TITLES = {"m": "lengths", "1": "scales", "rad": "angles"}
 
 
 def sources(calibration: Calibration) -> list[str]:
@@ -50,18 +52,36 @@ def _error_row(name: str, check: Check) -> tuple[str, ...]:
     return (name, f"{check.points:,}", f"{check.rejected:,}", *millimetres)
 
 
-def parameter_cells(calibration: Calibration) -> list[tuple[str, ...]]:
-    """Format the parameters that were fitted, but the tracker's, under `PARAMETER_HEADER`."""
+@dataclass(frozen=True)
+class ParameterTable:
+    """Fitted parameters of one unit as text: a row each, with the units in the header."""
+
+    title: str
+    header: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+
+
+def parameter_tables(calibration: Calibration) -> list[ParameterTable]:
+    """Format the parameters that were fitted, but the tracker's: a table per unit that there is."""
     found = calibration.identification
     parameters, configured, origins = found.model.parameters, found.problem.model.values(), sources(calibration)
-    rows: list[tuple[str, ...]] = []
+    rows: dict[str, list[tuple[str, ...]]] = {unit: [] for unit in _MILLIONTHS}
     for k, name in enumerate(parameters.names[: parameters.slice(TRACKER).start]):
-        if not found.problem.is_fitted[k]:
-            continue
-        unit, scale = _UM[parameters.units[k]]
-        deviations = (f"{scale * value:.1f}" for value in (found.std[k], found.problem.prior_std[k]))
-        rows.append((name, unit, f"{configured[k]:.6f}", f"{scale * found.theta[k]:+.1f}", *deviations, origins[k]))
-    return rows
+        if found.problem.is_fitted[k]:
+            deviations = (f"{1e6 * value:.1f}" for value in (found.std[k], found.problem.prior_std[k]))
+            change = f"{1e6 * found.theta[k]:+.1f}"
+            rows[parameters.units[k]].append((name, f"{configured[k]:.6f}", change, *deviations, origins[k]))
+    return [ParameterTable(_TITLES[unit], _parameter_header(unit), cells) for unit, cells in rows.items() if cells]
+
+
+def _parameter_header(unit: str) -> tuple[str, ...]:
+    configured = "configured" if unit == "1" else f"configured {unit}"
+    return (
+        "parameter",
+        configured,
+        *(f"{what} {_MILLIONTHS[unit]}" for what in ("change", "deviation", "known to")),
+        "",
+    )
 
 
 def calibration_data(calibration: Calibration, verdict: Verdict, files: Sequence[PosesFile] = ()) -> dict[str, Any]:

@@ -28,17 +28,25 @@ _NEAREST = 20
 def machine_report(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> list[RenderableType]:
     """Describe a machine and its task."""
     return [
+        *refused_report(config, machine, {"start": ends[0], "goal": ends[1]}),
+        *machine_notes(config, machine, ends[0]),
+    ]
+
+
+def refused_report(config: Config, machine: Machine, ends: dict[str, Endpoint]) -> list[RenderableType]:
+    """Describe a machine and as much of its task as there is: `ends` are those of start and goal within reach."""
+    found: list[RenderableType] = [
         _degrees_of_freedom(config),
         _actuators(config, machine),
         _limits(machine),
         _links(machine),
         _reach(config, machine),
         _grid(config, machine),
-        _ends(config, machine, ends),
-        _drives(machine, ends),
-        *_bodies(config, machine, ends),
-        *machine_notes(config, machine, ends[0]),
     ]
+    if len(ends) == 2:
+        both = (ends["start"], ends["goal"])
+        found += [_ends(config, machine, both), _drives(machine, both)]
+    return [*found, *_bodies(config, machine, ends)]
 
 
 def _degrees_of_freedom(config: Config) -> str:
@@ -200,26 +208,35 @@ def _drives(machine: Machine, ends: tuple[Endpoint, Endpoint]) -> RenderableType
     return table
 
 
-def _bodies(config: Config, machine: Machine, ends: tuple[Endpoint, Endpoint]) -> Iterator[RenderableType]:
+def _bodies(config: Config, machine: Machine, ends: dict[str, Endpoint]) -> Iterator[RenderableType]:
     """List bodies and obstacles, what touches by construction, and the nearest pairs at start and goal."""
     groups = kept_apart(config, machine)
     if not groups:
         return
     count, least = sum(len(pairs.names) for pairs in groups), config.machine.clearance.bodies_m
+    obstacles = [obstacle.name for obstacle in config.task.obstacles]
     title = f"Bodies: {count} pairs are kept {least:g} m apart"
     table = _table(title, "body", "moves with", "points", "radius m", text=2)
     for hull in {hull.name: hull for pairs in groups for hull in pairs.hulls}.values():
-        table.add_row(hull.name, hull.moves_with, str(len(hull.points_m)), f"{hull.radius_m:g}")
+        moves_with = "nothing, an obstacle" if hull.name in obstacles else hull.moves_with
+        table.add_row(hull.name, moves_with, str(len(hull.points_m)), f"{hull.radius_m:g}")
     yield table
     neighbours = [(one.name, one.why, one.treatment) for pairs in groups for one in pairs.neighbours]
     if neighbours:
         yield text_table("Bodies that touch by construction", ("pair", "why", "treatment"), neighbours, range(3))
-    names, distances = pair_names(groups), np.array([pair_distances(groups, end.samples)[0] for end in ends])
-    nearest = np.argsort(distances.min(axis=0), kind="stable")
-    more = count - _NEAREST
-    rest = f"; {more} more pairs are farther apart" if more > 0 else ""
-    table = _table(f"Distances of bodies, the nearest first{rest}", "pair", "start m", "goal m")
-    for k in nearest[:_NEAREST].tolist():
+    if not ends:
+        return
+    names = pair_names(groups)
+    distances = np.array([pair_distances(groups, end.samples)[0] for end in ends.values()])
+    order = np.argsort(distances.min(axis=0), kind="stable").tolist()
+    # Of every obstacle, the pair nearest to it is shown, too, however far away it is.
+    of_obstacles = [next((k for k in order if names[k].endswith(f" and {name}")), order[0]) for name in obstacles]
+    shown = list(dict.fromkeys([*order[:_NEAREST], *sorted(of_obstacles, key=order.index)]))
+    more = count - len(shown)
+    rest = f"; {more} more pairs are farther apart than the first {_NEAREST}" if more > 0 else ""
+    columns = (f"{name} m" for name in ends)
+    table = _table(f"Distances of bodies, the nearest first{rest}", "pair", *columns)
+    for k in shown:
         table.add_row(names[k], *(f"{value:.4f}" for value in distances[:, k]))
     yield table
 

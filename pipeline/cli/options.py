@@ -1,5 +1,7 @@
 """Arguments and options that several commands have, and what they stand for."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -43,18 +45,39 @@ def load_task(path: Path) -> "Config":
     ConfigError
         When it cannot be used; names the file.
     """
-    from pipeline.config.file import load_config
     from pipeline.machine.geometry import build_machine
     from pipeline.route.regions.counting import require_possible_task
+
+    config = load_grid(path)
+    with naming(path):
+        require_possible_task(config, build_machine(config.machine))
+    return config
+
+
+def load_grid(path: Path) -> "Config":
+    """Read a configuration, and check that its grid fits, but not what it asks of the machine.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be used; names the file.
+    """
+    from pipeline.config.file import load_config
     from pipeline.route.regions.size import require_grid_fits
 
     config = load_config(path)
-    try:
+    with naming(path):
         require_grid_fits(config)
-        require_possible_task(config, build_machine(config.machine))
+    return config
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Name the file of a configuration that is refused."""
+    try:
+        yield
     except ConfigError as error:
         raise ConfigError(list(error.issues), str(path)) from None
-    return config
 
 
 def specs_of(context: typer.Context) -> "Specs":

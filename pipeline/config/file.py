@@ -11,7 +11,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from pipeline.config.config import Config
-from pipeline.config.messages import explain
+from pipeline.config.messages import explain, named
 from pipeline.config.section import MOST_NAME
 from pipeline.errors import ConfigError, ConfigIssue
 from pipeline.regular_file import read_named_file
@@ -61,7 +61,7 @@ def parse_config(
     try:
         config = Config.model_validate(data, context={"folder": folder})
     except ValidationError as error:
-        raise ConfigError(_issues(error), source) from None
+        raise ConfigError(_issues(error, data), source) from None
     return config if config.name else config.model_copy(update={"name": _name_from(default_name)})
 
 
@@ -117,12 +117,12 @@ def read_yaml(path: Path, read: Read = read_named_file) -> object:
         raise _unreadable(path, error.message, error.place) from None
 
 
-def _issues(error: ValidationError) -> list[ConfigIssue]:
-    """Explain the first faults, and count the others."""
+def _issues(error: ValidationError, data: object) -> list[ConfigIssue]:
+    """Explain the first faults, with the names of the entries of lists they are in, and count the others."""
     found = error.errors(include_url=False)
     more = len(found) - _MOST_ISSUES
     rest = [ConfigIssue("", f"has {more:,} more faults")] if more > 0 else []
-    return [*(explain(item) for item in found[:_MOST_ISSUES]), *rest]
+    return [*(named(explain(item), item["loc"], data) for item in found[:_MOST_ISSUES]), *rest]
 
 
 def _unreadable(path: Path, message: str, place: str = "") -> ConfigError:

@@ -5,6 +5,7 @@ import difflib
 import functools
 import json
 import re
+from dataclasses import replace
 from typing import Any
 
 from pydantic_core import ErrorDetails
@@ -57,6 +58,22 @@ def explain(error: ErrorDetails) -> ConfigIssue:
         if entry < len(_given(schema).get("prefixItems", ())):
             return _refused((*location, entry), value[entry])
     return _refused(location, value)
+
+
+def named(issue: ConfigIssue, location: tuple[int | str, ...], data: object) -> ConfigIssue:
+    """Add to an issue the name of the entry of a list that it is in, if that has one: `machine.bodies[8]` is a body."""
+    name: object = ""
+    for part in location:
+        if isinstance(data, dict):
+            data = data.get(part)
+        elif isinstance(data, list) and isinstance(part, int) and part < len(data):
+            data = data[part]
+            name = data.get("name", "") if isinstance(data, dict) else ""
+        else:
+            break
+    if not isinstance(name, str) or not name or location[-1:] == ("name",):
+        return issue
+    return replace(issue, message=f"{issue.message} (of {_shown(name)})")
 
 
 def _refused(location: tuple[int | str, ...], value: object) -> ConfigIssue:

@@ -15,12 +15,11 @@ from pipeline.calibrate.report import (
     FROM_PRIOR,
     NEXT_HEADER,
     NOT_FITTED,
-    PARAMETER_HEADER,
     calibration_data,
     error_cells,
     next_cells,
     next_columns,
-    parameter_cells,
+    parameter_tables,
     sources,
 )
 from pipeline.config import Config
@@ -46,11 +45,24 @@ def test_every_parameter_has_an_origin(found: Calibration):
 
 def test_tables_have_their_columns(found: Calibration):
     """A row per fitted parameter but those of the tracker, and one for fitted and held-out poses each."""
-    rows = parameter_cells(found)
-    assert len(rows) == 62
-    assert {len(row) for row in rows} == {len(PARAMETER_HEADER)}
+    tables = parameter_tables(found)
+    assert sum(len(table.rows) for table in tables) == 62
+    for table in tables:
+        assert {len(row) for row in table.rows} == {len(table.header)}
     assert [row[0] for row in error_cells(found)] == ["fitted", "held out"]
     assert {len(row) for row in error_cells(found)} == {len(ERROR_HEADER)}
+
+
+def test_units_of_parameters_are_in_headers(found: Calibration):
+    """Numbers below a unit are in it: a length's place in metres and its change in micrometres, scales in ppm."""
+    lengths, scales = parameter_tables(found)
+    assert lengths.header[1:5] == ("configured m", "change um", "deviation um", "known to um")
+    assert scales.header[1:5] == ("configured", "change ppm", "deviation ppm", "known to ppm")
+    names = list(found.identification.model.parameters.names)
+    row = next(row for row in lengths.rows if row[0] == "length 1")
+    assert row[1] == "1.090000"
+    assert float(row[2]) == pytest.approx(1e6 * found.identification.theta[names.index("length 1")], abs=0.051)
+    assert all(row[0].startswith("scale") and row[1] == "1.000000" for row in scales.rows)
 
 
 def test_data_have_everything_as_json(found: Calibration):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from pipeline.cli.machine_report import machine_report
+from pipeline.cli.machine_report import machine_report, refused_report
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.route import task_endpoints
@@ -51,3 +51,28 @@ def test_bodies_and_their_distances_are_listed(bodies_config: Config, bodies_mac
     assert "checked beyond 0.08 m from it" in touching
     assert distances.index("spine and rod 2b") < distances.index("rib3b and rod 3b")
     assert "more pairs are farther apart" in distances
+
+
+def test_every_obstacle_has_a_distance(bodies_config: Config, bodies_machine: Machine, vary: Any) -> None:
+    """However far away it is; and it is told from bodies of the frame."""
+    box = {"size_m": [0.1, 0.1, 0.1], "centre_m": [1.9, 1.1, 0.1]}
+    config = vary(bodies_config, {"task.obstacles": [{"name": "workpiece", "box": box}]})
+    console = Console(file=StringIO(), width=120)
+    for part in machine_report(config, bodies_machine, task_endpoints(config, bodies_machine)):
+        console.print(part)
+    listed, distances = console.file.getvalue().split("Distances of")
+    assert "workpiece │ nothing, an obstacle" in listed
+    assert "and workpiece" in distances
+
+
+def test_of_one_end_within_reach_distances_are_listed(bodies_config: Config, bodies_machine: Machine) -> None:
+    """The tables that need both ends are left out."""
+    start, _ = task_endpoints(bodies_config, bodies_machine)
+    console = Console(file=StringIO(), width=120)
+    for part in refused_report(bodies_config, bodies_machine, {"start": start}):
+        console.print(part)
+    text = console.file.getvalue()
+    assert "start m" in text.split("Distances of")[1]
+    assert "goal m" not in text
+    assert "working mode" in text
+    assert "sign of det H" not in text

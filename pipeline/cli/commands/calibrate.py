@@ -259,9 +259,10 @@ def _load(config_file: Path) -> "tuple[Config, str]":
 
 
 def _show(calibration: "Calibration", verdict: "Verdict", console: "Console") -> None:
-    from pipeline.calibrate.report import ERROR_HEADER, PARAMETER_HEADER, error_cells, parameter_cells
+    from pipeline.calibrate.report import ERROR_HEADER, error_cells, parameter_tables
 
-    console.print(text_table("parameters", PARAMETER_HEADER, parameter_cells(calibration), (0, 1, 6)))
+    for table in parameter_tables(calibration):
+        console.print(text_table(table.title, table.header, table.rows, (0, 5)))
     console.print(text_table("distances of points, root mean square", ERROR_HEADER, error_cells(calibration)))
     console.print(
         f"chi-square {verdict.chi2:,.1f}, expected {verdict.freedom:,}; {verdict.directions} parameters, of whose "

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.cli.console import results_console
-from pipeline.cli.options import load_task
+from pipeline.cli.options import load_grid, load_task, naming
 from pipeline.cli.output import check_picture, save_picture
-from pipeline.errors import UsageError
+from pipeline.errors import ConfigError, UnfitConfigError, UsageError
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from pipeline.config import Config
     from pipeline.machine.geometry import Machine
     from pipeline.route.regions.endpoints import Endpoint
@@ -38,7 +40,8 @@ def check(
     Exits with 2 if a key is wrong, the grid takes more memory than allowed,
     the machine cannot be at the start or goal within its limits, or counting
     shows that the task is impossible: too few positions, mode changes, travel
-    or tilt, or a box to avoid without a way round it.
+    or tilt, or a box to avoid without a way round it. The tables are shown
+    all the same, with start and goal if the machine can reach both.
     """
     if schema:
         from pipeline.config.file import schema_text
@@ -58,16 +61,34 @@ def check(
     from pipeline.route.checked_task import require_sound_task
 
     check_picture(picture)
-    loaded = load_task(config)
+    loaded = load_grid(config)
     machine = build_machine(loaded.machine)
-    ends = require_sound_task(loaded, machine)
     console = results_console()
+    try:
+        with naming(config):
+            ends = require_sound_task(loaded, machine)
+    except (ConfigError, UnfitConfigError):
+        _show_refused(loaded, machine, picture, console)
+        raise
     for part in machine_report(loaded, machine, ends):
         console.print(part)
     if picture is not None:
         _draw(loaded, machine, ends, picture)
         console.print(f"{picture}: the machine at start and goal, and its platform", soft_wrap=True)
     console.print(f"{config} is valid. Next: gantry-tau run {shlex.quote(str(config))}", soft_wrap=True)
+
+
+def _show_refused(config: "Config", machine: "Machine", picture: Path | None, console: "Console") -> None:
+    """Show the machine, and where it is refused as far as it can be there, before the refusal itself."""
+    from pipeline.cli.machine_report import refused_report
+    from pipeline.route.regions.endpoints import reached_ends
+
+    ends = reached_ends(config, machine)
+    for part in refused_report(config, machine, ends):
+        console.print(part)
+    if picture is not None and len(ends) == 2:
+        _draw(config, machine, (ends["start"], ends["goal"]), picture)
+        console.print(f"{picture}: the machine at start and goal, which are refused", soft_wrap=True)
 
 
 def _draw(config: "Config", machine: "Machine", ends: "tuple[Endpoint, Endpoint]", picture: Path) -> None:

@@ -100,11 +100,13 @@ class SurfaceDistance:
         order = np.argsort(distances, kind="stable")
         broken = [k for k in order.tolist() if distances[k] < self.least]
         more = f" ({len(broken) - _SHOWN} more pairs are too close)" if len(broken) > _SHOWN else ""
-        return [
+        found = [
             f"has {apart_words(self.bodies.names[k], float(distances[k]))}; {_KEY} asks for {self.least:g} m"
-            + (more if shown == _SHOWN - 1 else "")
-            for shown, k in enumerate(broken[:_SHOWN])
+            for k in broken[:_SHOWN]
         ]
+        if found:
+            found[-1] += f"{more}; {_advice(float(distances.min()))}"
+        return found
 
     def curves(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return the least distance at each sample."""
@@ -147,6 +149,15 @@ class SurfaceDistance:
         worst = int(short.argmin())
         name = self.bodies.names[worst]
         return f"{name} are not proven {self.least:g} m apart ({bounds[worst, 0]:.4g} m)"
+
+
+def _advice(distance_m: float) -> str:
+    """Say what makes room for bodies so far apart: a smaller clearance only if they do not overlap.
+
+    How much smaller is not said: which pairs touch by construction changes with it.
+    """
+    smaller = f", or lower {_KEY}" if distance_m >= 0.0 else ""
+    return f"move the pose, or one of these bodies, or make it smaller{smaller}"
 
 
 def apart_words(pair: str, distance_m: float) -> str:

@@ -19,6 +19,9 @@ from pipeline.machine.samples import PoseSamples
 from pipeline.machine.statics import det_sign, statics_matrix
 from pipeline.route.regions.boxes import grown_boxes
 
+_SINGULAR = 1e9
+"""With a larger kappa there are no forces and no rates to show."""
+
 
 @dataclass(frozen=True, eq=False)
 class Endpoint:
@@ -151,6 +154,16 @@ def place_pose(config: Config, machine: Machine, key: str, pose: PoseConfig) -> 
     ]
     broken = [ConfigIssue(key, message) for limit in limits for message in limit.violations(end.samples)]
     return end, _box_issues(config, key, end.samples.controlled[0]) + broken + _x_issues(machine, key, end)
+
+
+def reached_ends(config: Config, machine: Machine) -> dict[str, Endpoint]:
+    """Place the machine at "start" and "goal" whatever limits it breaks; leave out what is out of reach or singular."""
+    found = {}
+    for key in ("start", "goal"):
+        end, _ = place_pose(config, machine, f"task.{key}", getattr(config.task, key))
+        if np.isfinite(end.q_m).all() and end.kappa < _SINGULAR:
+            found[key] = end
+    return found
 
 
 def _x_issues(machine: Machine, key: str, end: Endpoint) -> list[ConfigIssue]:

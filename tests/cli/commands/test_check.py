@@ -26,6 +26,21 @@ class TestCheck:
         assert "N from c1 to hold the machine; at most 400 N is allowed (its force limit of 400 N)" in message
         assert "kappa" not in message
 
+    def test_a_refused_start_is_shown_all_the_same(self, call: Call, config_file: Path) -> None:
+        """The tables and the picture come first, the refusal last; what is out of reach has no column."""
+        heavy = edit(config_file, machine__dynamics__load_kg=300.0)
+        refused = call("check", heavy, "--picture", "refused.png")
+        assert refused.exit_code == 2
+        for text in ("Actuators", "Reach without tilt", "c1 holds", "refused.png: the machine at start and goal"):
+            assert text in refused.stdout
+        assert Path("refused.png").is_file()
+        assert f"{heavy} cannot be used" in refused.stderr
+        far = call("check", edit(config_file, task__goal__y_m=5.0))
+        assert far.exit_code == 2
+        assert "Reach without tilt" in far.stdout
+        assert "sign of det H" not in far.stdout
+        assert "task.goal: is out of reach" in far.stderr
+
     def test_reference_machine(self, call: Call, config_file: Path, fast_config: Config, machine: Machine) -> None:
         """Start and goal, grid and limits are shown with units, and nothing is written."""
         result = call("check", config_file)

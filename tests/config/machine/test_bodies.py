@@ -98,8 +98,9 @@ def body(**keys: Any) -> list[dict[str, Any]]:
     ],
 )
 def test_what_is_wrong_is_said_with_its_key(change: dict[str, Any], expected: str) -> None:
-    """One message per fault."""
-    assert messages(change) == [expected]
+    """One message per fault, with the name of the body that it is in."""
+    name = ' (of "it")' if expected.startswith("bodies[") else ""
+    assert messages(change) == [expected + name]
 
 
 def test_a_distance_of_links_is_needed_of_axes_or_bodies() -> None:
@@ -168,4 +169,12 @@ def test_what_is_wrong_with_a_tool_is_said_of_the_task(bodies_config: Config, va
     with pytest.raises(ConfigError) as error:
         vary(bodies_config, {"task.tool": [{"name": "it"}]})
     found = [f"{issue.path}: {issue.message}" for issue in error.value.issues]
-    assert found == ["task.tool[0]: has no shape: give exactly one of capsule, box, hull and mesh"]
+    assert found == ['task.tool[0]: has no shape: give exactly one of capsule, box, hull and mesh (of "it")']
+
+
+def test_a_fault_of_a_body_has_its_name(bodies_config: Config):
+    """Its place in the list alone is hard to find."""
+    data = bodies_config.model_dump(mode="json", exclude_none=True)
+    data["machine"]["bodies"][8]["box"]["rounding_m"] = 0.9
+    with pytest.raises(ConfigError, match=r'bodies\[8\]\.box\.rounding_m: .* \(of "saddle1"\)'):
+        parse_config(data)

@@ -77,7 +77,9 @@ def test_what_is_too_close_is_named_worst_first(bodies_machine: Machine, draw_po
     found, distances = limit.violations(pose), body_distances(bodies_machine.bodies, pose)[0]
     assert len(found) == 3
     assert limit.bodies.names[int(distances.argmin())] in found[0]
-    assert found[2].endswith(f"({broken[row] - 3} more pairs are too close)")
+    asked, advice = found[2].split("; ", 2)[1:]
+    assert asked.endswith(f"({broken[row] - 3} more pairs are too close)")
+    assert advice.startswith("move the pose, or one of these bodies")
 
 
 def test_readings_name_the_nearest_pair(bodies_machine: Machine, draw_poses) -> None:
@@ -105,7 +107,19 @@ def test_a_start_in_collision_is_refused_with_the_pair(bodies_config: Config, bo
     issue = error.value.issues[0]
     assert issue.path == "task.start"
     assert issue.message.startswith("has ball and link 2a overlapping by 0.04")
-    assert issue.message.endswith("m or more; machine.clearance.bodies_m asks for 0.005 m")
+    asked = "m or more; machine.clearance.bodies_m asks for 0.005 m; "
+    assert issue.message.endswith(f"{asked}move the pose, or one of these bodies, or make it smaller")
+
+
+def test_a_smaller_clearance_is_advised_where_nothing_overlaps(bodies_config: Config, vary) -> None:
+    """With it the poses are admitted."""
+    config = vary(bodies_config, {"machine.clearance.bodies_m": 0.02})
+    with pytest.raises(ConfigError) as error:
+        task_endpoints(config, build_machine(config.machine))
+    advice = "; move the pose, or one of these bodies, or make it smaller, or lower machine.clearance.bodies_m"
+    assert [issue.path for issue in error.value.issues if issue.message.endswith(advice)] == ["task.start", "task.goal"]
+    config = vary(bodies_config, {"machine.clearance.bodies_m": 0.0055})
+    task_endpoints(config, build_machine(config.machine))
 
 
 def test_distances_bodies_and_each_body_could_give(bodies_config: Config, bodies_machine: Machine) -> None:

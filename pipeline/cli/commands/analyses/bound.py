@@ -50,6 +50,8 @@ def bound(
     up to K within the limits (travel, strokes, tilts, distances of links)
     may separate start and goal: then every path has a larger kappa. That
     they do not proves nothing. Exits with 1 if K is given and not proven.
+    Without --kappa, smaller K use up boxes before larger ones are tried: a
+    second run with --kappa proves more with as many boxes.
     With --check, a proof is verified by other code: all it believes of FILE
     is K and how boxes were halved.
     """
@@ -70,6 +72,8 @@ def bound(
         typer.echo(json_bytes({**_data(loaded, found), "path_kappa_bound": path_kappa}), nl=False)
     else:
         _show(loaded, found)
+        if kappa is None and (advice := what_next(found, boxes)):
+            results_console().print(f"For more: {advice}.", soft_wrap=True)
         if path_kappa is not None:
             above = path_kappa / found.least_kappa - 1.0
             results_console().print(
@@ -81,7 +85,7 @@ def bound(
         raise NoSolutionError(
             "bound",
             f"kappa {kappa:g} is not proven with {found.attempts[-1].boxes:,} boxes; this does not show a path",
-            "raise --boxes, or lower --kappa",
+            what_next(found, boxes),
         )
 
 
@@ -95,6 +99,27 @@ def _bound(config: "Config", kappa: float | None, boxes: int) -> "Bound":
     with make_reporter(messages_console(), verbose=False) as reporter:
         monitor = Monitor(reporter.begin("bound"))
         return bound_paths(config, machine, task_endpoints(config, machine), kappa, boxes, monitor)
+
+
+def what_next(found: "Bound", boxes: int) -> str:
+    """Say what may prove more than `boxes` boxes did; nothing where no path exists or every K was proven."""
+    from pipeline.bound.flood import Verdict
+
+    if found.theorem.no_path or not found.attempts:
+        return ""
+    last, spent = found.attempts[-1], sum(one.boxes for one in found.attempts[:-1])
+    smaller = f"--kappa between {found.least_kappa:.4g} and {last.kappa:.4g}"
+    if last.verdict == Verdict.OPEN:
+        return f"try {smaller}; at {last.kappa:.4g} small boxes join start and goal, however many there are"
+    if last.verdict == Verdict.NONE and spent + last.boxes < boxes:
+        return ""
+    if spent:
+        ours = f"all {boxes:,} boxes are then for it, of which smaller K took {spent:,}"
+        return f"give K by --kappa: {ours}; or raise --boxes"
+    return (
+        f"raise --boxes, or try {smaller}; the less the platform may tilt (task.tilt_max_deg, task.locked_axes), the "
+        "fewer boxes it takes, of paths with such tilts"
+    )
 
 
 def _kappa_of(config: "Config", run: Path) -> float:

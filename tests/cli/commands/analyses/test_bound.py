@@ -5,6 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.bound.bound import Attempt, Bound
+from pipeline.bound.flood import Verdict
+from pipeline.bound.theorem import Theorem
+from pipeline.cli.commands.analyses.bound import what_next
 from pipeline.config.file import dump_config, load_config
 from tests.cli.calls import edit, invoke
 from tests.conftest import CONFIGS
@@ -46,6 +50,33 @@ def test_what_is_not_proven_is_no_path(tmp_path: Path):
     result = invoke("bound", CONFIGS / "quick.yaml", "--kappa", 30, "--boxes", 2000)
     assert result.exit_code == 1
     assert "does not show a path" in result.output
+    assert "raise --boxes, or try --kappa between 23.14 and 30" in " ".join(result.output.split())
+    climbed = invoke("bound", CONFIGS / "quick.yaml", "--boxes", 2000)
+    assert climbed.exit_code == 0
+    assert "For more: raise --boxes" in climbed.output
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "expected"),
+    [
+        (
+            (Verdict.NONE, Verdict.LATE),
+            "give K by --kappa: all 1,000 boxes are then for it, of which smaller K took 400",
+        ),
+        ((Verdict.LATE,), "raise --boxes, or try --kappa between 23 and 24"),
+        ((Verdict.NONE, Verdict.OPEN), "try --kappa between 24 and 25; at 25 small boxes join start and goal"),
+        ((Verdict.NONE,), ""),
+        ((), ""),
+    ],
+)
+def test_advice_fits_how_the_last_flood_ended(verdicts: tuple[Verdict, ...], expected: str):
+    """More boxes are advised only where they may help, and K by --kappa where smaller ones took boxes."""
+    attempts = tuple(Attempt(24.0 + k, verdict, 400, 5) for k, verdict in enumerate(verdicts))
+    proven = [one.kappa for one in attempts if one.verdict == Verdict.NONE]
+    found = Bound(Theorem(("the machine may tilt",)), 23.0, max(proven, default=None), attempts, None)
+    advice = what_next(found, 1000)
+    assert advice.startswith(expected)
+    assert bool(advice) == bool(expected)
 
 
 def test_damaged_proofs_are_refused(stiff: Path, tmp_path: Path):
