@@ -34,6 +34,7 @@ NOSE = {
     "attached_to": "platform",
     "capsule": {"from_m": [0.0, 0.02, 0.0], "to_m": [0.0, 0.07, 0.0], "radius_m": 0.02},
 }
+BALL = {"name": "ball", "capsule": {"from_m": [1.0, 0.3, 0.7], "to_m": [1.0, 0.3, 0.7], "radius_m": 0.2}}
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,7 @@ def strict_config(agder_config: Config, vary) -> Config:
             **CONES,
             "task.tilt_max_deg": 15,
             "task.avoid": [BOX],
+            "task.obstacles": [BALL],
             "route.kappa_max": 50,
         },
     )
