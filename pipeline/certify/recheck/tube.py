@@ -55,6 +55,6 @@ def proven_tubes(chains: Sequence[ProvenChain]) -> tuple[ProvenTube, ...]:
 
 
 def _alike(chain: ProvenChain) -> bool:
-    """Check whether a chain is of all actuators off alike, and nothing else, the same for all s."""
+    """Check whether a chain is of all actuators off alike, the same for all s; beside wrong calibrations, too."""
     errors = set(chain.uncertainty.actuator_m)
     return len(errors) == 1 and errors != {0.0} and chain.profile_m is None
