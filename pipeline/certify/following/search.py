@@ -166,8 +166,3 @@ def points_of(piece: Piece, parts: int) -> Iterator[Point]:
     for k in range(1, parts):
         yield piece, piece.first + (piece.last - piece.first) * k / parts
     yield piece, piece.last
-
-
-def piece_at(problem: ProofProblem, s: float) -> Piece:
-    """Give the piece of the path that holds s."""
-    return next(piece for piece in problem.pieces if s <= piece.last)

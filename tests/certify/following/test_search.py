@@ -9,7 +9,7 @@ from pipeline.certify.chain import accept_any, close_chain
 from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following.broken_limits import breaking_errors
 from pipeline.certify.following.profile import prove_profile
-from pipeline.certify.following.search import Search, largest_error, new_search, piece_at
+from pipeline.certify.following.search import Search, largest_error, new_search
 from pipeline.certify.following.tolerances import search_following, tilt_reserve_deg
 from pipeline.certify.problem import build_problem
 from pipeline.certify.result import FollowingTolerances, ProvenChain
@@ -126,7 +126,7 @@ def test_a_profile_is_at_least_what_all_of_the_path_bears(near: Path, tight: tup
             memory=None,
             uncertainty=CERTAIN,
             profile_m={
-                piece_at(search.problem, box.last).first: eps
+                next(piece.first for piece in search.problem.pieces if box.last <= piece.last): eps
                 for box, eps in zip(chain.boxes, chain.profile_m, strict=True)
             },
         )
