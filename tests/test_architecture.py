@@ -65,3 +65,16 @@ def test_test_modules_are_short():
     """Tests mirror the code, and are read like it."""
     tests = sorted((PIPELINE.parent / "tests").rglob("*.py"))
     assert [str(test) for test in tests if len(test.read_text().splitlines()) > 400] == []
+
+
+def test_no_fixture_asks_for_the_scope_of_a_package():
+    """Folders of tests are not packages, so that such a fixture would silently live as long as the session."""
+    fixtures = Path(__file__).parent.rglob("conftest.py")
+    scopes = {
+        value.value
+        for source in fixtures
+        for value in ast.walk(ast.parse(source.read_text()))
+        if isinstance(value, ast.Constant)
+    }
+    assert "package" not in scopes
+    assert {"session", "module"} <= scopes

@@ -2,6 +2,9 @@
 
 import importlib.util
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ARGUMENTS = (
@@ -29,3 +32,14 @@ def why_none() -> str:
     if find_browser() is None:
         return f"there is no browser: none of {', '.join(NAMES)} (apt-get install chromium)"
     return ""
+
+
+@contextmanager
+def browsing() -> Iterator[Any]:
+    """Start the browser, and close it in the end."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
+        yield started
+        started.close()

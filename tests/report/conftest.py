@@ -28,7 +28,7 @@ from pipeline.summary.regions import regions_section
 from pipeline.summary.route import route_section
 from pipeline.summary.trajectory import quality_part, trajectory_section
 from pipeline.summary.versions import versions
-from tests.report.browser import ARGUMENTS, find_browser
+from tests.report.browser import browsing
 from tests.report.opened import DESKTOP, Opened
 from tests.run.short_results import make_certificate, make_refinement, make_regions, make_route, make_trajectory
 
@@ -117,18 +117,14 @@ def file(page: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """Start the browser, for as long as tests of this folder follow each other: no two may run in one process."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
+    """Start the browser for one file of tests: no two may run in one process."""
+    with browsing() as started:
         yield started
-        started.close()
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def desk(browser: Any, file: Path) -> Iterator[Opened]:
     """Open the page of the whole run on a desktop."""
     opened = Opened(browser, file, DESKTOP)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from tests.report.browser import ARGUMENTS, find_browser, why_none
+from tests.report.browser import browsing, why_none
 
 _WINDOW = {"width": 1240, "height": 860}
 _PART = 0.55
@@ -23,17 +23,13 @@ part => {
 
 def take(report: Path, picture: Path) -> None:
     """Open the report, go to an instant, and keep what is seen, in 256 colours."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
+    with browsing() as browser:
         page = browser.new_page(viewport=_WINDOW)
         page.goto(report.resolve().as_uri())
         page.wait_for_selector("body[data-ready]", timeout=60_000)
         page.evaluate(_SCRUB, _PART)
         page.wait_for_timeout(2_000)
         seen = page.screenshot()
-        browser.close()
     Image.open(BytesIO(seen)).convert("RGB").quantize(256).save(picture, optimize=True)
 
 

@@ -5,8 +5,6 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +12,6 @@ import numpy as np
 
 from pipeline.machine import Machine
 from pipeline.show.page.scene import camera_of
-from tests.report.browser import ARGUMENTS, find_browser
 
 PROJECT = Path(__file__).parents[3]
 PATIENCE_MS = 180_000
@@ -118,14 +115,3 @@ class Page:
         scale = box["height"] / 2.0 / np.tan(_FOV_RAD / 2.0) / float(line @ forward)
         across, down = float(line @ right) * scale, -float(line @ up) * scale
         return box["x"] + box["width"] / 2.0 + across, box["y"] + box["height"] / 2.0 + down
-
-
-@contextmanager
-def browsing() -> Iterator[Any]:
-    """Start the browser."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
-        yield started
-        started.close()

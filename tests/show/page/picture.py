@@ -7,8 +7,8 @@ from pathlib import Path
 
 from PIL import Image
 
-from tests.report.browser import why_none
-from tests.show.page.browsing import PROJECT, Command, Page, browsing
+from tests.report.browser import browsing, why_none
+from tests.show.page.browsing import PROJECT, Command, Page
 
 _WINDOW = {"width": 1240, "height": 640}
 _COLOURS = 256

@@ -14,8 +14,8 @@ from pipeline.config import Config
 from pipeline.config.file import dump_config, load_config
 from pipeline.machine import Machine
 from tests.cli.calls import invoke
-from tests.report.browser import why_none
-from tests.show.page.browsing import Command, Page, browsing
+from tests.report.browser import browsing, why_none
+from tests.show.page.browsing import Command, Page
 
 WHY_NONE = why_none() or ("" if importlib.util.find_spec("viser") else "viser is not installed")
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(WHY_NONE), reason=WHY_NONE or "-")]

@@ -29,7 +29,7 @@ class Opened:
         self.app.edit(lambda config: with_machine(config, {"rails.0.travel_m": [0.0, travel_m]}))
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def folder(quick_config: Config, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Make a run with a route and a path."""
     path = tmp_path_factory.mktemp("panels") / "run"
