@@ -13,14 +13,18 @@ def main() -> None:
     # Matrices are small: threads of linear algebra would only wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     _open_standard_streams()
+    from typer.main import get_command
+
     from pipeline.cli.application import app
     from pipeline.cli.interrupts import raise_interrupts
 
+    # Built before interrupts become exceptions: only the command itself reports them.
+    command = get_command(app)
     if interruptible:
         raise_interrupts()
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout = _complete(sys.stdout)
-    app()
+    command()
 
 
 def _open_standard_streams() -> None:

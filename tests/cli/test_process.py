@@ -92,6 +92,22 @@ def test_interrupts_while_it_starts(tmp_path: Path, times: int) -> None:
     assert list(tmp_path.rglob("*.part")) == []
 
 
+def test_interrupt_while_commands_are_built(tmp_path: Path) -> None:
+    """Ctrl-C between the imports and the command: one line and 130, too."""
+    program = (
+        "import os, signal, typer.main as building\n"
+        "build = building.get_command\n"
+        "building.get_command = lambda app: (os.kill(os.getpid(), signal.SIGINT), build(app))[1]\n"
+        "from pipeline.cli import main\n"
+        "main()\n"
+    )
+    command = [sys.executable, "-c", program, "--version"]
+    environment = {**subprocess_env(), "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment, check=False)
+    assert (ended.returncode, ended.stdout) == (130, "")
+    assert ended.stderr == "interrupted: nothing is lost, finished stages are kept\n"
+
+
 def test_only_the_command_line_ends_at_interrupts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Importing the package leaves other programs as they are."""
     for name, expected in (("-m", True), ("/usr/bin/gantry-tau", True), ("pytest", False), ("", False)):
