@@ -132,7 +132,8 @@ def _discriminants(machine: Machine, pose: FloatArray, joints: FloatArray) -> Fl
 def _along(machine: Machine, joints: FloatArray) -> FloatArray:
     """Positions along the rails, less the offsets, where primary joints would be abreast of A (n, 6, 3). (n, 3)."""
     if machine.has_parallel_rails:
-        return joints[:, PRIMARY, 0] - machine.cart_offsets_m[PRIMARY, 0]
+        along: FloatArray = joints[:, PRIMARY, 0] - machine.cart_offsets_m[PRIMARY, 0]
+        return along
     return along_rails(machine, _from_origins(machine, joints), _ARMS)
 
 

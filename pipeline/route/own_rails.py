@@ -14,7 +14,7 @@ from pipeline.machine.samples import PoseSamples
 from pipeline.route.result import Route
 
 _AWAY_M2 = 0.01
-"""Discriminant of an arm that is away from its serial singularity: rails that are a little off do not change its side."""
+"""Discriminant of an arm so far from its serial singularity that rails a little off do not change its side."""
 _CLOSED_M = 1e-9
 _NEAR = 0.05
 """How far, in metres and radians, rails may move a step: farther off is another assembly."""

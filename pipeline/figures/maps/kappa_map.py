@@ -63,8 +63,8 @@ class KappaMap:
 def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tuple[float, float], mode: int) -> KappaMap:
     """Evaluate kappa and det H over y (ny,) and z (nz,) at tilt (rx, rz) in a working mode; they do not depend on x.
 
-    Only reach decides where there is a value: strokes, travel and clearance are not checked. Rails are taken as parallel
-    to X (`with_parallel_rails`).
+    Only reach decides where there is a value: strokes, travel and clearance are not checked. Rails are taken as
+    parallel to X (`with_parallel_rails`).
 
     Raises
     ------

@@ -49,7 +49,8 @@ def seen_along_rail(machine: Machine, R: FloatArray) -> FloatArray:
 def place_across(machine: Machine, controlled: FloatArray) -> FloatArray:
     """How far the TCP is from C_3a with the cart at q = 0, across rail 3. Shape (n, 2)."""
     if machine.has_parallel_rails:
-        return controlled[:, 1:3] - machine.rails_m[2] - machine.cart_offsets_m[ARM3, 1:]
+        place: FloatArray = controlled[:, 1:3] - machine.rails_m[2] - machine.cart_offsets_m[ARM3, 1:]
+        return place
     from_origin = controlled[:, :3] - rail_origins(machine)[2] - machine.cart_offsets_m[ARM3]
     across: FloatArray = from_origin @ rail_frame(machine, 2)[1:].T
     return across

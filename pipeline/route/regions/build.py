@@ -2,8 +2,8 @@
 
 A region is a controlled pose without x, a working mode and what follows from them; x enters only through
 cart travel, so that each region has a window of admissible x. Rails that are not parallel to X are taken as if they
-were (`with_parallel_rails`): stage one is coarse, and what follows is about the rails as they are. Reach and travel are checked first, then the limits of
-poses, cheap ones before costly ones.
+were (`with_parallel_rails`): stage one is coarse, and all that follows is about the rails as they are. Reach and travel
+are checked first, then the limits of poses, cheap ones before costly ones.
 """
 
 import math
