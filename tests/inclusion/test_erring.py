@@ -52,7 +52,7 @@ def _prove(machine: Machine, path: Path, eps: float) -> ProvenBox:
 
 
 def _bounded(machine: Machine, path: Path, eps: float) -> Found:
-    pairs = AxisPairs.of(link_pairs(machine), False, machine.rails_m)
+    pairs = AxisPairs.of(link_pairs(machine), False, machine)
     with working_precision(64):
         box = _prove(machine, path, eps)
         kappa = kappa_bound(box.balls, box.series, box.deviation, box.erring)
