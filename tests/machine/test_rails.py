@@ -37,16 +37,10 @@ from pipeline.machine.pose import CONTROLLED
 from pipeline.machine.rails import rail_points, with_parallel_rails
 from pipeline.machine.symbolic import holding_function, joints_function, statics_function
 from pipeline.machine.working_modes import reach_along_rails, working_modes
+from tests.rails import off_x
 
 seeds = st.integers(0, 2**32 - 1)
 kinds = st.sampled_from(["on axis", "off axis", "general"])
-
-
-def _skewed(machine: Machine, seed: int, largest: float = 0.05) -> Machine:
-    """Give every rail a direction of its own."""
-    slopes = np.random.default_rng(seed).uniform(-largest, largest, (3, 2))
-    along = np.column_stack([np.ones(3), slopes])
-    return replace(machine, rail_directions=along / np.linalg.norm(along, axis=1, keepdims=True))
 
 
 def _turned(machine: Machine, T: FloatArray) -> tuple[Machine, FloatArray]:
@@ -111,7 +105,7 @@ def test_a_machine_turned_with_all_its_rails_does_the_same(
 @settings(max_examples=8)
 def test_both_kinematics_agree_whatever_the_rails(draw_machine: Callable, draw_poses: Callable, seed: int, kind: str):
     """Carts are on their rails and links closed in the mode that was asked for; forward kinematics leads back."""
-    machine = _skewed(draw_machine(seed, kind), seed)
+    machine = off_x(draw_machine(seed, kind), seed)
     sample = draw_poses(machine, seed, 60)
     assert np.abs(closure_residual(machine, sample.pose, sample.q_m)).max() < 1e-10
     away = np.abs(reach_along_rails(machine, sample.pose, sample.q_m[:, :3])).min(axis=1) > 1e-3
@@ -126,7 +120,7 @@ def test_both_kinematics_agree_whatever_the_rails(draw_machine: Callable, draw_p
 @settings(max_examples=6)
 def test_rates_and_forces_are_differences(draw_machine: Callable, draw_poses: Callable, seed: int, kind: str):
     """The pose moves by its Jacobian; holding forces are the slope of the potential energy, carts' too."""
-    machine = _skewed(draw_machine(seed, kind), seed)
+    machine = off_x(draw_machine(seed, kind), seed)
     sample, h = draw_poses(machine, seed, 40, 30.0), 1e-6
     masses = machine.known_masses
     J = pose_jacobian(machine, sample.pose, sample.q_m)
@@ -160,7 +154,7 @@ def _potential(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArra
 @settings(max_examples=4)
 def test_casadi_has_the_same_machine(draw_machine: Callable, draw_poses: Callable, seed: int):
     """Joints, H, holding forces and the five equations are those in closed form."""
-    machine = _skewed(draw_machine(seed, "general"), seed)
+    machine = off_x(draw_machine(seed, "general"), seed)
     sample = draw_poses(machine, seed, 30, 50.0)
     joints, statics, holding = (build(machine) for build in (joints_function, statics_function, holding_function))
     equations, stiffness, masses = equations_function(machine), stiffness_function(machine), machine.known_masses
@@ -195,7 +189,7 @@ def test_casadi_has_the_same_machine(draw_machine: Callable, draw_poses: Callabl
 
 def test_distances_to_rails_are_those_of_many_points(machine: Machine, draw_poses: Callable):
     """No point of a link comes nearer to a rail's line than its distance, and one comes as near."""
-    skewed = _skewed(machine, 3, 0.2)
+    skewed = off_x(machine, 3, 0.2)
     sample = draw_poses(skewed, 5, 40)
     found = link_rail_distances(skewed, sample.pose, sample.q_m[:, :3])
     A, C = _joints(skewed, sample.pose, sample.q_m)
@@ -228,7 +222,7 @@ def test_slopes_are_those_of_the_configuration(quick_config: Config, vary: Calla
 def test_parallel_rails_take_their_place_in_the_middle_of_their_travel(machine: Machine):
     """There both machines are alike; one whose rails are parallel is itself."""
     assert with_parallel_rails(machine) is machine
-    skewed = _skewed(machine, 1, 0.005)
+    skewed = off_x(machine, 1, 0.005)
     parallel, middle = with_parallel_rails(skewed), skewed.travel_m.mean(axis=1)[None]
     assert parallel.has_parallel_rails
     assert not skewed.has_parallel_rails
@@ -240,7 +234,7 @@ def test_small_slopes_change_little(machine: Machine, draw_poses: Callable):
     sample, off = draw_poses(machine, 7, 60), []
     clear = (discriminants(machine, sample.pose) > 0.05).all(axis=1)
     for size in (1e-4, 1e-6):
-        found = inverse_kinematics(_skewed(machine, 2, size), sample.controlled[clear], sample.modes[clear])
+        found = inverse_kinematics(off_x(machine, 2, size), sample.controlled[clear], sample.modes[clear])
         off.append(np.abs(found.q_m - sample.q_m[clear]).max())
     assert off[0] < 0.01
     assert off[1] == pytest.approx(off[0] / 100.0, rel=0.05)
