@@ -108,7 +108,7 @@ def _unmet(config: Config) -> Iterator[str]:
             "it is for machines without tilt (task.locked_axes: [rx, rz])"
         )
     if any(any(rail.slopes) for rail in config.machine.rails):
-        yield "rails are not parallel to X (machine.rails.slopes)"
+        yield "rails are not parallel to X (machine.rails.slopes), as F is bounded for"
     if parallelogram_widths(config.machine) is None:
         yield "links 2a-2b and 3a-3b are not parallelograms with equal sides along y on platform and cart"
 
