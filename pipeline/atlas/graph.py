@@ -17,6 +17,7 @@ from pipeline.atlas.stations import Station, pair_config
 from pipeline.config import Config, PoseConfig
 from pipeline.limits.approach import between_approaches
 from pipeline.machine.geometry import Machine
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.shortest_paths import Bounds, priced_graph
 from pipeline.route.cost.objectives import COSTS
@@ -117,6 +118,7 @@ def build_graph(
     NoSolutionError
         When regions, moves and shortest paths would take up more than `route.memory_gb`.
     """
+    machine = with_parallel_rails(machine)
     grid = without_obstructions(config, machine, grid)
     departures, arrivals = _ends(config, machine, stations)
     n, count = len(grid), len(stations)

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from pipeline.atlas.graph import AtlasGraph
 from pipeline.atlas.reversal import is_reversible, reversed_route
 from pipeline.errors import ConfigError, NoSolutionError
+from pipeline.machine.geometry import build_machine
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.moves.screen import Screen
+from pipeline.route.own_rails import on_own_rails
 from pipeline.route.planner import chosen_route, screen_of, solve_problem
 from pipeline.route.regions.counting import require_possible_task
 from pipeline.route.result import Route
@@ -72,7 +74,7 @@ def plan_pairs(
     guided : bool
         Whether the routes have what guides stage two (`Search.least_kappa_max`); searches take longer.
     """
-    reversible, screen = is_reversible(graph.config, graph.machine), None
+    reversible, screen = is_reversible(graph.config, build_machine(graph.config.machine)), None
     guided = guided or graph.config.route.alternative > 1
     for number, pair in enumerate(pairs):
         watched = _watched(graph, pair, number, len(pairs), monitor)
@@ -89,7 +91,7 @@ def _searched(
     graph: AtlasGraph, pair: Pair, before: Screen | None, guided: bool, monitor: Monitor
 ) -> tuple[AtlasEntry, Screen | None]:
     """Search for the route of a pair; the moves followed for it are known to the screen that is returned."""
-    config, machine = graph.pair_config(pair), graph.machine
+    config, machine = graph.pair_config(pair), build_machine(graph.config.machine)
     screen = before
     try:
         require_possible_task(config, machine)
@@ -104,7 +106,8 @@ def _searched(
     except NoSolutionError as error:
         status = str(error.diagnosis.get("status", FAILED))
         return AtlasEntry(pair, status, None, error.reason, error.advice), screen
-    return AtlasEntry(pair, str(route.status), with_straight_ends(config, machine, route)), screen
+    route = on_own_rails(config, machine, with_straight_ends(config, graph.machine, route))
+    return AtlasEntry(pair, str(route.status), route), screen
 
 
 def _reversed(graph: AtlasGraph, pair: Pair, opposite: AtlasEntry, monitor: Monitor) -> AtlasEntry | None:

@@ -25,8 +25,12 @@ from pipeline.solvers.highs import Outcome
 
 
 def is_reversible(config: Config, machine: Machine) -> bool:
-    """Tell whether the best route from one station to another, backwards, is the best one back."""
-    return not is_directed(move_limits(config, machine)) and not approaches(config) and config.route.alternative == 1
+    """Tell whether the best route from one station to another, backwards, is the best one back.
+
+    Routes found with parallel rails in place of others are moved to these, and not those of the grid any more.
+    """
+    alone = not approaches(config) and config.route.alternative == 1 and machine.has_parallel_rails
+    return alone and not is_directed(move_limits(config, machine))
 
 
 def is_path_reversible(config: Config, machine: Machine) -> bool:

@@ -126,6 +126,8 @@ class Links:
 def why_no_chart(machine: Machine, right_angled: bool) -> str:
     """Say why a machine has no chart of this kind; empty if it has one."""
     points, offsets = machine.platform_points_m, machine.cart_offsets_m
+    if not machine.has_parallel_rails:
+        return "the chart leaves out x, which plays a role where rails are not parallel (machine.rails.slopes)"
     if not on_axis(machine):
         return "joint 3a is not on the platform's y axis (machine.links.l3a.platform_point_m)"
     if not right_angled:

@@ -107,6 +107,8 @@ def _unmet(config: Config) -> Iterator[str]:
             f"the machine may tilt ({', '.join(free)} up to task.tilt_max_deg {config.task.tilt_max_deg:g}); "
             "it is for machines without tilt (task.locked_axes: [rx, rz])"
         )
+    if any(any(rail.slopes) for rail in config.machine.rails):
+        yield "rails are not parallel to X (machine.rails.slopes), as F is bounded for"
     if parallelogram_widths(config.machine) is None:
         yield "links 2a-2b and 3a-3b are not parallelograms with equal sides along y on platform and cart"
 

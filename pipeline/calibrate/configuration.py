@@ -7,9 +7,11 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.model.parameters import FIXED
+from pipeline.calibrate.model.rails import Rails
 from pipeline.calibrate.yaml_edit import with_values
 from pipeline.config import Config
 from pipeline.config.file import parse_config
+from pipeline.config.machine.links import STEEPEST_SLOPE
 from pipeline.errors import ConfigError, UsageError
 from pipeline.machine.clearance import link_pairs
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, build_machine
@@ -17,6 +19,8 @@ from pipeline.yaml_text import YamlError, parse_yaml
 
 _DECIMALS = 9
 """Nanometres."""
+_SLOPE_DECIMALS = 12
+"""Much less than a nanometre along a rail."""
 
 
 def calibrated_yaml(text: str, config: Config, model: Model, heading: str) -> str:
@@ -25,13 +29,14 @@ def calibrated_yaml(text: str, config: Config, model: Model, heading: str) -> st
     Raises
     ------
     UsageError
-        When the machine cannot be written there: rails that are not parallel, or a text that says the same of several
+        When the machine cannot be written there: rails that are too far off X, or a text that says the same of several
         parts of the machine by an anchor.
     """
-    if np.abs(model.directions_rad).max() > 0.0:
+    steepest = float(np.abs(model.directions_rad).max())
+    if steepest > STEEPEST_SLOPE:
         raise UsageError(
-            "rails that are not parallel cannot be written into a configuration.\n"
-            "  What to change: leave out directions from --fit, or leave out --output."
+            f"a rail is {1e3 * steepest:.2f} mm per metre off X; a configuration has rails that are at most "
+            f"{1e3 * STEEPEST_SLOPE:g} off.\n  What to change: align the rails."
         )
     changes = calibrated_keys(config, model)
     try:
@@ -62,12 +67,15 @@ def calibrated_keys(config: Config, model: Model) -> dict[str | int, Any]:
         }
         if index in FIXED:
             links[f"l{link}"]["length_m"] = _rounded(model.lengths_m[index])
+    on_rails = Rails(
+        model.rails_m, model.directions_rad, model.middles_m[:3], model.zeros_m[:3], model.scales[:3]
+    ).at_origin()
+    zeros, scales = np.append(on_rails.zeros_m, model.zeros_m[3:]), np.append(on_rails.scales, model.scales[3:])
     machine: dict[str | int, Any] = {
-        "rails": {arm: {"y_m": _rounded(y), "z_m": _rounded(z)} for arm, (y, z) in enumerate(model.rails_m)},
+        "rails": {arm: _rail_keys(config, on_rails, arm) for arm in range(len(model.rails_m))},
         "links": links,
         "actuators": {
-            name: {"zero_m": _rounded(model.zeros_m[k]), "scale": _rounded(model.scales[k])}
-            for k, name in enumerate(ACTUATORS)
+            name: {"zero_m": _rounded(zeros[k]), "scale": _rounded(scales[k])} for k, name in enumerate(ACTUATORS)
         },
     }
     apart = _shared_joints(config, model)
@@ -78,6 +86,13 @@ def calibrated_keys(config: Config, model: Model) -> dict[str | int, Any]:
     is_right_angled = config.machine.links.l3c.length_m is None
     derived = {"machine": {"links": {"l3c": {"length_m": links["l3c"]["length_m"]}}}}
     return {} if is_right_angled and changed == derived else changed
+
+
+def _rail_keys(config: Config, rails: Rails, arm: int) -> dict[str | int, Any]:
+    y, z = rails.places_m[arm]
+    keys: dict[str | int, Any] = {"y_m": _rounded(y), "z_m": _rounded(z)}
+    slopes = (np.round(rails.slopes[arm], _SLOPE_DECIMALS) + 0.0).tolist()
+    return {**keys, "slopes": slopes} if any(slopes) or any(config.machine.rails[arm].slopes) else keys
 
 
 def _shared_joints(config: Config, model: Model) -> float:
@@ -105,7 +120,9 @@ def _changed(data: Any, keys: Any) -> Any:
     """Leave out keys whose values are those of the configuration."""
     inner = {key: _changed(data[key], value) if isinstance(value, dict) else value for key, value in keys.items()}
     return {
-        key: value for key, value in inner.items() if value != {} and (isinstance(value, dict) or value != data[key])
+        key: value
+        for key, value in inner.items()
+        if value != {} and (isinstance(value, dict) or value != (data[key] if isinstance(key, int) else data.get(key)))
     }
 
 

@@ -141,7 +141,7 @@ def _explained_by(key: str, found: Identification) -> str:
     return (
         f"Rails that are not parallel do: slopes along Y and Z in mrad are {listed}, each within "
         f"{1e3 * _std(found, DIRECTIONS):.3f}.\n"
-        "  What to change: align the rails; the configuration of a machine has parallel ones."
+        "  What to change: add directions to --fit, or align the rails."
     )
 
 

@@ -45,8 +45,9 @@ def _check_end(
     if not miss <= TOLERANCE:
         return miss, ProofFailure(s, Reason(f"the {name} is missed by {miss:.3g} (metres or radians)"))
     found = closure(problem.balls, pose, [arb(value[0]) for value in piece.taylor(s)])
+    along = found.along_rails()
     for arm, link in enumerate(PRIMARY.tolist()):
-        towards = found.vectors[link][0] * -MODE_SIGNS[end.mode, arm]
+        towards = along[link] * -MODE_SIGNS[end.mode, arm]
         # At the serial singularity itself both modes are one pose.
         if not towards > -TOLERANCE:
             return miss, ProofFailure(

@@ -10,6 +10,7 @@ from rich.table import Table
 from pipeline.cli.machine_notes import machine_notes
 from pipeline.cli.output import text_table
 from pipeline.config import Config
+from pipeline.config.machine.links import RailConfig
 from pipeline.limits import KINDS, ShownLimit, read_measures, unlimited_measures
 from pipeline.limits.actuator_margins import planned_range_m
 from pipeline.limits.bodies.pairs import kept_apart, pair_distances, pair_names
@@ -66,12 +67,20 @@ def _table(title: str, *columns: str, text: int = 1) -> Table:
 
 def _actuators(config: Config, machine: Machine) -> Table:
     table = _table("Actuators", "actuator", "what", "least m", "largest m", "path least m", "largest m", text=2)
-    carts = [f"cart of arm {k + 1}, rail at y {y:g} m, z {z:g} m" for k, (y, z) in enumerate(machine.rails_m)]
+    carts = [
+        f"cart of arm {k + 1}, rail at y {rail.y_m:g} m, z {rail.z_m:g} m{_slopes(rail)}"
+        for k, rail in enumerate(config.machine.rails)
+    ]
     telescopes = [f"telescopic link {LINKS[link]}" for link in TELESCOPES]
     ranges = np.hstack([machine.actuator_limits_m, planned_range_m(config, machine)])
     for name, what, row in zip(ACTUATORS, carts + telescopes, ranges, strict=True):
         table.add_row(name, what, *(f"{value:g}" for value in row))
     return table
+
+
+def _slopes(rail: RailConfig) -> str:
+    """Say how far a rail is off X, if it is."""
+    return f", {1e3 * rail.slopes[0]:g} and {1e3 * rail.slopes[1]:g} mm/m off X" if any(rail.slopes) else ""
 
 
 def _limits(machine: Machine) -> Table:

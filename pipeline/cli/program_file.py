@@ -10,6 +10,7 @@ from pipeline.cli.output import check_output
 from pipeline.config import Config
 from pipeline.errors import UsageError
 from pipeline.machine.geometry import build_machine
+from pipeline.machine.rails import with_parallel_rails
 
 
 def write_program(config: Config, target: Path, console: Console) -> None:
@@ -34,7 +35,7 @@ def write_program(config: Config, target: Path, console: Console) -> None:
     from pipeline.route.search.states import expand_states
     from pipeline.solvers import highs
 
-    machine = build_machine(config.machine)
+    machine = with_parallel_rails(build_machine(config.machine))
     with console.status("regions and moves"):
         regions = build_regions(config, machine)
         problem = RouteProblem.of(config, machine, regions, find_moves(config, machine, regions))

@@ -20,9 +20,9 @@ class TrajectoryColumn(NamedTuple):
 
 
 _ACTUATOR_TEXTS = (
-    "cart 1 along X",
-    "cart 2 along X",
-    "cart 3 along X",
+    "cart 1 along its rail",
+    "cart 2 along its rail",
+    "cart 3 along its rail",
     "length of telescope 2b",
     "length of telescope 3b",
 )

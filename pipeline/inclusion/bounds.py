@@ -70,7 +70,7 @@ def _cosine(closure: Closure[arb_series], cone: JointCone) -> arb_series:
 
 
 def _by_errors(errors: Erring | None, cone: JointCone) -> arb:
-    """Bound sum |dc/da_k| A_k, with dv = P_xyz + T P_angles - e_x and d(R e) = (E P_angles) x R e."""
+    """Bound sum |dc/da_k| A_k, with dv = P_xyz + T P_angles - d and d(R e) = (E P_angles) x R e."""
     if errors is None:
         return arb(0)
     hull, link, table = errors.hull, cone.link, errors.following.over.table()

@@ -42,7 +42,9 @@ class Geometry:
     points : 6 x 3
         a_l in the platform frame.
     anchors : 6 x 3
-        C_l less the cart's position: offset and rail.
+        C_l with the cart at q = 0: offset and rail.
+    rails : 3 x 3
+        Directions d_k of the rails; whatever rounding left of their length, carts move along them by q_k d_k.
     lengths : 6
         Lengths of the fixed links; None for the telescopes.
     characteristic_length : arb
@@ -51,6 +53,7 @@ class Geometry:
 
     points: list[list[arb]]
     anchors: list[list[arb]]
+    rails: list[list[arb]]
     lengths: list[arb | None]
     characteristic_length: arb
 
@@ -71,6 +74,8 @@ class Closure(Generic[N]):
         A'_l, v_l, m_l.
     lengths : 6
         Link lengths.
+    rails : 6 x 3
+        Direction of each link's rail.
     characteristic_length : arb
         L, which moments are divided by.
     """
@@ -83,7 +88,12 @@ class Closure(Generic[N]):
     vectors: list[list[N]]
     moments: list[list[N]]
     lengths: list[N]
+    rails: list[list[arb]]
     characteristic_length: arb
+
+    def along_rails(self) -> list[N]:
+        """Compute v_l . d of each link and its rail: by how much f_l falls with the cart's position."""
+        return [component(v, rail) for v, rail in zip(self.vectors, self.rails, strict=True)]
 
     def residuals(self) -> list[N]:
         """Compute f_l of the six links."""
@@ -133,6 +143,7 @@ def geometry(machine: Machine) -> Geometry:
             [arb(exact(b) + exact(rail)) for b, rail in zip(offset, rails[ARM_OF_LINK[link]], strict=True)]
             for link, offset in enumerate(machine.cart_offsets_m)
         ],
+        rails=[[arb(value) for value in rail] for rail in machine.rail_directions.tolist()],
         lengths=[None if link in TELESCOPES else arb(length) for link, length in enumerate(machine.lengths_m)],
         characteristic_length=arb(machine.characteristic_length_m),
     )
@@ -158,10 +169,8 @@ def closure(machine: Geometry, pose: list[N], q: list[N]) -> Closure[N]:
     for link, (point, anchor) in enumerate(zip(machine.points, machine.anchors, strict=True)):
         arm = [_combination(row, point, none) for row in R]
         arms.append(arm)
-        cart = q[ARM_OF_LINK[link]]
-        vectors.append(
-            [pose[0] - cart + (arm[0] - anchor[0]), pose[1] + (arm[1] - anchor[1]), pose[2] + (arm[2] - anchor[2])]
-        )
+        tcp = _moved_against(pose, q[ARM_OF_LINK[link]], machine.rails[ARM_OF_LINK[link]])
+        vectors.append([x + (a - c) for x, a, c in zip(tcp, arm, anchor, strict=True)])
     telescopes = iter(q[3:])
     return Closure(
         pose=pose,
@@ -172,8 +181,30 @@ def closure(machine: Geometry, pose: list[N], q: list[N]) -> Closure[N]:
         vectors=vectors,
         moments=[cross(arm, v) for arm, v in zip(arms, vectors, strict=True)],
         lengths=[next(telescopes) if length is None else length * one for length in machine.lengths],
+        rails=[machine.rails[arm] for arm in ARM_OF_LINK],
         characteristic_length=machine.characteristic_length,
     )
+
+
+def _moved_against(pose: list[N], cart: N, rail: list[arb]) -> list[N]:
+    """Compute p - q d; coordinates that the rail does not go along are left as they are."""
+    return [
+        x if along.is_zero() else x - (cart if along == 1 else cart * along)
+        for x, along in zip(pose[:3], rail, strict=True)
+    ]
+
+
+def component(vector: list[N], direction: list[arb]) -> N:
+    """Compute the scalar product of a vector and constants, not all of them zero."""
+    parts = [
+        entry if weight == 1 else entry * weight
+        for entry, weight in zip(vector, direction, strict=True)
+        if not weight.is_zero()
+    ]
+    total = parts[0]
+    for part in parts[1:]:
+        total = total + part
+    return total
 
 
 def second_derivatives(closure: Closure[arb]) -> list[list[arb]]:

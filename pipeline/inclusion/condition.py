@@ -84,7 +84,7 @@ def _change_by_errors(machine: Geometry, erring: Erring, Y: arb_mat) -> tuple[ar
 def statics_derivatives(machine: Geometry, erring: Erring) -> list[arb_mat]:
     """Enclose the derivatives of H' by the error of each actuator over a box: five 6 x 6 matrices.
 
-    v_l changes by dv = P_xyz + T P_angles - e_x for the link's own cart, T the axes crossed with the arm, m_l by
+    v_l changes by dv = P_xyz + T P_angles - d for the link's own cart, T the axes crossed with the arm, m_l by
     (T P_angles) x v + A' x dv, and row l of H' is [v ; m / L] / len.
     """
     hull, table = erring.hull, erring.following.over.table()
@@ -93,7 +93,8 @@ def statics_derivatives(machine: Geometry, erring: Erring) -> list[arb_mat]:
     for link, (arm, vector, length) in enumerate(zip(hull.arms, hull.vectors, hull.lengths, strict=True)):
         turned = arb_mat([cross(axis, arm) for axis in hull.axes]).transpose() * turn
         moved = shift + turned
-        moved[0, CARTS[link]] -= 1
+        for k, along in enumerate(hull.rails[link]):
+            moved[k, CARTS[link]] -= along
         moment = skew(arm) * moved - skew(vector) * turned
         parts = [*moved.table(), *(moment / machine.characteristic_length).table()]
         columns = [[entry / length for entry in column] for column in zip(*parts, strict=True)]

@@ -2,10 +2,10 @@
 
 With actuators off by a, the closures are, exactly,
 
-    f(x; a) = f(x) + V(x) a + W(a),    V = df/dq,    W_l = a_c^2 / 2 - a_t^2 / 2,
+    f(x; a) = f(x) + V(x) a + W(a),    V = df/dq,    W_l = |d|^2 a_c^2 / 2 - a_t^2 / 2,
 
-c the cart of link l, and t its telescope if it is one: V_lc = -(v_l)_x, V_lt = -len_l. With P near -J^-1 V, C near
-J^-1, and x = x(t) + C e + P a + w, this adds
+c the cart of link l, d its rail, and t its telescope if it is one: V_lc = -v_l . d, V_lt = -len_l. With P near
+-J^-1 V, C near J^-1, and x = x(t) + C e + P a + w, this adds
 
     |C (J P + V)| A + sum |a' (P' (G_i P / 2 + K_i) + diag(C_i W'') / 2) a| + |C' (G_i P + K_i)| (E, A)
 
@@ -21,7 +21,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import Closure, Geometry, closure, cross
+from pipeline.inclusion.closure import Closure, Geometry, closure, component, cross
 from pipeline.inclusion.matrices import (
     added,
     ball_matrix,
@@ -37,13 +37,16 @@ from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
 _LINKS, _ACTUATORS, _ORDERS = 6, len(ACTUATORS), 3
 CARTS = [int(arm) for arm in ARM_OF_LINK]
 TELESCOPE = {int(link): 3 + k for k, link in enumerate(TELESCOPES)}
-_SQUARES = arb_mat(
-    [
-        [arb(int(a == CARTS[link])) - arb(int(a == TELESCOPE.get(link))) for a in range(_ACTUATORS)]
-        for link in range(_LINKS)
-    ]
-)
-"""W'' of each link by each actuator."""
+
+
+def _squares(hull: Closure[arb]) -> arb_mat:
+    """Compute W'' of each link by each actuator, 6 x 5."""
+    squares = arb_mat(_LINKS, _ACTUATORS)
+    for link, rail in enumerate(hull.rails):
+        squares[link, CARTS[link]] = component(rail, rail)
+        if link in TELESCOPE:
+            squares[link, TELESCOPE[link]] = -1
+    return squares
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,15 +82,17 @@ class Following:
         """Enclose K_i of all six coordinates over a box, one below the other: 36 x 5."""
         by_link = arb_mat(_LINKS, _LINKS * _ACTUATORS)
         for link, cart in enumerate(CARTS):
-            by_link[link, cart] = -1
+            rail = hull.rails[link]
+            for k in range(3):
+                by_link[link, _ACTUATORS * k + cart] = -rail[k]
             for j, axis in enumerate(hull.axes):
-                by_link[link, _ACTUATORS * (3 + j) + cart] = -cross(axis, hull.arms[link])[0]
+                by_link[link, _ACTUATORS * (3 + j) + cart] = -component(cross(axis, hull.arms[link]), rail)
         return arb_mat(_LINKS * _LINKS, _ACTUATORS, (C * by_link).entries())
 
-    def second_order(self, C: arb_mat, parts: list[arb_mat]) -> FloatArray:
+    def second_order(self, C: arb_mat, parts: list[arb_mat], hull: Closure[arb]) -> FloatArray:
         """Bound |a' (P' part_i + diag(C_i W'') / 2) a| for all errors, with part_i = G_i P / 2 + K_i. Shape (6,)."""
         A, P = upper_vector(self.errors), self.over.transpose()
-        bent, found = C * _SQUARES, []
+        bent, found = C * _squares(hull), []
         for i, part in enumerate(parts):
             M = P * part
             M = M + M.transpose()
@@ -196,7 +201,7 @@ def erring(machine: Geometry, over: Closure[arb_series], following: Following, d
 def joint_moves(errors: Erring) -> list[arb_mat]:
     """Enclose the derivatives of all end points by the error of each actuator: five matrices 3 x 15.
 
-    Cart joints move by e_x with their own cart; platform joints by P_xyz + T P_angles, T the axes crossed with the arm.
+    Cart joints move by d with their own cart; platform joints by P_xyz + T P_angles, T the axes crossed with the arm.
     """
     table = errors.following.over.table()
     shift, turn = arb_mat(table[:3]), arb_mat(table[3:])
@@ -205,7 +210,7 @@ def joint_moves(errors: Erring) -> list[arb_mat]:
     ]
     still, found = [arb(0)] * 3, []
     for k in range(len(errors.following.errors)):
-        carts = [[arb(int(cart == k)), arb(0), arb(0)] for cart in CARTS]
+        carts = [rail if cart == k else still for cart, rail in zip(CARTS, errors.hull.rails, strict=True)]
         points = [*carts, *([joint[c, k] for c in range(3)] for joint in platform), still, still, still]
         found.append(arb_mat(points).transpose())
     return found
@@ -214,8 +219,8 @@ def joint_moves(errors: Erring) -> list[arb_mat]:
 def _rates(closure: Closure[arb_series], order: int) -> arb_mat:
     """Return a coefficient of V as a series, 6 x 5."""
     V = arb_mat(_LINKS, _ACTUATORS)
-    for link in range(_LINKS):
-        V[link, CARTS[link]] = -closure.vectors[link][0][order]
+    for link, along in enumerate(closure.along_rails()):
+        V[link, CARTS[link]] = -along[order]
         if link in TELESCOPE:
             V[link, TELESCOPE[link]] = -closure.lengths[link][order]
     return V

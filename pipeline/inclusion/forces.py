@@ -12,12 +12,13 @@ import numpy as np
 from flint import arb, arb_mat, arb_poly, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import TERMS, Closure, cross
+from pipeline.inclusion.closure import TERMS, Closure, Geometry, component, cross
 from pipeline.inclusion.condition import above, below, frobenius, norm, statics_change
 from pipeline.inclusion.krawczyk import linear_inverse, residual_of_inverse
 from pipeline.inclusion.matrices import ball_matrix, inner, magnitudes, matrices
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.ranges import polynomial_range
+from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES
 from pipeline.machine.masses import Masses, lumped_platform
 
@@ -53,11 +54,11 @@ def holding_force_ranges(box: ProvenBox, masses: Masses) -> FloatArray:
     each = [_magnitude(force, h) + error for force, error in zip(links, errors, strict=True)]
     errors = [inner(row, each) + by_pose for row in miss]
     rows = _terms(series.at, series.over)
-    carts, cart_errors = [arb_poly([0])] * 3, [arb(0)] * 3
+    carts, cart_errors = [arb_poly([weight]) for weight in cart_weights(box.balls, masses)], [arb(0)] * 3
     for link, arm in enumerate(ARM_OF_LINK.tolist()):
         carts[arm] = carts[arm] + links[link] * arb_poly(rows[link])
-        along_x = _magnitude(arb_poly(rows[link]), h)
-        cart_errors[arm] = cart_errors[arm] + errors[link] * (along_x + off) + size * off
+        along, change = _magnitude(arb_poly(rows[link]), h), off * norm(series.over.rails[link])
+        cart_errors[arm] = cart_errors[arm] + errors[link] * (along + change) + size * change
     forces = [*carts, *(links[link] for link in TELESCOPES.tolist()), *links]
     spread = [*cart_errors, *(errors[link] for link in TELESCOPES.tolist()), *errors]
     return np.array([_range(force, h, error) for force, error in zip(forces, spread, strict=True)])
@@ -85,9 +86,19 @@ def _wrenches(box: ProvenBox, masses: Masses) -> tuple[list[arb_poly], arb]:
 
 
 def _terms(at: Closure[arb_series], over: Closure[arb_series]) -> list[list[arb]]:
-    """Return the x of each link's row of H': coefficients about the middle, the last one over the interval."""
-    first, last = at.statics(), over.statics()
-    return [[(last if n + 1 == TERMS else first)[link][0][n] for n in range(TERMS)] for link in range(_LINKS)]
+    """Return u . d of each link and its rail: coefficients about the middle, the last one over the interval."""
+    first, last = (
+        [component(row[:3], rail) for row, rail in zip(motion.statics(), motion.rails, strict=True)]
+        for motion in (at, over)
+    )
+    return [[(last if n + 1 == TERMS else first)[link][n] for n in range(TERMS)] for link in range(_LINKS)]
+
+
+def cart_weights(machine: Geometry, masses: Masses) -> list[arb]:
+    """Enclose the forces -m_k g . d_k that hold the carts on their rails (`dynamics.cart_weights`). Three balls."""
+    gravity = [arb(value) for value in masses.gravity_mps2.tolist()]
+    carried = carried_cart_masses(masses).tolist()
+    return [-inner(gravity, rail) * arb(mass) for mass, rail in zip(carried, machine.rails, strict=True)]
 
 
 def _products(matrix: list[arb_mat], vector: list[arb_poly]) -> list[arb_poly]:

@@ -248,7 +248,7 @@ def _image(
         GP = G * following.over
         bent = GP + K
         spread += _bounds(bent) @ A
-        k += following.second_order(C, _parts(GP / 2 + K))
+        k += following.second_order(C, _parts(GP / 2 + K), hull)
         if uncertain:
             k += np.array([E @ upper_bounds(CT * part) @ A for part in _parts(bent)])
     return [arb(value) for value in enlarged(k + spread @ r).tolist()]

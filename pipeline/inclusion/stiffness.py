@@ -14,7 +14,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.closure import TERMS, Closure, Vector, closure, cross, dot, pose_series, shifted
+from pipeline.inclusion.closure import TERMS, Closure, Vector, closure, component, cross, dot, pose_series, shifted
 from pipeline.inclusion.condition import above, below, frobenius
 from pipeline.inclusion.matrices import ball_matrix, floats, inner, magnitudes
 from pipeline.inclusion.pieces import middle
@@ -81,7 +81,7 @@ def _stiffness(motion: Closure[arb_series], masses: Masses, body: RigidBody) -> 
     rows, per_length = motion.statics(), 1 / motion.characteristic_length
     by_actuator = [[_constant(entry) for entry in row] for row in EXTENSIONS.tolist()]
     for link, arm in enumerate(ARM_OF_LINK.tolist()):
-        by_actuator[link][arm] = rows[link][0]
+        by_actuator[link][arm] = component(rows[link][:3], motion.rails[link])
     H, scale = _coefficients(rows), arb_mat(np.diag([1.0] * 6).tolist())
     for k in range(3, 6):
         scale[k, k] = per_length
@@ -97,7 +97,8 @@ def _stiffness(motion: Closure[arb_series], masses: Masses, body: RigidBody) -> 
             [one - other for one, other in zip(*pair, strict=True)] for pair in zip(turning, pushed, strict=True)
         ]
         tip = _times(_coefficients(_tip(motion.arms[link])), twist)
-        tip[0][0, ARM_OF_LINK[link]] -= 1
+        for k, along in enumerate(motion.rails[link]):
+            tip[0][k, ARM_OF_LINK[link]] -= along
         extension = ball_matrix(EXTENSIONS[[link]])
         bent = _times([part.transpose() for part in tip], tip)
         bent[0] = bent[0] - extension.transpose() * extension

@@ -83,15 +83,15 @@ def of_actuators(weights: FloatArray) -> Callable[[float], Uncertainty]:
 def residual_change(machine: Geometry, over: Closure[arb_series], uncertainty: Uncertainty) -> list[arb]:
     """Bound E, the change of the closures at the poses x(t) by calibration. Six bounds in square metres.
 
-    v and len are those of actuators that are off by up to `actuator_m`.
+    v and len are those of actuators that are off by up to `actuator_m`. Directions of rails are as configured.
     """
     if not uncertainty.calibration:
         return [arb(0)] * 6
     eps, eta = arb(uncertainty.length_m), arb(uncertainty.coordinate_m)
     columns = [[row[j][0] for row in over.rotation] for j in range(3)]
     bounds, off = [], arb(max(uncertainty.actuator_m))
-    for vector, length in zip(over.vectors, over.lengths, strict=True):
-        v = [vector[0][0] + arb(0, off), vector[1][0], vector[2][0]]
+    for vector, length, rail in zip(over.vectors, over.lengths, over.rails, strict=True):
+        v = [entry[0] + arb(0, (off * along).abs_upper()) for entry, along in zip(vector, rail, strict=True)]
         bound = (length[0].abs_upper() + off) * eps + eps * eps / 2
         if uncertainty.coordinate_m > 0.0:
             seen = sum(((c[0] * v[0] + c[1] * v[1] + c[2] * v[2]).abs_upper() for c in columns), arb(0))
@@ -111,8 +111,8 @@ def jacobian_change(machine: Geometry, hull: Closure[arb], uncertainty: Uncertai
         return [[arb(0)] * 6] * 6
     w, turned, off = _offset(eta), arb(3).sqrt() * eta, arb(max(uncertainty.actuator_m))
     rows = []
-    for point, vector in zip(machine.points, hull.vectors, strict=True):
-        by_angle = _norm(point) * w + (_norm(vector) + off + w) * turned
+    for point, vector, rail in zip(machine.points, hull.vectors, hull.rails, strict=True):
+        by_angle = _norm(point) * w + (_norm(vector) + off * _norm(rail) + w) * turned
         rows.append([(turned + 2 * eta)] * 3 + [by_angle] * 3)
     return rows
 

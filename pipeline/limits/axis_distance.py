@@ -114,7 +114,7 @@ class AxisDistance:
         """Bound the distances of all pairs over a proven box from below, shape (pairs, 2)."""
         from pipeline.inclusion.distances.axes import AxisPairs, distance_bounds
 
-        pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine.rails_m)
+        pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine)
         least = distance_bounds(box.balls, pairs, box.series, box.deviation, box.erring)
         return np.column_stack([np.maximum(least - PROOF_SLACK_M, 0.0), np.full(len(least), np.inf)])
 

@@ -1,4 +1,4 @@
-"""The least distance between links and the rails of the other arms, taken as endless lines along X."""
+"""The least distance between links and the rails of the other arms, taken as endless lines."""
 
 import numpy as np
 

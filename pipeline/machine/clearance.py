@@ -11,6 +11,7 @@ import numpy as np
 from pipeline.arguments import require_one_length, require_shape
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import ARM_OF_LINK, Machine, cart_joints, cross, dot, link_vectors
+from pipeline.machine.rails import rail_frame, rail_origins
 
 _PARALLEL = 1e-12
 """sin^2 of the angle below which two links count as parallel: no common perpendicular, end points decide."""
@@ -54,12 +55,18 @@ def rail_pairs(machine: Machine) -> list[tuple[int, int]]:
 
 
 def link_rail_distances(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
-    """Distances of links to the other arms' rails, taken as endless lines along X. Shape (n, rail pairs)."""
-    start = cart_joints(machine, carts_m)[..., 1:]
-    vector = link_vectors(machine, pose, carts_m)[..., 1:]
-    columns = [
-        _point_segment(machine.rails_m[rail], start[:, link], vector[:, link]) for link, rail in rail_pairs(machine)
-    ]
+    """Distances of links to the other arms' rails, taken as endless lines. Shape (n, rail pairs)."""
+    start, vector = cart_joints(machine, carts_m), link_vectors(machine, pose, carts_m)
+    if machine.has_parallel_rails:
+        columns = [
+            _point_segment(machine.rails_m[rail], start[:, link, 1:], vector[:, link, 1:])
+            for link, rail in rail_pairs(machine)
+        ]
+    else:
+        columns = []
+        for link, rail in rail_pairs(machine):
+            frame, origin = rail_frame(machine, rail)[1:].T, rail_origins(machine)[rail]
+            columns.append(_point_segment(origin @ frame, start[:, link] @ frame, vector[:, link] @ frame))
     return np.stack(columns, axis=1)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.machine.geometry import Machine, cart_joints, platform_arms
+from pipeline.machine.rails import rail_points
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +30,8 @@ class DrawnPoints:
 def drawn_points(machine: Machine, pose: FloatArray, q_m: FloatArray) -> DrawnPoints:
     """Compute what is drawn at poses (..., 6) with actuators (..., 5), in metres."""
     carts = q_m[..., :3]
-    rails = np.broadcast_to(machine.rails_m, (*carts.shape, 2))
     return DrawnPoints(
-        feet_m=np.concatenate([carts[..., None], rails], axis=-1),
+        feet_m=rail_points(machine, carts),
         cart_joints_m=cart_joints(machine, carts),
         platform_joints_m=pose[..., None, :3] + platform_arms(machine, pose),
     )
@@ -39,7 +39,7 @@ def drawn_points(machine: Machine, pose: FloatArray, q_m: FloatArray) -> DrawnPo
 
 def rail_ends(machine: Machine) -> FloatArray:
     """Compute both ends of each rail in metres, shape (3, 2, 3)."""
-    return np.stack([np.column_stack([machine.travel_m[:, end], machine.rails_m]) for end in (0, 1)], axis=1)
+    return np.stack([rail_points(machine, end) for end in machine.travel_m.T], axis=1)
 
 
 def platform_corners(machine: Machine) -> FloatArray:

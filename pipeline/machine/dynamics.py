@@ -1,7 +1,7 @@
 """Inverse dynamics: the forces of drives and links that a motion takes.
 
 Signs: a link's force is positive where it is pushed, and acts on the platform along u_l, from cart to platform; a
-telescope's drive carries that very force. A cart's drive pushes it along X.
+telescope's drive carries that very force. A cart's drive pushes it along its rail, d, which is X on parallel rails.
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine, cross, rotation, rotation_x
 from pipeline.machine.masses import Masses, lumped_platform
+from pipeline.machine.rails import along_rails
 from pipeline.machine.statics import statics_matrix
 
 
@@ -27,6 +28,12 @@ def carried_cart_masses(masses: Masses) -> FloatArray:
     halves = np.zeros(3)
     np.add.at(halves, ARM_OF_LINK, masses.link_kg / 2.0)
     return masses.cart_kg + halves
+
+
+def cart_weights(machine: Machine, masses: Masses) -> FloatArray:
+    """Forces -m_k g . d_k that hold the carts with the halves of their links on their rails. Shape (3,), in newtons."""
+    weights: FloatArray = -carried_cart_masses(masses) * (machine.rail_directions @ masses.gravity_mps2)
+    return weights
 
 
 def inverse_dynamics(
@@ -47,7 +54,7 @@ def inverse_dynamics(
         r x F + I alpha + omega x I omega = M
         H f = w = (F, M / L)
 
-    and a cart of carried mass m_k needs m_k a_k + sum of f_l u_l . e_x over its links.
+    and a cart of carried mass m_k needs m_k (a_k - g . d_k) + sum of f_l u_l . d_k over its links.
 
     Parameters
     ----------
@@ -67,7 +74,7 @@ def inverse_dynamics(
     H = statics_matrix(machine, pose, carts_m)
     wrench = np.concatenate([F, M / machine.characteristic_length_m], axis=1)
     link = np.linalg.solve(H, wrench[..., None])[..., 0]
-    drive = _drive_forces(H, link)
+    drive = _drive_forces(machine, masses, H, link)
     drive[:, :3] += carried_cart_masses(masses) * cart_acceleration_mps2
     return Forces(drive, link)
 
@@ -88,19 +95,20 @@ def holding_forces(machine: Machine, masses: Masses, pose: FloatArray, H: FloatA
     wrench = np.concatenate([F, cross(r, F) / machine.characteristic_length_m], axis=1)
     try:
         link = np.linalg.solve(H, wrench[..., None])[..., 0]
-        return Forces(_drive_forces(H, link), link)
+        return Forces(_drive_forces(machine, masses, H, link), link)
     except np.linalg.LinAlgError:
         regular = np.linalg.det(H) != 0.0
     link, drive = np.full((len(pose), 6), np.inf), np.full((len(pose), 5), np.inf)
     link[regular] = np.linalg.solve(H[regular], wrench[regular][..., None])[..., 0]
-    drive[regular] = _drive_forces(H[regular], link[regular])
+    drive[regular] = _drive_forces(machine, masses, H[regular], link[regular])
     return Forces(drive, link)
 
 
-def _drive_forces(H: FloatArray, link_n: FloatArray) -> FloatArray:
-    """Forces of drives that keep carts still, for links' forces (n, 6): row 0 of H holds u_l . e_x. Shape (n, 5)."""
-    along_x = link_n * H[:, 0]
-    carts = [along_x[:, arm == ARM_OF_LINK].sum(axis=1) for arm in range(3)]
+def _drive_forces(machine: Machine, masses: Masses, H: FloatArray, link_n: FloatArray) -> FloatArray:
+    """Forces of drives that keep carts still, for links' forces (n, 6): the first rows of H hold u_l. Shape (n, 5)."""
+    along = link_n * along_rails(machine, H[:, :3].swapaxes(1, 2), ARM_OF_LINK)
+    weights = cart_weights(machine, masses)
+    carts = [along[:, arm == ARM_OF_LINK].sum(axis=1) + weights[arm] for arm in range(3)]
     return np.column_stack([*carts, link_n[:, TELESCOPES]])
 
 

@@ -40,9 +40,9 @@ class Machine:
     Attributes
     ----------
     rails_m : (3, 2)
-        y and z of each rail.
+        y and z of each rail where x is 0.
     travel_m : (3, 2)
-        Least and largest cart position.
+        Least and largest cart position along the rail.
     platform_points_m, cart_offsets_m : (6, 3)
         Joints of each link, in the platform frame and from the cart's origin.
     lengths_m : (6,)
@@ -51,6 +51,8 @@ class Machine:
         Least and largest length of telescopes 2b and 3b.
     triangle_sign : float
         Sign of y_platform . (R w x u_3c) in the assembled machine.
+    rail_directions : (3, 3)
+        Unit vectors d_k along the rails: cart k is at (0, y, z) + q_k d_k. They are e_x on parallel rails.
     characteristic_length_m : float
         What moments are divided by in the statics matrix.
     link_link_m, link_rail_m : float
@@ -90,6 +92,7 @@ class Machine:
     link_rail_m: float
     velocity_mps: FloatArray
     acceleration_mps2: FloatArray
+    rail_directions: FloatArray = field(default_factory=lambda: np.tile([1.0, 0.0, 0.0], (3, 1)))
     characteristic_length_m: float = 1.0
     shared_joint_m: float = 0.0
     jerk_mps3: FloatArray = field(default_factory=lambda: np.full(5, np.inf))
@@ -118,6 +121,11 @@ class Machine:
         return self.masses
 
     @property
+    def has_parallel_rails(self) -> bool:
+        """Whether all rails are exactly along X: x then enters through the carts alone."""
+        return not self.rail_directions[:, 1:].any()
+
+    @property
     def actuator_limits_m(self) -> FloatArray:
         """Least and largest value of each actuator, shape (5, 2)."""
         return np.vstack([self.travel_m, self.strokes_m])
@@ -126,7 +134,7 @@ class Machine:
     def force_limits_n(self) -> FloatArray:
         """Largest push (positive force) and pull of the five drives and along the six links, shape (2, 11).
 
-        A cart is pushed along +X; a telescope or link that pushes is compressed.
+        A cart is pushed along its rail, towards +X; a telescope or link that pushes is compressed.
         """
         links = np.reshape(self.link_force_n, (-1, 1))
         return np.hstack([np.broadcast_to(self.force_n, (2, 5)), np.broadcast_to(links, (2, len(LINKS)))])
@@ -145,6 +153,7 @@ def build_machine(config: MachineConfig) -> Machine:
     limits = config.limits.of_actuators()
     return Machine(
         rails_m=np.array([(rail.y_m, rail.z_m) for rail in config.rails]),
+        rail_directions=_directions(config),
         travel_m=np.array([rail.travel_m for rail in config.rails]),
         platform_points_m=np.array([link.platform_point_m for link in links]),
         cart_offsets_m=np.array([link.cart_offset_m for link in links]),
@@ -169,6 +178,13 @@ def build_machine(config: MachineConfig) -> Machine:
         bodies=build_bodies(config),
         obstacles=build_obstacles(config, ()),
     )
+
+
+def _directions(config: MachineConfig) -> FloatArray:
+    """Return unit vectors (1, dy/dx, dz/dx) / |.| along the rails, shape (3, 3)."""
+    along = np.array([(1.0, *rail.slopes) for rail in config.rails])
+    directions: FloatArray = along / np.linalg.norm(along, axis=1, keepdims=True)
+    return directions
 
 
 def _given(limit: float | None, without: float = np.inf) -> float:
@@ -229,10 +245,14 @@ def platform_arms(machine: Machine, pose: FloatArray) -> FloatArray:
 
 
 def cart_joints(machine: Machine, carts_m: FloatArray) -> FloatArray:
-    """C_l = (c_k + b_x, rail_y + b_y, rail_z + b_z) for cart positions (..., 3). Shape (..., 6, 3)."""
+    """C_l = (0, rail_y, rail_z) + c_k d_k + b_l for cart positions (..., 3). Shape (..., 6, 3)."""
     joints = np.empty((3, 6, *carts_m.shape[:-1]))
     joints[:] = _last(machine.cart_offsets_m.T, joints)
-    joints[0] += np.moveaxis(carts_m, -1, 0)[ARM_OF_LINK]
+    carts = np.moveaxis(carts_m, -1, 0)[ARM_OF_LINK]
+    if machine.has_parallel_rails:
+        joints[0] += carts
+    else:
+        joints += carts * _last(machine.rail_directions[ARM_OF_LINK].T, joints)
     joints[1:] += _last(machine.rails_m[ARM_OF_LINK].T, joints)
     return np.moveaxis(joints, (0, 1), (-1, -2))
 

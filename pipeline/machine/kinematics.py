@@ -32,8 +32,10 @@ from pipeline.machine.geometry import (
     rotation_z,
 )
 from pipeline.machine.pose import full_pose
+from pipeline.machine.rails import across_rails, along_rails, rail_origins
 from pipeline.machine.triangle import dependent_angle, on_axis, third_discriminant
 
+_ARMS = ARM_OF_LINK[PRIMARY]
 _NEWTON_STEPS = 30
 _MAX_STEP = 0.2
 """Longest Newton step, in metres and radians: farther than that the linearisation means nothing."""
@@ -52,8 +54,8 @@ class InverseSolution:
     q_m : (n, 5)
         Actuator positions c1, c2, c3, l2b, l3b.
     discriminants_m2 : (n, 3)
-        D_k = L^2 - dy^2 - dz^2 per arm: zero at its serial singularity, negative out of reach, NaN where it
-        depends on a ry that does not exist.
+        D_k = L^2 - dy^2 - dz^2 per arm, distances across its rail: zero at its serial singularity, negative out of
+        reach, NaN where it depends on a ry that does not exist.
     reachable : (n,)
         All three arms reach their rails and the triangle closes; limits are not looked at.
     """
@@ -71,7 +73,9 @@ def inverse_kinematics(
     gates: IntArray | None = None,
     ry_rad: FloatArray | None = None,
 ) -> InverseSolution:
-    """Solve c_k = A_x - b_x -/+ sqrt(D_k) for controlled poses (n, 5) in working modes (n,).
+    """Solve c_k = (A - b) . d_k -/+ sqrt(D_k) for controlled poses (n, 5) in working modes (n,).
+
+    d_k is the direction of the rail, e_x on parallel ones.
 
     ry follows from the triangle, unless it is known: `ry_rad` (n,). `gates` (n,) names per row the arm (1, 2, 3; 0
     for none) whose D is zero by construction: rounding is kept from making it negative or leaving the two modes apart.
@@ -99,7 +103,7 @@ def inverse_kinematics(
     D = _discriminants(machine, pose, joints)
     D[signs == 0.0] = 0.0
     with np.errstate(invalid="ignore"):
-        carts = joints[:, PRIMARY, 0] - machine.cart_offsets_m[PRIMARY, 0] + signs * np.sqrt(D)
+        carts = _along(machine, joints) + signs * np.sqrt(D)
     telescopes = joints[:, TELESCOPES] - cart_joints(machine, carts)[:, TELESCOPES]
     q = np.column_stack([carts, np.sqrt(dot(telescopes, telescopes))])
     return InverseSolution(pose, q, D, np.isfinite(q).all(axis=1))
@@ -113,12 +117,30 @@ def discriminants(machine: Machine, pose: FloatArray) -> FloatArray:
 
 
 def _discriminants(machine: Machine, pose: FloatArray, joints: FloatArray) -> FloatArray:
-    across = joints[:, PRIMARY, 1:] - machine.cart_offsets_m[PRIMARY, 1:] - machine.rails_m
-    D: FloatArray = machine.lengths_m[PRIMARY] ** 2 - across[..., 0] ** 2 - across[..., 1] ** 2
+    if machine.has_parallel_rails:
+        across = joints[:, PRIMARY, 1:] - machine.cart_offsets_m[PRIMARY, 1:] - machine.rails_m
+        D: FloatArray = machine.lengths_m[PRIMARY] ** 2 - across[..., 0] ** 2 - across[..., 1] ** 2
+    else:
+        distant = across_rails(machine, _from_origins(machine, joints), _ARMS)
+        D = machine.lengths_m[PRIMARY] ** 2 - dot(distant, distant)
     if on_axis(machine):
         rows = np.flatnonzero(np.isnan(pose[:, 4]))
         D[rows, 2] = third_discriminant(machine, pose[rows][:, [0, 1, 2, 3, 5]], np.zeros(len(rows)))
     return D
+
+
+def _along(machine: Machine, joints: FloatArray) -> FloatArray:
+    """Positions along the rails, less the offsets, where primary joints would be abreast of A (n, 6, 3). (n, 3)."""
+    if machine.has_parallel_rails:
+        along: FloatArray = joints[:, PRIMARY, 0] - machine.cart_offsets_m[PRIMARY, 0]
+        return along
+    return along_rails(machine, _from_origins(machine, joints), _ARMS)
+
+
+def _from_origins(machine: Machine, joints: FloatArray) -> FloatArray:
+    """A - C of the primary links with all carts at q = 0, for platform joints (n, 6, 3). Shape (n, 3, 3)."""
+    offset: FloatArray = joints[:, PRIMARY] - machine.cart_offsets_m[PRIMARY] - rail_origins(machine)
+    return offset
 
 
 def closure_residual(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
@@ -143,19 +165,19 @@ def closure_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> Flo
 def pose_jacobian(machine: Machine, pose: FloatArray, q_m: FloatArray) -> FloatArray:
     """Differentiate the pose by the actuators on the closure r(pose, q) = 0: -(dr/dpose)^-1 dr/dq. Shape (..., 6, 5).
 
-    A cart pulls its links by -u_x, a telescope lengthens its own: dr/dc_k = -u_l,x for the links l of arm k and
-    dr/dq_4 = -1 for 2b, dr/dq_5 = -1 for 3b.
+    A cart pulls its links by -u . d_k, a telescope lengthens its own: dr/dc_k = -u_l . d_k for the links l of arm k
+    and dr/dq_4 = -1 for 2b, dr/dq_5 = -1 for 3b.
     """
-    return solve_rates(closure_jacobian(machine, pose, q_m))
+    return solve_rates(machine, closure_jacobian(machine, pose, q_m))
 
 
-def solve_rates(by_pose: FloatArray) -> FloatArray:
+def solve_rates(machine: Machine, by_pose: FloatArray) -> FloatArray:
     """Solve for the derivative of the pose by the actuators, for regular closure Jacobians (..., 6, 6).
 
-    The first column of a closure Jacobian holds the u_l,x that dr/dq is made of. Shape (..., 6, 5).
+    The first columns of a closure Jacobian hold the u_l that dr/dq is made of. Shape (..., 6, 5).
     """
     by_q = np.zeros((*by_pose.shape[:-1], len(ACTUATORS)))
-    by_q[..., np.arange(len(LINKS)), ARM_OF_LINK] = -by_pose[..., 0]
+    by_q[..., np.arange(len(LINKS)), ARM_OF_LINK] = -along_rails(machine, by_pose[..., :3], ARM_OF_LINK)
     by_q[..., TELESCOPES, [3, 4]] = -1.0
     return np.linalg.solve(by_pose, -by_q).astype(float, copy=False)
 

@@ -83,7 +83,7 @@ class PoseSamples:
 
     @cached_property
     def reach_m(self) -> FloatArray:
-        """C_x - A_x of the primary links: positive in mode R, negative in mode L. Shape (n, 3)."""
+        """(C - A) . d of the primary links: positive in mode R, negative in mode L. Shape (n, 3)."""
         return reach_along_rails(self.machine, self.pose, self.carts_m)
 
     @cached_property

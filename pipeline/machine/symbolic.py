@@ -8,9 +8,10 @@ holds, and does not depend on the telescopes, which leaves two columns of every 
 import casadi as ca
 import numpy as np
 
-from pipeline.machine.dynamics import carried_cart_masses
+from pipeline.machine.dynamics import carried_cart_masses, cart_weights
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
 from pipeline.machine.masses import Masses, lumped_platform
+from pipeline.machine.rails import rail_origins
 
 
 def closure_function(machine: Machine) -> ca.Function:
@@ -84,7 +85,7 @@ def holding_function(machine: Machine) -> ca.Function:
     F = ca.DM(-body.mass_kg * masses.gravity_mps2)
     r = rotation_matrix(pose[3], pose[4], pose[5]) @ ca.DM(body.centre_m)
     H = _statics(machine, pose, q)
-    drives = _drives(H, f)
+    drives = _drives(machine, masses, H, f)
     wrench = ca.vertcat(F, ca.cross(r, F) / machine.characteristic_length_m)
     return ca.Function("holding", [pose, q, f], [H @ f - wrench, drives])
 
@@ -115,7 +116,7 @@ def dynamics_function(machine: Machine) -> ca.Function:
     z, z1, z2 = (ca.SX.sym(name, 11) for name in ("z", "z1", "z2"))
     f = ca.SX.sym("f", 6)
     H = _statics(machine, z[:6], z[6:])
-    drives = _drives(H, f) + ca.vertcat(ca.DM(carried_cart_masses(masses)) * z2[6:9], 0.0, 0.0)
+    drives = _drives(machine, masses, H, f) + ca.vertcat(ca.DM(carried_cart_masses(masses)) * z2[6:9], 0.0, 0.0)
     residual = H @ f - _wrench(machine, masses, (z, z1, z2))
     return ca.Function("dynamics", [z, z1, z2, f], [residual, drives])
 
@@ -134,11 +135,13 @@ def _wrench(machine: Machine, masses: Masses, motion: tuple[ca.SX, ca.SX, ca.SX]
     return ca.vertcat(F, M / machine.characteristic_length_m)
 
 
-def _drives(H: ca.SX, f: ca.SX) -> ca.SX:
-    """Forces of drives that keep carts still: row 0 of H holds u_l . e_x."""
-    along_x = f * H[0, :].T
-    carts = [ca.sum1(along_x[np.flatnonzero(arm == ARM_OF_LINK).tolist()]) for arm in range(3)]
-    return ca.vertcat(*carts, f[TELESCOPES.tolist()])
+def _drives(machine: Machine, masses: Masses, H: ca.SX, f: ca.SX) -> ca.SX:
+    """Forces of drives that keep carts still: the first rows of H hold u_l."""
+    directions = ca.sparsify(ca.DM(machine.rail_directions[ARM_OF_LINK].T))
+    along = f * ca.densify(ca.sum1(H[:3, :] * directions)).T
+    carts = [ca.sum1(along[np.flatnonzero(arm == ARM_OF_LINK).tolist()]) for arm in range(3)]
+    weights = ca.vertcat(ca.DM(cart_weights(machine, masses)), 0.0, 0.0)
+    return ca.vertcat(*carts, f[TELESCOPES.tolist()]) + weights
 
 
 def _variables() -> tuple[ca.SX, ca.SX]:
@@ -177,9 +180,10 @@ def _platform_joints(machine: Machine, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 def _cart_joints(machine: Machine, q: ca.SX) -> ca.SX:
     """C_l, (3, 6)."""
-    fixed = machine.cart_offsets_m + np.column_stack([np.zeros(6), machine.rails_m[ARM_OF_LINK]])
-    carts = ca.horzcat(*(q[int(arm)] for arm in ARM_OF_LINK))
-    return ca.DM(fixed.T) + ca.vertcat(carts, ca.DM.zeros(2, 6))
+    fixed = machine.cart_offsets_m + rail_origins(machine)[ARM_OF_LINK]
+    # Sparse, so that parallel rails leave no trace of Y and Z.
+    along = [ca.sparsify(ca.DM(machine.rail_directions[int(arm)])) * q[int(arm)] for arm in ARM_OF_LINK]
+    return ca.DM(fixed.T) + ca.horzcat(*along)
 
 
 def _links(machine: Machine, pose: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:

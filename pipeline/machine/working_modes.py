@@ -5,18 +5,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.machine.geometry import PRIMARY, Machine, link_vectors
+from pipeline.machine.geometry import ARM_OF_LINK, PRIMARY, Machine, link_vectors
+from pipeline.machine.rails import along_rails
 
 _AT_GATE_M = 1e-6
 """An arm this close to its serial singularity is in neither mode: rounding would decide."""
 
 
 def reach_along_rails(machine: Machine, pose: FloatArray, carts_m: FloatArray) -> FloatArray:
-    """By how much the cart joint of every arm is at larger x than its platform joint: C_x - A_x, in metres.
+    """By how much the cart joint of every arm is farther along its rail than its platform joint, in metres.
+
+    (C - A) . d of its primary link: C_x - A_x on parallel rails.
 
     Positive in mode R, negative in mode L, zero at the arm's serial singularity. Shape (n, 3).
     """
-    reach: FloatArray = -link_vectors(machine, pose, carts_m)[:, PRIMARY, 0]
+    vectors = link_vectors(machine, pose, carts_m)[:, PRIMARY]
+    reach: FloatArray = -along_rails(machine, vectors, ARM_OF_LINK[PRIMARY])
     return reach
 
 

@@ -11,6 +11,7 @@ from pipeline.config import Config, RouteConfig
 from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import move_limits
 from pipeline.machine.geometry import Machine
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.parallel import blocks
 from pipeline.progress import QUIET, Monitor
 from pipeline.route.bounds.bottleneck import least_cap, moves_within
@@ -21,6 +22,7 @@ from pipeline.route.moves.candidates import find_moves
 from pipeline.route.moves.check import check_pairs, is_directed
 from pipeline.route.moves.rejections import Rejection
 from pipeline.route.moves.screen import Screen
+from pipeline.route.own_rails import on_own_rails
 from pipeline.route.problem import RouteProblem
 from pipeline.route.regions.table import RegionTable
 from pipeline.route.result import Route, Search
@@ -96,9 +98,10 @@ def plan_routes(
     """
     count = require_whole("count", count, 1, _MOST_ROUTES)
     require_straight_ends(config, machine)
-    moves = find_moves(config, machine, regions, monitor)
-    routes = solve_problem(RouteProblem.of(config, machine, regions, moves, monitor), count)
-    return [with_straight_ends(config, machine, route) for route in routes]
+    parallel = with_parallel_rails(machine)
+    moves = find_moves(config, parallel, regions, monitor)
+    routes = solve_problem(RouteProblem.of(config, parallel, regions, moves, monitor), count)
+    return [on_own_rails(config, machine, with_straight_ends(config, parallel, route)) for route in routes]
 
 
 def solve_problem(

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.machine.geometry import Machine
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.workspace.usable import WorkspaceSetting, step_for, usable_workspace
 
 STEP_M = 0.02
@@ -81,7 +82,8 @@ class SpaceUse:
 
 
 def installation_of(machine: Machine) -> Installation:
-    """Measure the box around the rails of a machine."""
+    """Measure the box around the rails of a machine, as parallel as its workspace takes them to be."""
+    machine = with_parallel_rails(machine)
     y, z = np.ptp(machine.rails_m, axis=0).tolist()
     return Installation(float(machine.travel_m.max() - machine.travel_m.min()), y, z)
 

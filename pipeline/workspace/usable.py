@@ -22,6 +22,7 @@ from pipeline.limits.actuators import x_windows
 from pipeline.machine.bodies.intervals import excluded_shifts, longest_free
 from pipeline.machine.geometry import MODES, PRIMARY, Machine
 from pipeline.machine.kinematics import inverse_kinematics
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.machine.samples import PoseSamples
 from pipeline.parallel import blocks
 
@@ -171,8 +172,9 @@ def usable_windows(machine: Machine, kappa_max: float, controlled: FloatArray, m
     """[least, largest] usable x of controlled poses (n, 5), x zero, in working modes (n,); NaN for none. Shape (n, 2).
 
     Usable is what is in reach, with all carts on their rails, and within all limits of poses; of what bodies fixed to
-    the frame leave of it, the longest piece.
+    the frame leave of it, the longest piece. Rails are taken as parallel to X (`with_parallel_rails`).
     """
+    machine = with_parallel_rails(machine)
     solution = inverse_kinematics(machine, controlled, modes)
     windows = x_windows(machine, solution.q_m)
     rows = np.flatnonzero(solution.reachable & (windows[:, 0] <= windows[:, 1]))

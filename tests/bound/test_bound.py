@@ -64,6 +64,9 @@ def test_machines_without_a_chart_are_refused(quick_config: Config, vary: Vary):
     with pytest.raises(NoSolutionError, match="y axis"):
         bound_paths(*_ready(vary(quick_config, changes)), kappa=25.0)
     assert bound_paths(*_ready(vary(quick_config, {**changes, **WITHOUT_TILT}))).theorem.no_path
+    off_x = vary(quick_config, {"machine.rails.2.slopes": (0.0001, 0.0)})
+    with pytest.raises(NoSolutionError, match="rails are not parallel"):
+        bound_paths(*_ready(off_x), kappa=25.0)
 
 
 def test_every_path_has_the_kappa_of_its_ends(quick_config: Config, vary: Vary):

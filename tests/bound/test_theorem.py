@@ -91,10 +91,11 @@ def test_no_tilt_is_the_same_as_locked_tilts(quick_config: Config, vary: Vary):
         {**WITHOUT_TILT, "machine.links.l2b.platform_point_m": [0.09, 0.4501, -0.07]},
         {**WITHOUT_TILT, "machine.links.l3b.cart_offset_m": [0.0, 0.279, 0.0]},
         {**WITHOUT_TILT, "machine.links.l3b.cart_offset_m": [0.001, 0.28, 0.0]},
+        {**WITHOUT_TILT, "machine.rails.0.slopes": (0.0, 0.0001)},
     ],
 )
 def test_other_machines_are_not_claimed(quick_config: Config, vary: Vary, changes: dict[str, object]):
-    """With tilt, or with parallelograms that are none, nothing is proven, and the reason is given."""
+    """With tilt, parallelograms that are none, or rails off X, nothing is proven, and the reason is given."""
     theorem = _theorem(vary(quick_config, changes))
     assert not theorem.no_path
     assert theorem.unmet

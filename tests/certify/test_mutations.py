@@ -101,7 +101,7 @@ def witness_deviation(path: Path) -> None:
 def witness_distance(path: Path) -> None:
     """Bounds of distances are below every sample of a box."""
     box, series = _whole(path)
-    pairs = axes.AxisPairs.of(link_pairs(path.machine), False, path.machine.rails_m)
+    pairs = axes.AxisPairs.of(link_pairs(path.machine), False, path.machine)
     least = axes.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
     s = samples_in(box)
     assert (least <= link_distances(path.machine, path.pose(s), path.q(s)[:, :3]).min(axis=0) + ROUNDING).all()

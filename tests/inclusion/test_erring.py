@@ -19,10 +19,12 @@ from pipeline.inclusion.pieces import pieces
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.uncertainty import of_actuators
 from pipeline.machine import Machine
-from pipeline.machine.clearance import link_pairs
+from pipeline.machine.clearance import link_distances, link_pairs, link_rail_distances, rail_pairs
 from pipeline.machine.kinematics import newton
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
+from tests.certify.paths import line_path
+from tests.rails import off_x
 
 _CORNERS = np.array(list(itertools.product([-1.0, 1.0], repeat=5)))
 
@@ -51,8 +53,8 @@ def _prove(machine: Machine, path: Path, eps: float) -> ProvenBox:
     return ProvenBox(machine, balls, piece, series, inclusion)
 
 
-def _bounded(machine: Machine, path: Path, eps: float) -> Found:
-    pairs = AxisPairs.of(link_pairs(machine), False, machine.rails_m)
+def _bounded(machine: Machine, path: Path, eps: float, *, from_rail: bool = False) -> Found:
+    pairs = AxisPairs.of(rail_pairs(machine) if from_rail else link_pairs(machine), from_rail, machine)
     with working_precision(64):
         box = _prove(machine, path, eps)
         kappa = kappa_bound(box.balls, box.series, box.deviation, box.erring)
@@ -69,7 +71,7 @@ def _bounded(machine: Machine, path: Path, eps: float) -> Found:
         kappa.kappa,
         float(samples.kappa.max()),
         least,
-        samples.link_distances_m.min(axis=0),
+        (link_rail_distances if from_rail else link_distances)(machine, samples.pose, samples.carts_m).min(axis=0),
         float(other[0]),
         distances_again(machine, pairs, boxes, (found.image, errors))[:, 0],
     )
@@ -91,6 +93,18 @@ def test_no_sample_passes_a_bound(machine: Machine, line: Path, eps: float) -> N
     found = _bounded(machine, line, eps)
     assert found.sampled_kappa <= min(found.kappa, found.kappa_again)
     assert (found.sampled_m >= np.maximum(found.distances_m, found.distances_again_m)).all()
+
+
+@pytest.mark.parametrize("eps", [0.0, 1e-3])
+@pytest.mark.parametrize("from_rail", [False, True])
+def test_no_sample_passes_a_bound_on_rails_off_x(machine: Machine, eps: float, from_rail: bool) -> None:
+    """In either arithmetic, of links among themselves and of links and rails; and bounds are near."""
+    skewed = off_x(machine)
+    found = _bounded(skewed, line_path(skewed), eps, from_rail=from_rail)
+    assert found.sampled_kappa <= min(found.kappa, found.kappa_again)
+    least, again_m = found.distances_m, found.distances_again_m
+    assert (found.sampled_m >= np.maximum(least, again_m)).all()
+    assert (np.minimum(least, again_m) >= found.sampled_m - 2e-3 - 5.0 * eps).all()
 
 
 def test_bounds_are_sharp_to_first_order(machine: Machine, line: Path) -> None:

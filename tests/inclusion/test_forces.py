@@ -10,20 +10,27 @@ from pipeline.certify.recheck.claims.gravity.holding_force import holding_force_
 from pipeline.inclusion.forces import holding_force_ranges
 from pipeline.inclusion.krawczyk import Box
 from pipeline.machine import Machine
+from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, link_vectors, platform_arms, rotation
 from pipeline.machine.masses import lumped_platform
 from pipeline.refine import Path
 from tests.certify.paths import line_path
 from tests.inclusion.wide_boxes import bounded_in_balls, heavy, wide_box
+from tests.rails import off_x
 
 SHIFT = np.array([2e-3, 2e-3, 2e-3, 0.0, 0.0, 0.0])
 TURN = np.array([0.0, 0.0, 0.0, 2e-3, 2e-3, 2e-3])
 
 
-@pytest.fixture(scope="module", params=[1.0, 0.3], ids=["moments in m", "moments per 0.3 m"])
+@pytest.fixture(
+    scope="module",
+    params=[(1.0, False), (0.3, False), (0.3, True)],
+    ids=["moments in m", "moments per 0.3 m", "rails off X"],
+)
 def path(machine: Machine, request: pytest.FixtureRequest) -> Path:
     """Take the short regular path, with a load so far from the tool that turning the platform changes the wrench."""
-    return line_path(heavy(machine, request.param))
+    length_m, is_off = request.param
+    return line_path(heavy(off_x(machine) if is_off else machine, length_m))
 
 
 def _box(path: Path, width: float) -> Box:
@@ -42,7 +49,10 @@ def _forces(machine: Machine, pose: np.ndarray, q_m: np.ndarray) -> np.ndarray:
     r = rotation(*pose.T[3:]) @ body.centre_m
     wrench = np.concatenate([F, np.cross(r, F)], axis=1)
     f = np.linalg.solve(np.swapaxes(rows, 1, 2), wrench[..., None])[..., 0]
-    carts = np.stack([(f * rows[..., 0])[:, arm == ARM_OF_LINK].sum(axis=1) for arm in range(3)], axis=1)
+    d = machine.rail_directions
+    along = f * (rows[..., :3] * d[ARM_OF_LINK]).sum(axis=-1)
+    carts = np.stack([along[:, arm == ARM_OF_LINK].sum(axis=1) for arm in range(3)], axis=1)
+    carts = carts - carried_cart_masses(machine.masses) * (d @ machine.masses.gravity_mps2)
     return np.column_stack([carts, f[:, TELESCOPES], f])
 
 

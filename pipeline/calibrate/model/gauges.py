@@ -1,6 +1,6 @@
 """What no measurement of reflectors can tell: changes of the machine that change nothing that is seen.
 
-Whatever the poses, for rails that are parallel,
+Whatever the poses,
 
 - nine: rail y, z and cart zero of each arm against the offsets of its cart joints;
 - six: the machine's frame against the tracker's (four where the directions of rails are not fitted);
@@ -72,7 +72,11 @@ def _of_the_machine(model: Model) -> Iterator[FloatArray]:
     for axis in range(3):
         row, turn = _Row(model), np.eye(3)[axis]
         row.offsets[:] = np.cross(turn, place)
-        row.directions[:] = np.cross(turn, [1.0, 0.0, 0.0])[1:]
+        # (x - m) d turns by (x - m) turn x d: by its x carts go farther, and less is left to the slopes.
+        moved = np.cross(turn, np.column_stack([np.ones(3), model.directions_rad]))
+        row.directions[:] = moved[:, 1:] - moved[:, :1] * model.directions_rad
+        row.zeros[:3] = moved[:, 0] * model.zeros_m[:3]
+        row.scales[:3] = moved[:, 0] * model.scales[:3]
         row.tracker[:3] = -model.rotation @ turn
         yield row.theta
 
@@ -114,6 +118,7 @@ class _Row:
         self.rails = parameters.of(kinds.RAILS, self.theta).reshape(3, 2)
         self.lengths = parameters.of(kinds.LENGTHS, self.theta)
         self.zeros = parameters.of(kinds.ZEROS, self.theta)
+        self.scales = parameters.of(kinds.SCALES, self.theta)
         self.directions = parameters.of(kinds.DIRECTIONS, self.theta).reshape(3, 2)
         self.reflectors = parameters.of(kinds.REFLECTORS, self.theta).reshape(-1, 3)
         self.tracker = parameters.of(kinds.TRACKER, self.theta)

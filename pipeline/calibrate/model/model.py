@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from pipeline.arrays import FloatArray
 from pipeline.calibrate.model import parameters as kinds
 from pipeline.calibrate.model.parameters import FIXED, Parameters
+from pipeline.calibrate.model.rails import Rails
 from pipeline.config import MachineConfig
 from pipeline.machine.actuator_space.controller_units import controller_units
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, build_machine
@@ -117,15 +118,17 @@ class Model:
 def configured_model(config: MachineConfig, reflectors_m: FloatArray) -> Model:
     """Take the machine as configured, with reflectors (n, 3), in a tracker's frame that is its own."""
     machine, units = build_machine(config), controller_units(config)
+    slopes = np.array([rail.slopes for rail in config.rails])
+    rails = Rails(machine.rails_m, slopes, units.middles_m[:3], units.zeros_m[:3], units.scales[:3]).at_middles()
     return Model(
         platform_points_m=machine.platform_points_m,
         cart_offsets_m=machine.cart_offsets_m,
-        rails_m=machine.rails_m,
-        directions_rad=np.zeros((3, 2)),
+        rails_m=rails.places_m,
+        directions_rad=rails.slopes,
         lengths_m=machine.lengths_m,
         middles_m=units.middles_m,
-        zeros_m=units.zeros_m,
-        scales=units.scales,
+        zeros_m=np.append(rails.zeros_m, units.zeros_m[3:]),
+        scales=np.append(rails.scales, units.scales[3:]),
         reflectors_m=np.asarray(reflectors_m, dtype=float),
         rotation=np.eye(3),
         translation_m=np.zeros(3),

@@ -48,7 +48,7 @@ KINDS = (PLATFORM, OFFSETS, RAILS, LENGTHS, ZEROS, SCALES, DIRECTIONS, REFLECTOR
 CHOICES = tuple(kind.key for kind in KINDS if kind is not TRACKER)
 """Words for what can be fitted; the tracker's frame always is."""
 USUAL = tuple(key for key in CHOICES if key != DIRECTIONS.key)
-"""What is fitted unless asked otherwise: all that a configuration can say."""
+"""What is fitted unless asked otherwise: with rails as parallel as they are configured."""
 
 
 @dataclass(frozen=True)

@@ -93,8 +93,8 @@ def calibrate(
     --output gets the configuration with all else, comments included, as it
     is, and beside it a file .json with everything. Exits with 1, and writes
     nothing, if the poses do not determine the machine or no machine explains
-    them; the reason says what does. Directions of rails can be fitted to
-    find out whether they are parallel, but not be written.
+    them; the reason says what does. Directions of rails are fitted if --fit
+    says so, and written as slopes.
 
     --next 20 proposes poses that would add most to what is known; without a
     FILE a dozen moderate ones to begin with. --next-output has them as a
@@ -103,7 +103,7 @@ def calibrate(
     """
     reflectors_m = reflector_places(first, second, third)
     setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
-    beside = _check_files(output, [config_file, *(files or [])], setting)
+    beside = _check_files(output, [config_file, *(files or [])])
     _check_next(next_file, following, [config_file, *(files or []), *([] if output is None else [output])])
     config, text = _load(config_file)
     if not files:
@@ -217,15 +217,10 @@ def _priors(given: list[str] | None, reflector_std_m: float | None) -> dict[str,
     return found if reflector_std_m is None else {**found, "reflectors": reflector_std_m}
 
 
-def _check_files(output: Path | None, read: list[Path], setting: "Setting") -> Path | None:
+def _check_files(output: Path | None, read: list[Path]) -> Path | None:
     """Check where results go, before anything is computed; give the name of the file beside the configuration."""
     if output is None:
         return None
-    if "directions" in setting.fit:
-        raise UsageError(
-            "--output goes without directions in --fit: rails that are not parallel cannot be written into a "
-            "configuration.\n  What to change: leave out one of the two."
-        )
     beside = check_facts(output, lambda facts: "covariance" in facts and "parameters" in facts)
     for other in read:
         refuse_same(output, other, "--output and a file that is read")

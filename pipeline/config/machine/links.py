@@ -11,14 +11,25 @@ SHARED_JOINT_M = 0.002
 """How far apart joints of two links are that count as one, by default: more than a calibration moves them."""
 
 
+STEEPEST_SLOPE = 0.005
+"""How far a rail may be off X: regions and moves are found for parallel rails, and more would lead them astray."""
+Slope = Annotated[float, Field(ge=-STEEPEST_SLOPE, le=STEEPEST_SLOPE)]
+
+
 class RailConfig(Section):
-    """A rail parallel to X and the travel of its cart."""
+    """A straight rail, parallel to X or nearly so, and the travel of its cart."""
 
     on_one_line: ClassVar[bool] = True
 
-    y_m: Length = Field(description="position of the rail across the frame")
-    z_m: Length = Field(description="height of the rail")
-    travel_m: Interval = Field(description="[least, largest] cart position along X")
+    y_m: Length = Field(description="position of the rail across the frame, where x is 0")
+    z_m: Length = Field(description="height of the rail, where x is 0")
+    travel_m: Interval = Field(description="[least, largest] cart position along the rail, from where x is 0")
+    slopes: tuple[Slope, Slope] = Field(
+        (0.0, 0.0),
+        description="[dy/dx, dz/dx] of the rail, as a calibration finds them, at most 0.005: the cart at q is at "
+        "[0, y_m, z_m] + q [1, dy/dx, dz/dx] / sqrt(1 + (dy/dx)^2 + (dz/dx)^2), and does not turn",
+        exclude_if=lambda value: value == (0.0, 0.0),
+    )
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

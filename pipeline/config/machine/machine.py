@@ -18,7 +18,7 @@ class MachineConfig(Section):
     """The machine: everything its kinematics, clearances and limits depend on."""
 
     rails: tuple[RailConfig, RailConfig, RailConfig] = Field(
-        description="of arms 1, 2, 3, along X: where they are, and the travel of their carts"
+        description="of arms 1, 2, 3, along X or nearly so: where they are, and the travel of their carts"
     )
     links: LinksConfig
     triangle_branch: TriangleBranch = Field(
@@ -79,6 +79,18 @@ class MachineConfig(Section):
                 f"is {axes:g}, between axes, where machine.link_bodies gives the links surfaces: leave it out; "
                 "machine.clearance.bodies_m is kept between these",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _beams_are_along_rails(self) -> Self:
+        beams = [body.name for body in self.bodies if body.beam is not None]
+        for k, rail in enumerate(self.rails):
+            if rail.slopes != (0.0, 0.0) and beams:
+                raise wrong(
+                    f"rails[{k}].slopes",
+                    f"are not 0, but {beams[0]} is a beam, endless along X: make beams boxes or hulls of the frame, or "
+                    "leave out the slopes",
+                )
         return self
 
     @model_validator(mode="after")

@@ -15,9 +15,10 @@ from pipeline.errors import UsageError
 from pipeline.export.models.bodies import link_bodies, link_name, platform_body, point_body, require_masses
 from pipeline.export.models.joints import passive_rates, universal_angles, universal_joints
 from pipeline.export.models.shapes import Shapes, add_meshes, add_shapes
-from pipeline.export.models.xml import Element, add, document
+from pipeline.export.models.xml import Element, add, axis_text, document
 from pipeline.export.motion import Motion
 from pipeline.export.request import ExportRequest
+from pipeline.machine.drawing import rail_ends
 from pipeline.machine.geometry import ARM_OF_LINK, LINKS, TELESCOPES, Machine, rotation
 from pipeline.machine.masses import RigidBody
 from pipeline.machine.shapes.model import FrameKind
@@ -77,12 +78,12 @@ def format_mjcf(request: ExportRequest) -> str:
 def _add_arm(world: Element, request: ExportRequest, meshes: Shapes, arm: int) -> None:
     machine, masses = require_masses(request)
     rail, travel = machine.rails_m[arm], machine.travel_m[arm]
-    ends = [[x, *rail] for x in travel]
+    ends, axis = rail_ends(machine)[arm], axis_text(machine.rail_directions[arm])
     if not add_shapes(world, meshes, FrameKind.FIXED, arm + 1):
         add(world, "geom", name=f"rail_{arm + 1}", type="capsule", size=0.01, fromto=ends, rgba="0.3 0.3 0.3 1")
     cart = add(world, "body", name=f"cart_{arm + 1}", pos=[0.0, *rail])
     friction = masses.friction_n[arm]
-    add(cart, "joint", name=request.joint_names[arm], type="slide", axis="1 0 0", range=travel, frictionloss=friction)
+    add(cart, "joint", name=request.joint_names[arm], type="slide", axis=axis, range=travel, frictionloss=friction)
     _add_inertial(cart, point_body(masses.cart_kg))
     if not add_shapes(cart, meshes, FrameKind.CART, arm):
         add(cart, "geom", type="box", size="0.05 0.03 0.03")

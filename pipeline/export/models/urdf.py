@@ -8,6 +8,7 @@ them under the keys of the Extended URDF (`closed_loop`, `type`, `name_mot`), an
 import math
 
 import numpy as np
+import numpy.typing as npt
 import yaml
 
 from pipeline.arrays import FloatArray
@@ -19,8 +20,9 @@ from pipeline.export.models.joints import (
     universal_angles,
     universal_joints,
 )
-from pipeline.export.models.xml import Element, add, document
+from pipeline.export.models.xml import Element, add, axis_text, document
 from pipeline.export.request import ExportRequest
+from pipeline.machine.drawing import rail_ends
 from pipeline.machine.geometry import ARM_OF_LINK, LINKS, TELESCOPES
 from pipeline.machine.masses import RigidBody
 
@@ -42,8 +44,9 @@ def format_urdf(request: ExportRequest) -> str:
     machine, masses = require_masses(request)
     robot = Element("robot", name="gantry_tau")
     base = add(robot, "link", name="base")
-    for rail, travel in zip(machine.rails_m, machine.travel_m, strict=True):
-        _add_rod(base, float(np.ptp(travel)), [travel[0], *rail], 0.01)
+    for arm, ends in enumerate(rail_ends(machine)):
+        along = machine.rail_directions[arm]
+        _add_rod(base, float(np.ptp(machine.travel_m[arm])), ends[0], 0.01, along)
     for arm in range(3):
         cart = _add_body(robot, f"cart_{arm + 1}", point_body(masses.cart_kg))
         add(add(add(cart, "visual"), "geometry"), "box", size="0.1 0.06 0.06")
@@ -146,10 +149,14 @@ _AXES = tuple(enumerate("xyz"))
 _UPPER = tuple((one, two) for one in _AXES for two in _AXES if one <= two)
 
 
-def _add_rod(link: Element, length_m: float, start_m: list[float], radius_m: float) -> None:
+def _add_rod(
+    link: Element, length_m: float, start_m: npt.ArrayLike, radius_m: float, along: FloatArray | None = None
+) -> None:
     visual = add(link, "visual")
-    middle = np.array(start_m) + [length_m / 2.0, 0.0, 0.0]
-    add(visual, "origin", xyz=middle, rpy=_ALONG_X)
+    x, y, z = direction = np.array([1.0, 0.0, 0.0]) if along is None else along
+    middle = np.asarray(start_m) + direction * (length_m / 2.0)
+    turns = _ALONG_X if y == z == 0.0 else [0.0, float(np.arccos(z)), float(np.arctan2(y, x))]
+    add(visual, "origin", xyz=middle, rpy=turns)
     add(add(visual, "geometry"), "cylinder", radius=radius_m, length=length_m)
 
 
@@ -185,7 +192,8 @@ def _add_drive(
     joint = _add_joint(robot, request.joint_names[drive], "prismatic", bodies, np.array(origin_m))
     lower, upper = machine.actuator_limits_m[drive]
     effort, velocity = machine.force_limits_n[:, drive].max(), machine.velocity_mps[drive]
-    add(joint, "axis", xyz="1 0 0")
+    along = machine.rail_directions[drive] if drive < len(machine.rails_m) else np.array([1.0, 0.0, 0.0])
+    add(joint, "axis", xyz=axis_text(along))
     limits = {"effort": min(effort, _UNLIMITED), "velocity": min(velocity, _UNLIMITED)}
     add(joint, "limit", lower=lower, upper=upper, **limits)
     add(joint, "dynamics", damping=0.0, friction=masses.friction_n[drive])

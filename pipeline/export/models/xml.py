@@ -20,6 +20,12 @@ def numbers(values: npt.ArrayLike) -> str:
     return " ".join(map(repr, flat))
 
 
+def axis_text(direction: npt.ArrayLike) -> str:
+    """Write the direction of an axis; without decimals where it is along a coordinate."""
+    values = np.asarray(direction, dtype=float)
+    return " ".join(f"{value:.0f}" for value in values) if set(values.tolist()) <= {0.0, 1.0} else numbers(values)
+
+
 def document(root: Element, comment: str) -> str:
     """Write a document with a comment at its head."""
     ElementTree.indent(root)

@@ -11,6 +11,7 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import GridConfig
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import inverse_kinematics
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.machine.statics import moment_unit, statics_matrix
 
 _COARSE_POINTS = 40
@@ -62,7 +63,8 @@ class KappaMap:
 def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tuple[float, float], mode: int) -> KappaMap:
     """Evaluate kappa and det H over y (ny,) and z (nz,) at tilt (rx, rz) in a working mode; they do not depend on x.
 
-    Only reach decides where there is a value: strokes, travel and clearance are not checked.
+    Only reach decides where there is a value: strokes, travel and clearance are not checked. Rails are taken as
+    parallel to X (`with_parallel_rails`).
 
     Raises
     ------
@@ -72,6 +74,7 @@ def kappa_map(machine: Machine, y_m: FloatArray, z_m: FloatArray, tilt_rad: tupl
     y_m, z_m = require_array("y_m", y_m, ("ny",)), require_array("z_m", z_m, ("nz",))
     tilt = require_array("tilt_rad", tilt_rad, (2,))
     mode = require_whole("mode", mode, 0, len(MODES) - 1)
+    machine = with_parallel_rails(machine)
     y, z = np.meshgrid(y_m, z_m)
     controlled = np.zeros((y.size, 5))
     controlled[:, 1], controlled[:, 2] = y.ravel(), z.ravel()
@@ -107,6 +110,7 @@ def seen_window(
     modes : (n,)
         Their working modes.
     """
+    machine = with_parallel_rails(machine)
     y, z = np.meshgrid(*(np.linspace(axis.min, axis.max, _COARSE_POINTS) for axis in (grid.y_m, grid.z_m)))
     seen = list(points_yz)
     for tilt, mode in zip(tilts_rad, modes, strict=True):

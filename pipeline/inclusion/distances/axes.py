@@ -2,7 +2,7 @@
 
 For any n(t), the distance of two segments is at least min n . (P - Q) / |n| over their four pairs of end points P, Q.
 The direction is linear in t, from those between closest points at both ends of the box. Any direction gives a valid
-bound; a good one gives a sharp bound.
+bound; a good one gives a sharp bound. A rail is an endless line, d along it: there n . d has to be zero exactly.
 """
 
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.inclusion.closure import Geometry
-from pipeline.inclusion.condition import below, norm
+from pipeline.inclusion.condition import above, below, norm
 from pipeline.inclusion.following import CARTS, Erring, joint_moves
 from pipeline.inclusion.krawczyk import Piecewise
 from pipeline.inclusion.matrices import ball_matrix, enlarged, floats, inner, upper_bounds, upper_vector
-from pipeline.machine.geometry import ACTUATORS
+from pipeline.machine.geometry import ACTUATORS, Machine
 
 _LINKS, _ERRORS = 6, len(ACTUATORS)
 _PARALLEL = 1e-12
@@ -33,21 +33,25 @@ class AxisPairs:
     first, second : (pairs, 2)
         The two end points of each, as columns of a table of cart joints, platform joints and rails.
     from_rail : bool
-        Whether the second of every pair is a rail, an endless line along X.
+        Whether the second of every pair is a rail, an endless line.
     rails_m : (3, 2)
-        y and z of the rails.
+        y and z of the rails where x is 0.
+    along : (pairs, 3)
+        Directions of the rails that are second; of no use for links.
     """
 
     first: IntArray
     second: IntArray
     from_rail: bool
     rails_m: FloatArray
+    along: FloatArray
 
     @classmethod
-    def of(cls, pairs: list[tuple[int, int]], from_rail: bool, rails_m: FloatArray) -> "AxisPairs":
+    def of(cls, pairs: list[tuple[int, int]], from_rail: bool, machine: Machine) -> "AxisPairs":
         """Look up the end points of pairs of links, or of links and rails."""
+        along = machine.rail_directions[[b for _, b in pairs] if from_rail else [0] * len(pairs)]
         second = [(2 * _LINKS + b,) * 2 if from_rail else (b, _LINKS + b) for _, b in pairs]
-        return cls(np.array([(a, _LINKS + a) for a, _ in pairs]), np.array(second), from_rail, rails_m)
+        return cls(np.array([(a, _LINKS + a) for a, _ in pairs]), np.array(second), from_rail, machine.rails_m, along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +105,7 @@ def _along(pairs: AxisPairs, series: Piecewise) -> _Gaps:
         separating_directions(pairs, (values[0] + t * values[1] + t * t * values[2]).T) for t in (-half, half)
     )
     n = [(before + after) / 2.0, (after - before) / (2.0 * half) if half > 0.0 else 0.0 * before]
-    N = [ball_matrix(part) for part in n]
+    N = [_across(pairs, ball_matrix(part)) for part in n]
     terms = [
         N[0] * points[0],
         N[0] * points[1] + N[1] * points[0],
@@ -126,10 +130,11 @@ def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> t
         n . (P - Q) >= N . D - sum |N . S_k + M_k . D| A_k - (sum |M_k| A_k) (sum |S_k| A_k),   D = P - Q along x(t).
     """
     A, S = errors.following.errors, joint_moves(errors)
-    M = [ball_matrix(part) for part in gaps.turning]
+    M = [_across(pairs, ball_matrix(part)) for part in gaps.turning]
     by_error = [(N * part + turn * gaps.points) * a for part, turn, a in zip(S, M, A, strict=True)]
     size = upper_vector(A)
-    turned = enlarged((enlarged(np.sqrt(np.square(gaps.turning).sum(axis=2))) * size[:, None]).sum(axis=0))
+    lengths = np.array([[above(norm(row)) for row in part.table()] for part in M])
+    turned = enlarged((lengths * size[:, None]).sum(axis=0))
     middles = np.array([floats(part) for part in S])
     radii = np.array([upper_bounds(part - ball_matrix(middle)) for part, middle in zip(S, middles, strict=True)])
     p, q = pairs.first[:, :, None], pairs.second[:, None, :]
@@ -145,6 +150,15 @@ def _with_errors(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, errors: Erring) -> t
         along = inner([inner(normals[pair], rates[pair]).abs_upper() for rates in rows], A)
         sizes.append((gaps.sizes[pair] ** 2 + 2 * along + arb(float(turned[pair])) ** 2).sqrt().abs_upper())
     return least, sizes
+
+
+def _across(pairs: AxisPairs, directions: arb_mat) -> arb_mat:
+    """Make directions pairs x 3 normal to the rails exactly, by their x: n_x d_x = -(n_y d_y + n_z d_z)."""
+    if not pairs.from_rail:
+        return directions
+    for pair, (x, y, z) in enumerate(pairs.along.tolist()):
+        directions[pair, 0] = -(directions[pair, 1] * arb(y) + directions[pair, 2] * arb(z)) / arb(x)
+    return directions
 
 
 def _pair_bound(pairs: AxisPairs, pair: int, gap: tuple[list[arb], arb], off: list[arb]) -> float:
@@ -189,7 +203,8 @@ def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:
     """
     P, Q = points[..., pairs.first, :], points[..., pairs.second, :]
     if pairs.from_rail:
-        P[..., 0], Q[..., 0] = 0.0, 0.0
+        for points in (P, Q):
+            points -= (points * pairs.along[:, None]).sum(axis=-1, keepdims=True) * pairs.along[:, None]
     u, v, r = P[..., 1, :] - P[..., 0, :], Q[..., 1, :] - Q[..., 0, :], P[..., 0, :] - Q[..., 0, :]
     uu, vv, uv, ur, vr = ((a * b).sum(axis=-1) for a, b in ((u, u), (v, v), (u, v), (u, r), (v, r)))
     square = uu * vv - uv**2
@@ -209,16 +224,17 @@ def _turning(pairs: AxisPairs, series: Piecewise, points: FloatArray) -> FloatAr
         np.array([[float(entry[0].mid()) for entry in vector] for vector in part])
         for part in (series.at.axes, series.at.arms)
     )
-    return turning_rates(pairs, points, joint_rates(axes, arms, series.symbols.matrix[0]))
+    rails = np.array([[float(entry.mid()) for entry in rail] for rail in series.at.rails])
+    return turning_rates(pairs, points, joint_rates(axes, arms, series.symbols.matrix[0], rails))
 
 
-def joint_rates(axes: FloatArray, arms: FloatArray, P: FloatArray) -> FloatArray:
+def joint_rates(axes: FloatArray, arms: FloatArray, P: FloatArray, rails: FloatArray) -> FloatArray:
     """Estimate how end points move with errors, (5, ..., 15, 3); axes (..., 3, 3), arms (..., 6, 3), P (..., 6, 5).
 
-    No proof relies on it, nor on `turning_rates`.
+    `rails` (6, 3) are the directions of the links' rails. No proof relies on it, nor on `turning_rates`.
     """
     moves = np.zeros((_ERRORS, *arms.shape[:-2], 15, 3))
-    moves[np.array(CARTS), ..., np.arange(_LINKS), 0] = 1.0
+    moves[np.array(CARTS), ..., np.arange(_LINKS), :] = np.reshape(rails, (_LINKS, *[1] * (arms.ndim - 2), 3))
     turned = np.cross(axes[..., None, :, :], arms[..., :, None, :])
     platform = P[..., None, :3, :] + np.einsum("...ljc,...jk->...lck", turned, P[..., 3:, :])
     moves[..., _LINKS : 2 * _LINKS, :] = np.moveaxis(platform, -1, 0)

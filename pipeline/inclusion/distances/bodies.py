@@ -37,6 +37,8 @@ class _Frames:
         TCP and R.
     origins : (2, orders, 3, 3)
         The points of the rails that the carts are at.
+    rails : (3, 3)
+        Directions of the rails.
     carts, platform : (2, orders, 6, 3)
         Cart joints and platform joints.
     """
@@ -44,6 +46,7 @@ class _Frames:
     tcp: FloatArray
     rotation: FloatArray
     origins: FloatArray
+    rails: FloatArray
     carts: FloatArray
     platform: FloatArray
 
@@ -156,7 +159,7 @@ def _points(frames: _Frames, reach: _Reach, moves: _Moves | None, hull: SweptHul
     if hull.kind == FrameKind.CART:
         middle += frames.origins[0][:, hull.number, None]
         radius += frames.origins[1][:, hull.number, None]
-        moved[0, hull.number : hull.number + 1, :, 0] = 1.0
+        moved[0, hull.number : hull.number + 1] = frames.rails[hull.number]
     middle[0] += given
     return middle, radius, 0.0, *moved
 
@@ -193,6 +196,7 @@ def _frames(box: ProvenBox) -> _Frames:
         tcp=_balls([[x[k] for x in one.pose[:3]] for k, one in enumerate(closures)]),
         rotation=_balls([[[x[k] for x in row] for row in one.rotation] for k, one in enumerate(closures)]),
         origins=_balls([_origins(box, one, k) for k, one in enumerate(closures)]),
+        rails=box.machine.rail_directions,
         carts=_balls([_cart_joints(box, one, k) for k, one in enumerate(closures)]),
         platform=_balls([_platform_joints(one, k) for k, one in enumerate(closures)]),
     )
@@ -232,16 +236,16 @@ def _moves(errors: Erring) -> _Moves:
 def _origins(box: ProvenBox, closure: Closure[arb_series], order: int) -> list[list[arb]]:
     constant = arb(int(order == 0))
     return [
-        [closure.q[arm][order], arb(y) * constant, arb(z) * constant]
-        for arm, (y, z) in enumerate(box.machine.rails_m.tolist())
+        [closure.q[arm][order] * along + arb(c) * constant for along, c in zip(rail, (0.0, *place), strict=True)]
+        for arm, (rail, place) in enumerate(zip(box.balls.rails, box.machine.rails_m.tolist(), strict=True))
     ]
 
 
 def _cart_joints(box: ProvenBox, closure: Closure[arb_series], order: int) -> list[list[arb]]:
     constant = arb(int(order == 0))
     return [
-        [closure.q[ARM_OF_LINK[link]][order] + x * constant, y * constant, z * constant]
-        for link, (x, y, z) in enumerate(box.balls.anchors)
+        [closure.q[arm][order] * along + c * constant for along, c in zip(box.balls.rails[arm], anchor, strict=True)]
+        for arm, anchor in zip(ARM_OF_LINK, box.balls.anchors, strict=True)
     ]
 
 

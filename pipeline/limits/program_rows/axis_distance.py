@@ -2,7 +2,8 @@
 
 Two segments are at least c apart exactly if a vector n with |n| <= 1 exists for which n . (a - b) >= c for every end
 point a of the one and b of the other. With n as an unknown the condition is exact and smooth, also for parallel links,
-whose closest points are not unique. A rail is an endless line along X: n has no x there.
+whose closest points are not unique. A rail is an endless line: n has no x there, and its part across the rail counts,
+which is n itself on parallel rails.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,8 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.limits.interface.rows import Nodes, ProgramPart, Row, Unknowns
 from pipeline.machine.clearance import common_perpendicular
-from pipeline.machine.geometry import Machine, cart_joints, link_vectors
+from pipeline.machine.geometry import Machine, cart_joints, dot, link_vectors
+from pipeline.machine.rails import rail_origins
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.symbolic import joints_function
 
@@ -95,7 +97,8 @@ def _separating_vectors(
     p, u = begin[nodes, first], vector[nodes, first]
     if from_rail:
         # Of the rail only the part abreast of the link matters.
-        q, v = np.column_stack([p[:, 0], machine.rails_m[second]]), np.column_stack([u[:, 0], np.zeros((len(u), 2))])
+        origin, along = rail_origins(machine)[second], machine.rail_directions[second]
+        q, v = origin + dot(p - origin, along)[:, None] * along, dot(u, along)[:, None] * along
     else:
         q, v = begin[nodes, second], vector[nodes, second]
     connection = shortest_connection(p, u, q, v)
@@ -147,8 +150,10 @@ def apartness(machine: Machine, separations: Separations, pose: ca.MX, q: ca.MX,
 
     others: list[ca.MX | ca.DM]
     if separations.from_rail:
-        rails = np.column_stack([np.zeros(len(separations)), machine.rails_m[separations.second]])
-        others = [ca.DM(rails.T)]
+        others = [ca.DM(rail_origins(machine)[separations.second].T)]
+        if not machine.has_parallel_rails:
+            along = ca.DM(machine.rail_directions[separations.second].T)
+            normal = normal - along * ca.repmat(ca.sum1(normal * along), 3, 1)
     else:
         others = [joint(kind, separations.second) for kind in (0, 1)]
     entries = []

@@ -1,13 +1,14 @@
 """Holding forces in actuator space and their derivatives: the stiffness that gravity gives the axes, or takes.
 
 Both are derivatives of the potential energy V(q) = -m g . (p + R c) of the lumped platform, c being its centre of mass
-from the TCP: F = dV/dq and K = dF/dq = d2V/dq2.
+from the TCP: F = dV/dq and K = dF/dq = d2V/dq2. Carts on rails that rise add what is linear in q.
 """
 
 import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.machine.actuator_space.rates import EXTENSIONS, ActuatorRates, solve_regular
+from pipeline.machine.dynamics import cart_weights
 from pipeline.machine.geometry import Machine, cross
 from pipeline.machine.masses import lumped_platform
 
@@ -15,7 +16,8 @@ from pipeline.machine.masses import lumped_platform
 def gravity_forces(machine: Machine, rates: ActuatorRates) -> FloatArray:
     """Compute the forces of the five drives that hold the machine: T' w with the twist T. In N, shape (n, 5).
 
-    w = (F0, c x F0) is the wrench on the platform, F0 = -m g. The same as `dynamics.holding_forces`.
+    w = (F0, c x F0) is the wrench on the platform, F0 = -m g; carts' drives hold their part along the rails, too. The
+    same as `dynamics.holding_forces`.
 
     Raises
     ------
@@ -24,7 +26,9 @@ def gravity_forces(machine: Machine, rates: ActuatorRates) -> FloatArray:
     """
     weight, centre = _weight(machine, rates)
     wrench = np.concatenate([weight, cross(centre, weight)], axis=-1)
-    return np.asarray(np.einsum("nij,ni->nj", rates.twist, wrench))
+    forces = np.einsum("nij,ni->nj", rates.twist, wrench)
+    forces[:, :3] += cart_weights(machine, machine.known_masses)
+    return np.asarray(forces)
 
 
 def gravity_stiffness(machine: Machine, rates: ActuatorRates) -> FloatArray:

@@ -16,6 +16,7 @@ from pipeline.machine.geometry import (
     platform_arms,
     rotation,
 )
+from pipeline.machine.rails import along_rails
 from pipeline.machine.statics import statics_matrix
 
 _TELESCOPE_COLUMNS = [3, 4]
@@ -63,7 +64,7 @@ def actuator_rates(
 ) -> ActuatorRates:
     """Solve H' (v, L omega) = B qd for the twist per actuator velocity, at poses (n, 6) with carts (n, 3).
 
-    Row l of it is the rate of link l's length, u_l . (v + omega x A'_l) = u_l . e_x cd_k + ld_l: B holds u_l . e_x
+    Row l of it is the rate of link l's length, u_l . (v + omega x A'_l) = u_l . d_k cd_k + ld_l: B holds u_l . d_k
     in the column of the link's cart and 1 in that of its telescope. L is the characteristic length. Twists, and the
     velocities of the tips with them, are NaN where H is singular.
 
@@ -76,12 +77,12 @@ def actuator_rates(
     vectors, arms = link_vectors(machine, pose, carts_m), platform_arms(machine, pose)
     lengths = np.sqrt(dot(vectors, vectors))
     by_actuator = np.broadcast_to(EXTENSIONS, (len(pose), *EXTENSIONS.shape)).copy()
-    by_actuator[:, np.arange(len(LINKS)), ARM_OF_LINK] = H[:, 0]
+    by_actuator[:, np.arange(len(LINKS)), ARM_OF_LINK] = along_rails(machine, H[:, :3].swapaxes(1, 2), ARM_OF_LINK)
     twist = solve_regular(np.swapaxes(H, -1, -2), by_actuator)
     twist[:, 3:] /= machine.characteristic_length_m
     # v + omega x A', column by column of the actuators; a cart takes its own joints along.
     tips = np.cross(twist[:, None, 3:], arms[..., None], axis=2) + twist[:, None, :3]
-    tips[:, np.arange(len(LINKS)), 0, ARM_OF_LINK] -= 1.0
+    tips[:, np.arange(len(LINKS)), :, ARM_OF_LINK] -= machine.rail_directions[ARM_OF_LINK][:, None]
     R = rotation(pose[:, 3], pose[:, 4], pose[:, 5])
     return ActuatorRates(R, H, vectors / lengths[..., None], arms, lengths, twist, tips)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from pipeline.machine.dynamics import carried_cart_masses
+from pipeline.machine.dynamics import carried_cart_masses, cart_weights
 from pipeline.machine.geometry import Machine
 from pipeline.machine.masses import lumped_platform
 from pipeline.machine.symbolic import (
@@ -114,6 +114,7 @@ def _equations(machine: Machine) -> _Equations:
     R, axes = rotation_matrix(pose[3], pose[4], pose[5]), rotation_axes(pose)
     centre, inertia = R @ ca.DM(body.centre_m), R @ ca.DM(body.inertia_kgm2) @ R.T
     weight = ca.DM(-body.mass_kg * masses.gravity_mps2)
+    carts = ca.vertcat(ca.DM(cart_weights(machine, masses)), 0.0, 0.0)
     twist = ca.vertcat(pose_by_q[:3, :], axes @ pose_by_q[3:, :])
     omega = axes @ rate[3:]
     turning = axes @ acceleration[3:] + axes_rate(axes, pose, rate) @ rate[3:]
@@ -129,5 +130,5 @@ def _equations(machine: Machine) -> _Equations:
         pose_by_q=pose_by_q,
         mass=twist.T @ M_p @ twist + ca.diag(ca.DM([*carried_cart_masses(masses), 0.0, 0.0])),
         velocity=twist.T @ (M_p @ ca.vertcat(acceleration[:3], turning) + bias),
-        gravity=twist.T @ ca.vertcat(weight, ca.cross(centre, weight)),
+        gravity=twist.T @ ca.vertcat(weight, ca.cross(centre, weight)) + carts,
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.machine.geometry import Machine, cart_joints, link_vectors, rotation
+from pipeline.machine.rails import rail_points
 from pipeline.machine.shapes.model import FrameKind, SweptHull
 
 
@@ -17,17 +18,16 @@ class Frames:
 
     Attributes
     ----------
-    rails_m : (3, 2)
-        y and z of the rails.
-    tcp_m, carts_m : (3, n)
-        The TCP; positions of the carts.
+    tcp_m : (3, n)
+        The TCP.
+    carts_m : (3, 3, n)
+        The carts on their rails.
     rotation : (3, 3, n)
         R of the platform.
     joints_m, vectors_m : (6, 3, n)
         Cart joints C of the links, and A - C.
     """
 
-    rails_m: FloatArray
     tcp_m: FloatArray
     carts_m: FloatArray
     rotation: FloatArray
@@ -39,9 +39,8 @@ class Frames:
         """Place the frames at poses (n, 6) with carts (n, 3)."""
         R = rotation(pose[:, 3], pose[:, 4], pose[:, 5])
         return cls(
-            rails_m=machine.rails_m,
             tcp_m=pose[:, :3].T,
-            carts_m=carts_m.T,
+            carts_m=np.moveaxis(rail_points(machine, carts_m), 0, -1),
             rotation=np.moveaxis(R, 0, -1),
             joints_m=np.moveaxis(cart_joints(machine, carts_m), 0, -1),
             vectors_m=np.moveaxis(link_vectors(machine, pose, carts_m), 0, -1),
@@ -59,10 +58,8 @@ class Frames:
 
     def take(self, rows: IntArray | BoolArray) -> Self:
         """Keep some of the poses."""
-        return type(self)(
-            self.rails_m,
-            *(part[..., rows] for part in (self.tcp_m, self.carts_m, self.rotation, self.joints_m, self.vectors_m)),
-        )
+        parts = (self.tcp_m, self.carts_m, self.rotation, self.joints_m, self.vectors_m)
+        return type(self)(*(part[..., rows] for part in parts))
 
     def points(self, hull: SweptHull) -> FloatArray:
         """Place the points of a hull, shape (k, 3, n)."""
@@ -75,6 +72,5 @@ class Frames:
         placed = np.empty((*given.shape, len(self)))
         placed[:] = given[..., None]
         if hull.kind == FrameKind.CART:
-            placed[:, 0] += self.carts_m[hull.number]
-            placed[:, 1:] += self.rails_m[hull.number][:, None]
+            placed += self.carts_m[hull.number]
         return placed

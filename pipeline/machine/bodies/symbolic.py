@@ -1,9 +1,9 @@
 """The points of hulls as CasADi functions, for gradient-based optimisation."""
 
 import casadi as ca
-import numpy as np
 
 from pipeline.machine.geometry import Machine
+from pipeline.machine.rails import rail_origins
 from pipeline.machine.shapes.model import FrameKind, SweptHull
 from pipeline.machine.symbolic import joints_function, rotation_matrix
 
@@ -21,8 +21,9 @@ def hull_function(machine: Machine, hull: SweptHull) -> ca.Function:
         share = ca.DM(given[:, 0]) + ca.DM(given[:, 1]) / ca.norm_2(vector)
         points = ca.repmat(cart, len(given), 1) + share @ vector
     elif hull.kind == FrameKind.CART:
-        fixed = given + np.append(0.0, machine.rails_m[hull.number])
-        points = ca.DM(fixed) + ca.horzcat(ca.repmat(q[hull.number], len(given), 1), ca.DM.zeros(len(given), 2))
+        fixed = given + rail_origins(machine)[hull.number]
+        along = ca.sparsify(ca.DM(machine.rail_directions[hull.number][None]))
+        points = ca.DM(fixed) + ca.repmat(q[hull.number] * along, len(given), 1)
     else:
         points = ca.SX(ca.DM(given))
     return ca.Function("hull", [pose, q], [ca.densify(points)], ["pose", "q"], ["points"])

@@ -23,7 +23,7 @@ def dependent_angle(machine: Machine, controlled: FloatArray, signs: FloatArray)
     Parameters
     ----------
     controlled : (n, 5)
-        x, y, z, rx, rz; x plays no role.
+        x, y, z, rx, rz; x plays no role on parallel rails.
     signs : (n,)
         Working mode of arm 3: -1 for L, +1 for R, 0 at its serial singularity, where both meet.
     """

@@ -7,6 +7,8 @@ w = a_3c - a_3a and d = b_3c - b_3a the difference of the two closures is
 
 for the right-angled triangle u_3a . R w = 0. When a_3a lies on the platform's y axis, g does not depend on
 ry and the equation reads A cos(ry) + B sin(ry) = C: a closed form.
+
+All vectors here are along the axes of `rail_frame`, so that rail 3 is along x; on parallel rails these are X, Y and Z.
 """
 
 from dataclasses import replace
@@ -16,6 +18,7 @@ import numpy as np
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.machine.geometry import PRIMARY, TRIANGLE, Machine, rotation, turned
 from pipeline.machine.pose import wrap_angle
+from pipeline.machine.rails import rail_frame, rail_origins
 
 ARM3 = PRIMARY[2]
 """The link whose joint decides where arm 3 is: 3a."""
@@ -28,7 +31,29 @@ def on_axis(machine: Machine) -> bool:
 
 def third_discriminant(machine: Machine, controlled: FloatArray, ry: FloatArray) -> FloatArray:
     """D_3 = L^2 - dy^2 - dz^2 of arm 3 for controlled poses (n, 5); `on_axis`, ry plays no role. Shape (n,)."""
-    return _discriminant(machine, _across(machine, controlled, rotation(controlled[:, 3], ry, controlled[:, 4])))
+    return _discriminant(machine, _across(machine, controlled, orientation(machine, controlled, ry)))
+
+
+def orientation(machine: Machine, controlled: FloatArray, ry: FloatArray) -> FloatArray:
+    """T R, the orientation of the platform seen along rail 3, for controlled poses (n, 5). Shape (n, 3, 3)."""
+    R = rotation(controlled[:, 3], ry, controlled[:, 4])
+    return R if machine.has_parallel_rails else seen_along_rail(machine, R)
+
+
+def seen_along_rail(machine: Machine, R: FloatArray) -> FloatArray:
+    """T R for matrices or vectors (..., 3, k), stored like them."""
+    turned_: FloatArray = np.einsum("ij,...jk->...ik", rail_frame(machine, 2), R)
+    return turned_
+
+
+def place_across(machine: Machine, controlled: FloatArray) -> FloatArray:
+    """How far the TCP is from C_3a with the cart at q = 0, across rail 3. Shape (n, 2)."""
+    if machine.has_parallel_rails:
+        place: FloatArray = controlled[:, 1:3] - machine.rails_m[2] - machine.cart_offsets_m[ARM3, 1:]
+        return place
+    from_origin = controlled[:, :3] - rail_origins(machine)[2] - machine.cart_offsets_m[ARM3]
+    across: FloatArray = from_origin @ rail_frame(machine, 2)[1:].T
+    return across
 
 
 def moved_onto_axis(machine: Machine) -> Machine:
@@ -40,7 +65,7 @@ def moved_onto_axis(machine: Machine) -> Machine:
 
 def closed_form(machine: Machine, controlled: FloatArray, signs: FloatArray) -> FloatArray:
     """Solve A cos(ry) + B sin(ry) = C for a_3a on the axis; NaN where there is no solution."""
-    Q = rotation(controlled[:, 3], np.zeros(len(controlled)), controlled[:, 4])
+    Q = orientation(machine, controlled, np.zeros(len(controlled)))
     g, reached = arm3_vector(machine, controlled, Q, signs)
     A, B, C = coefficients(machine, np.moveaxis(Q, 0, -1), g.T)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -78,9 +103,9 @@ def _discriminant(machine: Machine, across: FloatArray) -> FloatArray:
 
 
 def _across(machine: Machine, controlled: FloatArray, R: FloatArray) -> FloatArray:
-    """How far joint A_3a is from C_3a along Y and Z. Shape (n, 2)."""
+    """How far joint A_3a is from C_3a across rail 3. Shape (n, 2)."""
     across = turned(R, machine.platform_points_m[ARM3])[:, 1:]
-    across += controlled[:, 1:3] - machine.rails_m[2] - machine.cart_offsets_m[ARM3, 1:]
+    across += place_across(machine, controlled)
     return across
 
 
@@ -88,5 +113,7 @@ def triangle_constants(machine: Machine) -> tuple[FloatArray, FloatArray, float]
     """Read w, d and the constant of the triangle equation off the machine."""
     w = machine.platform_points_m[TRIANGLE] - machine.platform_points_m[ARM3]
     d = machine.cart_offsets_m[TRIANGLE] - machine.cart_offsets_m[ARM3]
+    if not machine.has_parallel_rails:
+        d = rail_frame(machine, 2) @ d
     squares = machine.lengths_m[TRIANGLE] ** 2 - machine.lengths_m[ARM3] ** 2 - w @ w - d @ d
     return w, d, float(squares / 2.0)

@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import wrap_angle
-from pipeline.machine.triangle.closure import ARM3, coefficients, triangle_constants
+from pipeline.machine.triangle.closure import ARM3, coefficients, place_across, seen_along_rail, triangle_constants
 
 _NEWTON_STEPS = 4
 _SETTLED_RAD = 1e-6
@@ -52,9 +52,9 @@ class _Equation:
     machine : Machine
         With a_3a anywhere.
     Q : (3, 3, n)
-        Rotation by rx and rz.
+        Rotation by rx and rz, seen along rail 3.
     across : (2, n)
-        How far the joint of link 3a would be from its cart along Y and Z if it were on the axis.
+        How far the joint of link 3a would be from its cart across the rail if it were on the axis.
     signs : (n,)
         Working mode of arm 3.
     """
@@ -71,7 +71,9 @@ class _Equation:
         Q[0, 0], Q[0, 1] = cz, -sz
         Q[1] = cx * sz, cx * cz, -sx
         Q[2] = sx * sz, sx * cz, cx
-        place = controlled[:, 1:3] - machine.rails_m[2] - machine.cart_offsets_m[ARM3, 1:]
+        if not machine.has_parallel_rails:
+            Q = np.moveaxis(seen_along_rail(machine, np.moveaxis(Q, -1, 0)), 0, -1)
+        place = place_across(machine, controlled)
         return cls(machine, Q, place.T + machine.platform_points_m[ARM3, 1] * Q[1:, 1], signs)
 
     def at_rows(self, rows: IntArray) -> "_Equation":

@@ -4,9 +4,15 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.machine.geometry import Machine, cross, dot, rotation, turned
+from pipeline.machine.geometry import Machine, cross, dot, turned
 from pipeline.machine.pose import wrap_angle
-from pipeline.machine.triangle.closure import arm3_vector, closed_form, moved_onto_axis, triangle_constants
+from pipeline.machine.triangle.closure import (
+    arm3_vector,
+    closed_form,
+    moved_onto_axis,
+    orientation,
+    triangle_constants,
+)
 
 _SAMPLES = 72
 _FIRST_SAMPLE = -np.pi + 0.3 * 2.0 * np.pi / _SAMPLES
@@ -21,7 +27,7 @@ def root_search(machine: Machine, controlled: FloatArray, signs: FloatArray) -> 
     Of several the one nearest the closed form is taken: the one that stays when the triangle moves onto the axis.
     """
     row, ry = _all_roots(machine, controlled, signs)
-    R = rotation(controlled[row, 3], ry, controlled[row, 4])
+    R = orientation(machine, controlled[row], ry)
     g, reached = arm3_vector(machine, controlled[row], R, signs[row])
     keep = reached & (_branch(machine, R, g) * machine.triangle_sign > 0.0)
     row, ry = row[keep], ry[keep]
@@ -56,7 +62,7 @@ def _all_roots(machine: Machine, controlled: FloatArray, signs: FloatArray) -> t
 
 def mismatch(machine: Machine, ry: FloatArray, controlled: FloatArray, signs: FloatArray) -> FloatArray:
     """Half of |A_3c - C_3c|^2 - len_3c^2 as a function of ry, cart 3 following in its working mode."""
-    R = rotation(controlled[:, 3], ry, controlled[:, 4])
+    R = orientation(machine, controlled, ry)
     g, _ = arm3_vector(machine, controlled, R, signs)
     w, d, constant = triangle_constants(machine)
     return dot(g - d, turned(R, w)) - constant - dot(g, d)

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from pipeline.arrays import FloatArray
 from pipeline.limits.interface.rows import Row
-from pipeline.machine.geometry import PRIMARY, Machine
+from pipeline.machine.geometry import LINKS, PRIMARY, Machine
 from pipeline.machine.symbolic import closure_function, joints_function
 from pipeline.refine.corridor.cells import Corridor
 from pipeline.refine.corridor.cone import Walls
@@ -27,14 +27,19 @@ def node_rows(machine: Machine, mesh: Mesh, pose: ca.MX, q: ca.MX, coefficients:
 
 
 def side_rows(machine: Machine, corridor: Corridor, pose: ca.MX, q: ca.MX) -> list[Row]:
-    """Write side * (C_x - A_x) for the arms and nodes that have a side; pose (6, k), q (5, k)."""
+    """Write side * (C - A) . d for the arms and nodes that have a side; pose (6, k), q (5, k)."""
     nodes, arms = np.nonzero(corridor.sides)
     if len(nodes) == 0:
         return []
     platform, cart = (ca.vec(joints) for joints in joints_function(machine).map(pose.shape[1])(pose, q))
     # Every node has 18 entries by columns, x first.
-    rows = (18 * nodes + PRIMARY[arms]).tolist()
-    reach = ca.DM(corridor.sides[nodes, arms]) * (cart[rows] - platform[rows])
+    rows = 18 * nodes + PRIMARY[arms]
+    beyond = ca.MX(0.0)
+    for axis, along in enumerate(machine.rail_directions[arms].T):
+        if along.any():
+            at = (rows + len(LINKS) * axis).tolist()
+            beyond += ca.DM(along) * (cart[at] - platform[at])
+    reach = ca.DM(corridor.sides[nodes, arms]) * beyond
     return [Row("sides of the carts", reach, corridor.side_margin_m, np.inf)]
 
 

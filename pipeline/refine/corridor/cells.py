@@ -43,7 +43,7 @@ class Corridor:
         1 where the cart of an arm has to be at larger x than its platform joint (mode R), -1 where at smaller x (L),
         0 where the arm is free.
     side_margin_m : float
-        Least side * (cart - platform joint) along X.
+        Least side * (cart - platform joint) along the rail.
     walls : Walls
         Planes that the TCP stays behind.
     """

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from flint import arb, arb_series
 
-from pipeline.inclusion.closure import TERMS, Closure, Vector, cross, dot
+from pipeline.inclusion.closure import TERMS, Closure, Geometry, Vector, cross, dot
+from pipeline.inclusion.forces import cart_weights
 from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
 from pipeline.machine.masses import lumped_platform
@@ -29,7 +30,9 @@ class Weights:
     gravity : 3
         Acceleration of free fall.
     carts : 3
-        The carts with their halves of links, in kilograms.
+        The carts with their halves of links, in kilograms, as their drives feel them.
+    at_rest : 3
+        What holds them on their rails.
     """
 
     mass: arb
@@ -37,6 +40,7 @@ class Weights:
     inertia: list[list[arb]]
     gravity: list[arb]
     carts: list[arb]
+    at_rest: list[arb]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +51,11 @@ class Turning:
     bend: Vector
 
 
-def weights(machine: Machine) -> Weights:
-    """Convert the lumped masses of a machine with masses to balls; its floats are taken as exact."""
+def weights(machine: Machine, balls: Geometry) -> Weights:
+    """Convert the lumped masses of a machine with masses to balls; its floats are taken as exact.
+
+    A cart's drive feels m |d|^2, which is m but for the rounding of d.
+    """
     assert machine.masses is not None
     body = lumped_platform(machine.masses, machine.platform_points_m)
     return Weights(
@@ -56,7 +63,11 @@ def weights(machine: Machine) -> Weights:
         [arb(value) for value in body.centre_m.tolist()],
         [[arb(value) for value in row] for row in body.inertia_kgm2.tolist()],
         [arb(value) for value in machine.masses.gravity_mps2.tolist()],
-        [arb(value) for value in carried_cart_masses(machine.masses).tolist()],
+        [
+            arb(value) * dot(rail, rail)
+            for value, rail in zip(carried_cart_masses(machine.masses).tolist(), balls.rails, strict=True)
+        ],
+        cart_weights(balls, machine.masses),
     )
 
 
@@ -72,14 +83,14 @@ def turning(motion: Closure[arb_series], x1: Vector) -> Turning:
 def bending(motion: Closure[arb_series], x1: Vector, q1: Vector, turn: Turning, by_actuators: Vector) -> Vector:
     """Compute the right-hand side J x2 of f_l differentiated twice by s.
 
-    With v' = x1 + omega x A' - q' e_x and its part a0 = alpha x A' + omega x (omega x A') of second order:
+    With v' = x1 + omega x A' - q' d and its part a0 = alpha x A' + omega x (omega x A') of second order:
     J x2 = -V q'' - |v'|^2 - v . a0 + len'^2, where -V q'' is `by_actuators`.
     """
     right, strokes = [], iter(q1[3:])
     for link, (arm, vector) in enumerate(zip(motion.arms, motion.vectors, strict=True)):
         turned = cross(turn.rate, arm)
-        rate = _sum(x1[:3], turned)
-        rate[0] = rate[0] - q1[ARM_OF_LINK[link]]
+        cart = q1[ARM_OF_LINK[link]]
+        rate = [x - cart * along for x, along in zip(_sum(x1[:3], turned), motion.rails[link], strict=True)]
         bent = _sum(cross(turn.bend, arm), cross(turn.rate, turned))
         side = by_actuators[link] - dot(rate, rate) - dot(vector, bent)
         if link in TELESCOPES:

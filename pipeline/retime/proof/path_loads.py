@@ -33,7 +33,7 @@ from pipeline.retime.proof.pose_boxes import PoseBox, interpolated, nodes, pose_
 
 _NODES = 5
 """Nodes of polynomials through floats: of degree four, the order to which residuals are enclosed."""
-_LINKS = 6
+_LINKS, _AT_REST = 6, 2
 _ARMS = ARM_OF_LINK.tolist()
 _STROKES = {link: 3 + k for k, link in enumerate(TELESCOPES.tolist())}
 """The actuator of every telescope."""
@@ -75,8 +75,8 @@ class _Along:
 
     def by_actuators(self, derivative: Vector) -> Vector:
         """Compute -V q' for a derivative of the actuators."""
-        v, lengths = self.closure.vectors, self.closure.lengths
-        right = [v[link][0] * derivative[arm] for link, arm in enumerate(_ARMS)]
+        along, lengths = self.closure.along_rails(), self.closure.lengths
+        right = [along[link] * derivative[arm] for link, arm in enumerate(_ARMS)]
         for link, actuator in _STROKES.items():
             right[link] = right[link] + lengths[link] * derivative[actuator]
         return right
@@ -155,7 +155,7 @@ def _loads(balls: Geometry, path: Path, box: PoseBox, known: FloatArray) -> BoxL
     loads = [list(pair) for pair in zip(*tcp, strict=True)]
     if path.machine.masses is None:
         return BoxLoads(box, [], loads)
-    body = weights(path.machine)
+    body = weights(path.machine, balls)
     needed = [
         wrenches(one.closure, body, rate, bend, turn)
         for one, rate, bend, turn in zip(along, x1, x2, turns, strict=True)
@@ -224,9 +224,11 @@ def _forces(along: _Along, body: Weights, g: Vector, part: int) -> Vector:
     """Compute the forces of drives and links from those per length: factors of sdd (0) and sd^2 (1), or at rest (2)."""
     links = [one * length for one, length in zip(g, along.closure.lengths, strict=True)]
     drives = [arb_series([arb(0)], prec=TERMS)] * 3
-    for link, arm in enumerate(_ARMS):
-        drives[arm] = drives[arm] + g[link] * along.closure.vectors[link][0]
-    if part < 2:
+    for link, (arm, on_rail) in enumerate(zip(_ARMS, along.closure.along_rails(), strict=True)):
+        drives[arm] = drives[arm] + g[link] * on_rail
+    if part == _AT_REST:
+        drives = [force + weight for force, weight in zip(drives, body.at_rest, strict=True)]
+    else:
         moved = (along.q1, along.q2)[part]
         drives = [force + mass * moved[arm] for arm, (force, mass) in enumerate(zip(drives, body.carts, strict=True))]
     return [*drives, *(links[link] for link in _STROKES), *links]

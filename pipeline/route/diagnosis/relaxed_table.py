@@ -12,6 +12,7 @@ from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import RegionFilter, Relaxation
 from pipeline.limits.interface.relaxation import with_values
 from pipeline.machine.geometry import Machine, build_machine
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.progress import Monitor, Progress
 from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.moves.candidates import Moves, find_moves
@@ -71,7 +72,7 @@ class RelaxedTable:
         what = f"without {relaxation.key}" if relaxation.removes else f"{relaxation.key} up to {value:g}"
         tell = prefixed(progress, what)
         wide = relaxation.change(value)
-        wide_machine = build_machine(wide.machine)
+        wide_machine = with_parallel_rails(build_machine(wide.machine))
         regions = build_regions(wide, wide_machine, Monitor(tell))
         moves = find_moves(wide, wide_machine, regions, Monitor(tell))
         admit = relaxation.prepare(regions.samples(machine), regions.x_window_m)
@@ -103,7 +104,9 @@ class RelaxedTable:
         config = self.relaxation.change(float(self.relaxation.levels[index]))
         regions, inside = self.filtered(index)
         rows = np.flatnonzero(inside)
-        found, proven = run(config, build_machine(config.machine), regions.take(rows), self.progress)
+        found, proven = run(
+            config, with_parallel_rails(build_machine(config.machine)), regions.take(rows), self.progress
+        )
         if found is None:
             return SearchOutcome(None, proven)
         enough = bisect_left(range(index), True, key=lambda i: bool(self._admits(i, rows[found.region])))

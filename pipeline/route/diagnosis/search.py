@@ -19,6 +19,7 @@ from pipeline.errors import NoSolutionError
 from pipeline.limits import Relaxation, relaxations
 from pipeline.limits.interface.relaxation import removals, with_values
 from pipeline.machine.geometry import Machine
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.progress import QUIET, Monitor, Progress
 from pipeline.route.bounds.budgets import task_budgets
 from pipeline.route.diagnosis.budgets import MOST_POSITIONS, BudgetSearch, relax_budget, relax_step_budget
@@ -55,7 +56,7 @@ def explain_infeasibility(
     `limits`, all by default. What cannot matter is left out: budgets where no moves join start and goal at any cost,
     and entries of a list that does not help as a whole. Ctrl-C ends the search, and keeps what was found.
     """
-    progress = monitor.progress
+    progress, machine = monitor.progress, with_parallel_rails(machine)
     limits = relaxations(config, machine) if limits is None else limits
     moves = find_moves(config, machine, regions, Monitor(prefixed(progress, "as configured")))
     from_start = reached(moves, len(regions), regions.start)

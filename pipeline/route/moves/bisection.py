@@ -98,7 +98,7 @@ def _rates(samples: PoseSamples) -> FloatArray:
     by_pose = closure_jacobian(samples.machine, samples.pose, samples.q_m)
     regular = np.abs(np.linalg.det(by_pose)) > 1e-14
     rates = np.zeros((len(samples), 6, 5))
-    rates[regular] = solve_rates(by_pose[regular])
+    rates[regular] = solve_rates(samples.machine, by_pose[regular])
     return rates
 
 

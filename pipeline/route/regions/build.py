@@ -1,8 +1,9 @@
 """The region table: every admissible pose and working mode of the grid, gates, start and goal.
 
 A region is a controlled pose without x, a working mode and what follows from them; x enters only through
-cart travel, so that each region has a window of admissible x. Reach and travel are checked first, then the limits of
-poses, cheap ones before costly ones.
+cart travel, so that each region has a window of admissible x. Rails that are not parallel to X are taken as if they
+were (`with_parallel_rails`): stage one is coarse, and all that follows is about the rails as they are. Reach and travel
+are checked first, then the limits of poses, cheap ones before costly ones.
 """
 
 import math
@@ -19,6 +20,7 @@ from pipeline.limits.approach import between_approaches
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.machine.kinematics import discriminants, inverse_kinematics
 from pipeline.machine.pose import RY, full_pose
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.triangle import dependent_angle
 from pipeline.parallel import WORKERS, blocks, in_parallel
@@ -55,7 +57,7 @@ def build_regions(
     """
     task_endpoints(config, machine)
     grid = grid_regions(config, machine, monitor) if grid is None else grid
-    return add_task_rows(between_approaches(config), machine, grid)
+    return add_task_rows(between_approaches(config), with_parallel_rails(machine), grid)
 
 
 def grid_regions(config: Config, machine: Machine, monitor: Monitor = QUIET) -> RegionTable:
@@ -72,7 +74,7 @@ def grid_regions(config: Config, machine: Machine, monitor: Monitor = QUIET) -> 
     require_memory(
         config.route, math.prod(grid_shape(config)) * POINT_BYTES, "the points of route.grid", "coarsen route.grid"
     )
-    machine = within_margins(config, machine)
+    machine = with_parallel_rails(within_margins(config, machine))
     lattice = grid_points(config)
     monitor.progress("regions: gates", 0.0)
     controlled, modes, arms = find_gates(config, machine, lattice)

@@ -167,7 +167,10 @@ def reached_ends(config: Config, machine: Machine) -> dict[str, Endpoint]:
 
 
 def _x_issues(machine: Machine, key: str, end: Endpoint) -> list[ConfigIssue]:
-    """Say which x would put all carts on their rails, if they are not: nothing else of a pose depends on x."""
+    """Say which x would put all carts on their rails, if they are not: nothing else of a pose depends on x.
+
+    On rails that are not parallel, about which: the sentence gives advice, and the limit itself is exact.
+    """
     x, at_zero = float(end.pose[0]), end.q_m.copy()
     at_zero[:3] -= x
     least, largest = x_windows(machine, at_zero[None])[0].tolist()
@@ -176,7 +179,8 @@ def _x_issues(machine: Machine, key: str, end: Endpoint) -> list[ConfigIssue]:
     least, largest = np.ceil(least * 1e4) / 1e4, np.floor(largest * 1e4) / 1e4
     if least > largest:
         return [ConfigIssue(f"{key}.x_m", f"is {x:g}; no other x puts all carts on their rails either")]
-    return [ConfigIssue(f"{key}.x_m", f"is {x:g}; all carts are on their rails for {least:g} to {largest:g}")]
+    about = "" if machine.has_parallel_rails else "about "
+    return [ConfigIssue(f"{key}.x_m", f"is {x:g}; all carts are on their rails for {about}{least:g} to {largest:g}")]
 
 
 def _why_unreachable(discriminants: FloatArray) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.errors import ConfigError, ConfigIssue, UnfitConfigError
 from pipeline.machine.geometry import MODES, Machine
+from pipeline.machine.rails import with_parallel_rails
 from pipeline.route.memory import POINT_BYTES, memory_gb
 from pipeline.route.metric import step_sizes
 from pipeline.route.regions.boxes import cut_windows, grown_boxes
@@ -91,6 +92,7 @@ def require_table_fits(config: Config, machine: Machine) -> None:
 
 def expected_size(config: Config, machine: Machine) -> TableSize:
     """Estimate regions, moves and memory from a sample of the grid, the same each time; within some 20 percent."""
+    machine = with_parallel_rails(machine)
     points = math.prod(grid_shape(config))
     count = min(points, _SAMPLE)
     numbers = (np.arange(count) + np.random.default_rng(0).random(count)) * (points / count)

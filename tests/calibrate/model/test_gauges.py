@@ -34,6 +34,15 @@ def test_all_changes_that_are_not_seen_are_known(see: Callable[..., Seen], refle
             assert len(found) == expected
 
 
+def test_gauges_of_rails_off_x_are_gauges(see: Callable[..., Seen]):
+    """A machine whose rails have slopes turns with its encoders: nothing is seen of it, either."""
+    seen = see(2, poses=20, direction_std_rad=3e-3)
+    model, q = seen.simulated.truth, seen.simulated.poses.q_m
+    assert np.abs(model.directions_rad).min() > 1e-4
+    J = position_jacobian(model, q, close(model, q, seen.guess)).reshape(-1, model.parameters.count)
+    np.testing.assert_allclose(J @ gauges(model).T, 0.0, atol=1e-12)
+
+
 def test_joints_that_are_apart_do_not_slide(see: Callable[..., Seen]):
     """Where 3a and 3c have joints of their own on the cart, their joints on the platform cannot slide unseen."""
     truth = see(2, poses=5).simulated.truth

@@ -7,8 +7,11 @@ import pytest
 
 from pipeline.certify.recheck.loads import ON_BRANCH, verify_loads
 from pipeline.certify.recheck.time_law import StatedMotion
+from pipeline.machine import Machine
 from pipeline.refine import Path
-from pipeline.retime import Trajectory, prove_motion, time_reversed
+from pipeline.retime import Trajectory, measure_usage, prove_motion, time_reversed
+from tests.certify.paths import line_path
+from tests.rails import off_x
 from tests.retime.proof.conftest import at_rest_at_both_ends
 
 
@@ -40,6 +43,18 @@ def test_what_was_proven_is_verified_there_and_back(motion: Trajectory, stated: 
     assert _refused(motion, stated) == set()
     back = time_reversed(motion)
     assert _refused(back, _stated(back)) == set()
+
+
+def test_loads_on_rails_off_x_are_those_of_both_arithmetics_and_of_samples(machine: Machine) -> None:
+    """Carts push along their rails, and hold their weight on them: bounds are above what floats find, and near."""
+    masses = replace(machine.known_masses, friction_n=np.zeros(5))
+    skewed = replace(off_x(machine), masses=masses)
+    motion = at_rest_at_both_ends(line_path(skewed), 1.0)
+    stated, peaks = _stated(motion), measure_usage(motion, 0.01).peaks
+    assert _refused(motion, stated) == set()
+    for name, bound in stated.peaks.items():
+        assert (bound >= peaks[name] * (1.0 - 1e-6)).all()
+        assert (bound <= 1.1 * peaks[name] + 1e-3).all()
 
 
 @pytest.mark.parametrize("name", ["force", "link_force", "tcp_speed", "tcp_acceleration"])

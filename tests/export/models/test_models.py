@@ -18,8 +18,11 @@ from pipeline.machine import Machine
 from pipeline.machine.dynamics import inverse_dynamics
 from pipeline.machine.geometry import LINKS, rotation
 from pipeline.machine.kinematics import inverse_kinematics, pose_jacobian
-from pipeline.retime import TrajectorySamples
+from pipeline.retime import TrajectorySamples, sample_trajectory
+from tests.certify.paths import line_path
 from tests.export.models.engines import Answer, ask_mujoco, ask_pinocchio
+from tests.rails import off_x
+from tests.retime.proof.conftest import at_rest_at_both_ends
 
 NAMES = ("x1", "x2", "x3", "t2", "t3")
 
@@ -250,3 +253,20 @@ def test_what_cannot_be_a_model_is_refused(request_: ExportRequest, make_samples
         export_files(Format.MJCF, replace(request_, samples=along))
     with pytest.raises(UsageError, match=r"platform_x is the name of a passive joint.*\n.*export.joint_names"):
         export_files(Format.URDF, replace(request_, joint_names=("platform_x", *NAMES[1:])))
+
+
+def test_rails_off_x_are_those_of_mujoco(machine: Machine) -> None:
+    """Another engine has the same poses and drive forces on rails that rise: along them carts feel their weight."""
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    skewed = off_x(machine)
+    samples = sample_trajectory(at_rest_at_both_ends(line_path(skewed), 1.0), 0.05)
+    request = ExportRequest(samples, machine.acceleration_mps2, NAMES, machine=skewed)
+    found = ask_mujoco(export_files(Format.MJCF, request)[""].decode(), samples.qdd_mps2)
+    assert found.gap_m < 1e-9
+    assert found.tcp_m == pytest.approx(samples.pose[:, :3], abs=1e-9)
+    assert found.drive_n == pytest.approx(_drive_forces(request), abs=1e-4)
+    robot = ElementTree.fromstring(export_files(Format.URDF, request)[""])
+    for arm, name in enumerate(NAMES[:3]):
+        axis = robot.find(f"./joint[@name='{name}']/axis")
+        assert axis is not None
+        np.testing.assert_array_equal([float(x) for x in axis.attrib["xyz"].split()], skewed.rail_directions[arm])

@@ -21,7 +21,7 @@ def bounds_and_samples(path: Path, from_rail: bool) -> tuple[np.ndarray, np.ndar
     machine, piece = path.machine, pieces(path.spline)[0]
     box = guess_box(path, piece.first, piece.last)
     assert box is not None
-    pairs = AxisPairs.of(rail_pairs(machine) if from_rail else link_pairs(machine), from_rail, machine.rails_m)
+    pairs = AxisPairs.of(rail_pairs(machine) if from_rail else link_pairs(machine), from_rail, machine)
     with working_precision(64):
         balls = geometry(machine)
         bounds = distance_bounds(balls, pairs, along(balls, piece, box), [arb(1e-9)] * 6)

@@ -11,6 +11,7 @@ from pipeline.arrays import FloatArray
 from pipeline.limits.interface.rows import Nodes
 from pipeline.limits.program_rows.axis_distance import (
     Separations,
+    apartness,
     find_separations,
     separation_part,
     shortest_connection,
@@ -20,6 +21,7 @@ from pipeline.machine.clearance import link_pairs, rail_pairs, segment_distance
 from pipeline.machine.geometry import cart_joints, link_vectors
 from pipeline.machine.kinematics import inverse_kinematics
 from pipeline.machine.samples import PoseSamples
+from tests.rails import off_x
 
 # Squares of lengths below 1e-100 m would underflow: they are zero.
 VECTORS = arrays(float, (1, 3), elements=st.floats(-1.0, 1.0).map(lambda x: x if abs(x) > 1e-100 else 0.0))
@@ -99,6 +101,23 @@ def test_pairs_within_reach_are_kept_apart_at_inner_nodes_only(samples: PoseSamp
     assert set(wide.nodes.tolist()) == set(range(1, 11))
     assert wide.least_m == pytest.approx(0.031)
     assert len(_links(samples, 0.001, 0.0)) == 0
+
+
+def test_rows_of_rails_off_x_are_never_above_the_distance(machine: Machine) -> None:
+    """Whatever the vectors are, within their bounds; those of the guess are nearly the best there are."""
+    skewed = off_x(machine, largest=0.005)
+    solution = inverse_kinematics(skewed, np.tile([0.9, 0.35, 0.8, 0.1, -0.1], (3, 1)), np.zeros(3, dtype=int))
+    samples = PoseSamples(skewed, solution.pose, solution.q_m)
+    nodes, found = _nodes(samples, 0.0, 10.0), _rails(samples, 0.0, 10.0)
+    normal = ca.MX.sym("n", 3, len(found))
+    rows = ca.Function("rows", [nodes.pose, nodes.q, normal], [apartness(skewed, found, nodes.pose, nodes.q, normal)])
+    turned = np.random.default_rng(1).uniform(-1.0, 1.0, found.normal.shape) * [0.0, 1.0, 1.0]
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+    distances = _rail_distances(samples)[1]
+    for normals, is_best in ((found.normal, True), (turned, False)):
+        values = np.array(rows(samples.pose.T, samples.q_m.T, normals.T)).reshape(2, -1).min(axis=0) + found.least_m
+        assert (values <= distances + 1e-12).all()
+        assert not is_best or values == pytest.approx(distances, abs=1e-4)
 
 
 def test_vectors_from_rails_have_no_x(samples: PoseSamples) -> None:

@@ -1,7 +1,7 @@
 """How statics and joints change as actuators are off, over many boxes; what is bounded is that of `pipeline.inclusion`.
 
 With P over each interval, and everything over the hull of all proven poses and all errors, arms change by W P_angles,
-W the axes crossed with the arm, link vectors by that and P_xyz, less e_x for the link's own cart.
+W the axes crossed with the arm, link vectors by that and P_xyz, less d for the link's own cart.
 """
 
 from dataclasses import dataclass
@@ -49,9 +49,7 @@ def erring(machine: Machine, boxes: Boxes, found: Inclusions) -> Erring | None:
     spin = contract("jcn,jan->can", axes, P[3:], 3)
     across = cross(_spread(axes, 0), _spread(arms, 1), axis=2)
     turned = contract("ljcn,jan->lcan", across, P[3:], 3)
-    unit = np.zeros((6, 3, 5, 1))
-    unit[:, 0] = OF_CART[..., None]
-    moved = turned + Enclosure(P.mid[None, :3], P.rad[None, :3]) - exactly(unit)
+    moved = turned + Enclosure(P.mid[None, :3], P.rad[None, :3]) - exactly(_with_carts(hull)[..., None])
     return Erring(following.errors, following.matrix[0], hull, P[:3], spin, turned, moved)
 
 
@@ -72,10 +70,16 @@ def joint_moves(erring: Erring) -> Enclosure:
     """Enclose how cart joints, platform joints and rails move with each error, (15, 3, 5, n)."""
     n = erring.errors.shape[-1]
     carts, rails = np.zeros((6, 3, 5, n)), np.zeros((3, 3, 5, n))
-    carts[:, 0] = OF_CART[..., None]
+    carts[:] = _with_carts(erring.hull)[..., None]
     platform = erring.moved + exactly(carts)
     mid = np.concatenate([carts, platform.mid, rails])
     return Enclosure(mid, np.concatenate([np.zeros_like(carts), platform.rad, rails]))
+
+
+def _with_carts(hull: Motion) -> FloatArray:
+    """Give how cart joints move with each actuator: along their rails with their own cart. Shape (6, 3, 5)."""
+    moves: FloatArray = hull.rails[:, :, None] * OF_CART[:, None]
+    return moves
 
 
 def _constant(series: Enclosure, radius: FloatArray) -> Enclosure:

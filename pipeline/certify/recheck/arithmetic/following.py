@@ -14,7 +14,7 @@ from pipeline.certify.recheck.arithmetic.enclosure import (
     total,
     within,
 )
-from pipeline.certify.recheck.arithmetic.motion import Motion
+from pipeline.certify.recheck.arithmetic.motion import Motion, along_rails
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
 
 OF_CART = np.eye(len(ACTUATORS))[ARM_OF_LINK]
@@ -77,19 +77,22 @@ def following_terms(following: Following, hull: Motion, C: Enclosure, G: Enclosu
     """Bound what errors add to the image of every box, with C over its interval and G = C f'' over the box."""
     axes, arms = hull.axes[0], hull.arms[0]
     turned = cross(_at(axes, 0), _at(arms, 1), axis=2)
+    along = along_rails(Enclosure(turned.mid.swapaxes(0, 1), turned.rad.swapaxes(0, 1)), hull.rails)
     slopes = Enclosure(
         np.zeros((6, 6, len(ACTUATORS), C.mid.shape[-1])), np.zeros((6, 6, len(ACTUATORS), C.mid.shape[-1]))
     )
     for link, arm in enumerate(ARM_OF_LINK.tolist()):
-        slopes.mid[link, 0, arm] = -1.0
-        slopes.mid[link, 3:, arm] = -turned.mid[link, :, 0]
-        slopes.rad[link, 3:, arm] = turned.rad[link, :, 0]
+        slopes.mid[link, :3, arm] = -hull.rails[link][:, None]
+        slopes.mid[link, 3:, arm] = -along.mid[:, link]
+        slopes.rad[link, 3:, arm] = along.rad[:, link]
     K = contract("iln,lkan->ikan", C, slopes, 6)
     GP = contract("ikjn,jan->ikan", G, following.over, 6)
     bent = GP + K
     A = following.errors
     M = contract("kan,ikbn->iabn", following.over, GP * exactly(0.5) + K, 6)
-    diagonal = contract("iln,la->ian", C, exactly(0.5 * (OF_CART - EXTENSIBLE)), 6)
+    squares = contract("lc,lc->l", exactly(hull.rails), exactly(hull.rails), 3)
+    halves = exactly(0.5 * OF_CART) * Enclosure(squares.mid[:, None], squares.rad[:, None]) - exactly(0.5 * EXTENSIBLE)
+    diagonal = contract("iln,la->ian", C, halves, 6)
     unit = np.eye(len(ACTUATORS))[None, :, :, None]
     M = M + Enclosure(diagonal.mid[:, :, None] * unit, diagonal.rad[:, :, None] * unit)
     both = M + Enclosure(M.mid.swapaxes(1, 2), M.rad.swapaxes(1, 2))
@@ -106,10 +109,10 @@ def following_change(here: Following, s: Enclosure, there: FloatArray, errors_m:
 
 def _rates(motion: Motion, order: int) -> Enclosure:
     """Return the coefficient of an order of V = df/dq, (6, 5, n)."""
-    vectors, lengths = motion.vectors[order], motion.lengths[order]
+    along, lengths = along_rails(motion.vectors[order], motion.rails), motion.lengths[order]
     mid, rad = (
-        OF_CART[..., None] * v[:, None, 0] + EXTENSIBLE[..., None] * length[:, None]
-        for v, length in ((vectors.mid, lengths.mid), (vectors.rad, lengths.rad))
+        OF_CART[..., None] * v[:, None] + EXTENSIBLE[..., None] * length[:, None]
+        for v, length in ((along.mid, lengths.mid), (along.rad, lengths.rad))
     )
     return Enclosure(-mid, rad)
 

@@ -213,7 +213,7 @@ def _residual_change(over: Motion, uncertainty: Uncertainty, off: FloatArray) ->
     lengths = total(lengths, off[None])
     v = over.vectors[0]
     v = Enclosure(v.mid, v.rad.copy())
-    v.rad[:, 0] = total(v.rad[:, 0], off[None])
+    v.rad[:] = total(v.rad, times(np.abs(over.rails)[..., None], off))
     local = contract("ijn,lin->ljn", over.rotation[0], v, 3).magnitude
     sizes = v.magnitude
     seen = total(local[:, 0], local[:, 1], local[:, 2], sizes[:, 0], 2.0 * sizes[:, 1], 2.0 * sizes[:, 2])
@@ -228,7 +228,7 @@ def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty, o
     eta = np.array(uncertainty.coordinate_m)
     if eta > 0.0:
         size, arm = norm(np.moveaxis(v, 1, 0)), arm_lengths(machine)[:, None]
-        size = total(size, off[None])
+        size = total(size, times(norm(np.abs(hull.rails).T)[:, None], off))
         w = _offset(eta)
         D[:, :3] = times(np.array(3.8), eta)
         D[:, 3:] = total(times(arm, w), times(np.array(1.8), eta, total(size, np.full_like(size, w))))[:, None]

@@ -6,7 +6,7 @@ from operator import mul
 
 import numpy as np
 
-from pipeline.arrays import IntArray
+from pipeline.arrays import FloatArray, IntArray
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, dot, exactly, stacked
 from pipeline.certify.recheck.arithmetic.jets import TERMS, product, sine_cosine
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
@@ -32,6 +32,8 @@ class Motion:
         R a_l, v_l and R a_l x v_l.
     lengths : (orders, 6, n)
         Link lengths.
+    rails : (6, 3)
+        Direction of each link's rail.
     characteristic_length : float
         L, which moments are divided by.
     """
@@ -44,6 +46,7 @@ class Motion:
     vectors: Enclosure
     moments: Enclosure
     lengths: Enclosure
+    rails: FloatArray
     characteristic_length: float
 
     def residuals(self) -> Enclosure:
@@ -72,16 +75,41 @@ def follow(machine: Machine, pose: Enclosure, q: Enclosure) -> Motion:
     rails = np.column_stack([np.zeros(3), machine.rails_m])[ARM_OF_LINK]
     constant = exactly(machine.cart_offsets_m) + exactly(rails)
     anchors = _constants(constant, n)
-    carts = np.zeros((TERMS, 6, 3, n)), np.zeros((TERMS, 6, 3, n))
-    carts[0][:, :, 0], carts[1][:, :, 0] = q.mid[:, ARM_OF_LINK], q.rad[:, ARM_OF_LINK]
+    directions = machine.rail_directions[ARM_OF_LINK]
     tcp = Enclosure(pose.mid[:, None, :3], pose.rad[:, None, :3])
-    vectors = (tcp - Enclosure(*carts)) + (arms - anchors)
+    vectors = (tcp - on_rails(q[:, ARM_OF_LINK], directions)) + (arms - anchors)
     lengths = _constants(exactly(np.nan_to_num(machine.lengths_m)), n)
     lengths.mid[:, TELESCOPES], lengths.rad[:, TELESCOPES] = q.mid[:, 3:], q.rad[:, 3:]
     moments = product(partial(cross, axis=1), arms, vectors)
     return Motion(
-        pose, q, rotation, axes, arms, vectors, moments, lengths, characteristic_length=machine.characteristic_length_m
+        pose=pose,
+        q=q,
+        rotation=rotation,
+        axes=axes,
+        arms=arms,
+        vectors=vectors,
+        moments=moments,
+        lengths=lengths,
+        rails=directions,
+        characteristic_length=machine.characteristic_length_m,
     )
+
+
+def on_rails(positions: Enclosure, rails: FloatArray) -> Enclosure:
+    """Turn positions (..., m, n) along rails (m, 3) into vectors q d, (..., m, 3, n)."""
+    if rails[:, 1:].any():
+        return Enclosure(positions.mid[..., None, :], positions.rad[..., None, :]) * exactly(rails[..., None])
+    *shape, n = positions.mid.shape
+    mid, rad = np.zeros((*shape, 3, n)), np.zeros((*shape, 3, n))
+    mid[..., 0, :], rad[..., 0, :] = positions.mid, positions.rad
+    return Enclosure(mid, rad)
+
+
+def along_rails(vectors: Enclosure, rails: FloatArray) -> Enclosure:
+    """Compute v . d of vectors (..., m, 3, n) and the directions of their rails (m, 3). Shape (..., m, n)."""
+    if rails[:, 1:].any():
+        return contract("...mcn,mc->...mn", vectors, exactly(rails), 3)
+    return vectors[..., 0, :]
 
 
 def second_derivatives(motion: Motion) -> Enclosure:

@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, cross, exactly, total
-from pipeline.certify.recheck.arithmetic.motion import Motion
+from pipeline.certify.recheck.arithmetic.motion import Motion, along_rails
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, LINKS, TELESCOPES, Machine
 from pipeline.machine.masses import Masses, lumped_platform
 
@@ -21,7 +21,7 @@ def stiffness_series(machine: Machine, masses: Masses, motion: Motion) -> Series
     body, n = lumped_platform(masses, machine.platform_points_m), motion.pose.mid.shape[-1]
     H, arms = _orders(motion.statics()), _orders(motion.arms)
     per_length = exactly(motion.characteristic_length).inverse()
-    twist = _solved(H, _by_actuator(H))
+    twist = _solved(H, _by_actuator(H, motion.rails))
     spin = [part[3:] * per_length for part in twist]
     weight = _constant(-body.mass_kg * masses.gravity_mps2, n)
     centre = [contract("ijn,j->in", part, exactly(body.centre_m), 3) for part in _orders(motion.rotation)]
@@ -33,7 +33,7 @@ def stiffness_series(machine: Machine, masses: Masses, motion: Motion) -> Series
         [_joined(F[None], -force) for F, force in zip(weight, pushed, strict=True)],
         [_joined(c[None], arm) for c, arm in zip(centre, arms, strict=True)],
     )
-    tips = _tips(arms, [part[:3] for part in twist], spin)
+    tips = _tips(arms, [part[:3] for part in twist], spin, motion.rails)
     bent = _products("lian,libn->labn", tips, tips, 3)
     bent[0] = bent[0] - _extensions()
     by_links = _products("ln,labn->abn", _divided(link_n, _orders(motion.lengths)), bent, len(LINKS))
@@ -41,22 +41,23 @@ def stiffness_series(machine: Machine, masses: Masses, motion: Motion) -> Series
     return [turned - linked for turned, linked in zip(by_turning, by_links, strict=True)]
 
 
-def _by_actuator(H: Series) -> Series:
-    """Write the right sides B (6, 5, n): u_l . e_x in the column of the link's cart, 1 in that of its telescope."""
+def _by_actuator(H: Series, rails: FloatArray) -> Series:
+    """Write the right sides B (6, 5, n): u_l . d in the column of the link's cart, 1 in that of its telescope."""
     found = []
     for part in H:
         mid, rad = (np.zeros((len(LINKS), len(ACTUATORS), part.mid.shape[-1])) for _ in range(2))
-        mid[_EVERY, ARM_OF_LINK], rad[_EVERY, ARM_OF_LINK] = part.mid[:, 0], part.rad[:, 0]
+        along = along_rails(part[:, :3], rails)
+        mid[_EVERY, ARM_OF_LINK], rad[_EVERY, ARM_OF_LINK] = along.mid, along.rad
         found.append(Enclosure(mid, rad))
     found[0].mid[TELESCOPES, _EXTENDING] = 1.0
     return found
 
 
-def _tips(arms: Series, velocity: Series, spin: Series) -> Series:
-    """Compute v + omega x A' - e_x cd for each link and actuator, each order (6, 3, 5, n)."""
+def _tips(arms: Series, velocity: Series, spin: Series, rails: FloatArray) -> Series:
+    """Compute v + omega x A' - d cd for each link and actuator, each order (6, 3, 5, n)."""
     turned = _crossed([part[None] for part in spin], [part[:, :, None] for part in arms], axis=1)
     carts = np.zeros((len(LINKS), 3, len(ACTUATORS), 1))
-    carts[_EVERY, 0, ARM_OF_LINK] = 1.0
+    carts[_EVERY, :, ARM_OF_LINK] = rails[..., None]
     tips = [by_turn + part[None] for by_turn, part in zip(turned, velocity, strict=True)]
     return [tips[0] - exactly(carts), *tips[1:]]
 

@@ -13,6 +13,7 @@ from pipeline.certify.bounds import Bounds
 from pipeline.certify.endpoints import TOLERANCE
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, cross, dot, exactly, times, total
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, Inclusions
+from pipeline.certify.recheck.arithmetic.motion import along_rails
 from pipeline.certify.recheck.arithmetic.norms import joint_shift
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.machine.geometry import ARM_OF_LINK, MODE_SIGNS, PRIMARY, TRIANGLE, Machine
@@ -41,8 +42,10 @@ def _is_assembly(machine: Machine, end: Endpoint, joints: Boxes, deviation: Floa
     motion = joints.at
     shift, turn = joint_shift(machine, deviation), total(*deviation[3:])
     vectors = motion.vectors[0][..., k]
-    x = Enclosure(vectors.mid[PRIMARY, 0], total(vectors.rad[PRIMARY, 0], shift[PRIMARY]))
-    modes = bool(((x * exactly(-MODE_SIGNS[end.mode])).lower > -1e-6).all())
+    along = along_rails(motion.vectors[0], motion.rails)[PRIMARY, k]
+    # A hair more, for rails whose directions are rounded.
+    along = Enclosure(along.mid, total(along.rad, times(shift[PRIMARY], np.array(1.0 + 1e-12))))
+    modes = bool(((along * exactly(-MODE_SIGNS[end.mode])).lower > -1e-6).all())
     first = int(PRIMARY[ARM_OF_LINK[TRIANGLE]])
     arms = motion.arms[0][..., k]
     side = arms[TRIANGLE] - arms[first]

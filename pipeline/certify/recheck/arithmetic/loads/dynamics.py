@@ -12,10 +12,10 @@ import numpy as np
 
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, dot, exactly, stacked
 from pipeline.certify.recheck.arithmetic.jets import product
-from pipeline.certify.recheck.arithmetic.motion import Motion
+from pipeline.certify.recheck.arithmetic.motion import Motion, along_rails, on_rails
 from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
-from pipeline.machine.masses import lumped_platform
+from pipeline.machine.masses import Masses, lumped_platform
 
 Series = Enclosure
 
@@ -54,13 +54,13 @@ def rates(motion: Motion, x1: Series, q1: Series) -> Rates:
     omega, bend = about_xz + _scaled(y, ry), _scaled(_cross(about_x, z), rz) + _scaled(_cross(about_xz, y), ry)
     turned = _crossed(omega, motion.arms)
     vectors = Enclosure(x1.mid[:, None, :3], x1.rad[:, None, :3]) + turned
-    along = _beside_zero(q1, ARM_OF_LINK.tolist())
+    along = on_rails(q1[:, ARM_OF_LINK], motion.rails)
     return Rates(omega, bend, vectors - along, _crossed(bend, motion.arms) + _crossed(omega, turned))
 
 
 def by_actuators(motion: Motion, q: Series) -> Series:
     """Compute -V q' for derivatives of the actuators (orders, 5, n), shape (orders, 6, n)."""
-    found = product(mul, motion.vectors[:, :, 0], q[:, ARM_OF_LINK])
+    found = product(mul, along_rails(motion.vectors, motion.rails), q[:, ARM_OF_LINK])
     strokes = product(mul, motion.lengths[:, TELESCOPES], q[:, 3:])
     return _added_at(found, strokes)
 
@@ -103,15 +103,39 @@ def wrenches(machine: Machine, motion: Motion, x1: Series, x2: Series, found: Ra
 def forces(machine: Machine, motion: Motion, g: Series, moved: Series | None) -> Series:
     """Compute the forces of drives and links (orders, 11, n) from those of links by length, and the carts' motion."""
     assert machine.masses is not None
-    links, along = product(mul, g, motion.lengths), product(mul, g, motion.vectors[:, :, 0])
-    drives = []
-    for arm, mass in enumerate(carried_cart_masses(machine.masses).tolist()):
+    links = product(mul, g, motion.lengths)
+    along = product(mul, g, along_rails(motion.vectors, motion.rails))
+    drives, masses = [], _felt_masses(machine, machine.masses)
+    at_rest = cart_weights(machine, machine.masses)
+    for arm in range(len(machine.rails_m)):
         on_cart = np.flatnonzero(arm == ARM_OF_LINK)
         force = along[:, on_cart[0]]
         for link in on_cart[1:]:
             force = force + along[:, link]
-        drives.append(force if moved is None else force + moved[:, arm] * exactly(mass))
+        if moved is None:
+            drives.append(with_constant(force, at_rest[arm]))
+        else:
+            drives.append(force + moved[:, arm] * masses[arm])
     return stacked([*drives, *(links[:, k] for k in TELESCOPES), *(links[:, k] for k in range(6))], 1)
+
+
+def cart_weights(machine: Machine, masses: Masses) -> Enclosure:
+    """Enclose what holds the carts on their rails, -m g . d. Shape (3,)."""
+    along = contract("kc,c->k", exactly(machine.rail_directions), exactly(-masses.gravity_mps2), 3)
+    return along * exactly(carried_cart_masses(masses))
+
+
+def with_constant(series: Series, constant: Enclosure) -> Series:
+    """Add a number to series (orders, n)."""
+    mid, rad = np.zeros_like(series.mid), np.zeros_like(series.rad)
+    mid[0], rad[0] = constant.mid, constant.rad
+    return series + Enclosure(mid, rad)
+
+
+def _felt_masses(machine: Machine, masses: Masses) -> Enclosure:
+    """Enclose the carts' masses as their drives feel them, m |d|^2. Shape (3,)."""
+    d = exactly(machine.rail_directions)
+    return contract("kc,kc->k", d, d, 3) * exactly(carried_cart_masses(masses))
 
 
 def _matrix_times(a: Enclosure, b: Enclosure, terms: int) -> Enclosure:
@@ -135,13 +159,6 @@ def _scaled(vector: Series, factor: Series) -> Series:
 def _about_axes(motion: Motion, x: Series) -> Series:
     parts = [_scaled(motion.axes[:, k], x[:, 3 + k]) for k in range(3)]
     return parts[0] + parts[1] + parts[2]
-
-
-def _beside_zero(q: Series, actuators: list[int]) -> Series:
-    """Put actuators (orders, 6, n) along X: (orders, 6, 3, n)."""
-    mid, rad = (np.zeros((len(q.mid), len(actuators), 3, q.mid.shape[-1])) for _ in range(2))
-    mid[:, :, 0], rad[:, :, 0] = q.mid[:, actuators], q.rad[:, actuators]
-    return Enclosure(mid, rad)
 
 
 def _added_at(series: Series, strokes: Series) -> Series:

@@ -43,7 +43,7 @@ def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatA
         return np.empty((0, 2))
     image, errors = segment.inclusions.image, segment.erring(machine)
     distances = [
-        distance_bounds(machine, AxisPairs.of(pairs, from_rail, machine.rails_m), segment.boxes, (image, errors))
+        distance_bounds(machine, AxisPairs.of(pairs, from_rail, machine), segment.boxes, (image, errors))
         for pairs, from_rail, _ in _groups(machine)
     ]
     return lower_bounds(np.concatenate(distances).min(axis=1))
@@ -163,10 +163,11 @@ def _turning(pairs: AxisPairs, boxes: Boxes, points: list[Enclosure], n: Enclosu
     axes, arms, P, middle = (
         np.moveaxis(part, -1, 0) for part in (boxes.at.axes[0].mid, boxes.at.arms[0].mid, errors.matrix, points[0].mid)
     )
-    rates = turning_rates(pairs, middle, joint_rates(axes, arms, P))
+    rates = turning_rates(pairs, middle, joint_rates(axes, arms, P, boxes.at.rails))
     h = boxes.half
     everywhere = points[0] + points[1] * within(h) + points[2] * within(power(h, 2))
-    return _Turning(n, exactly(rates.transpose(2, 3, 0, 1)), everywhere, joint_moves(errors), errors.errors)
+    normal_rates = _across(pairs, exactly(rates.transpose(2, 3, 0, 1)))
+    return _Turning(n, normal_rates, everywhere, joint_moves(errors), errors.errors)
 
 
 def _directions(pairs: AxisPairs, points: list[Enclosure], h: FloatArray) -> list[Enclosure]:
@@ -175,7 +176,19 @@ def _directions(pairs: AxisPairs, points: list[Enclosure], h: FloatArray) -> lis
     before, after = (separating_directions(pairs, np.moveaxis(end, -1, 0)) for end in ends)
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = np.where(h[:, None, None] > 0.0, (after - before) / (2.0 * h[:, None, None]), 0.0)
-    return [exactly(np.moveaxis(part, 0, -1)) for part in ((before + after) / 2.0, slope)]
+    return [_across(pairs, exactly(np.moveaxis(part, 0, -1))) for part in ((before + after) / 2.0, slope)]
+
+
+def _across(pairs: AxisPairs, directions: Enclosure) -> Enclosure:
+    """Make directions (pairs, 3, ...) normal to the rails exactly, by their x: n_x d_x = -(n_y d_y + n_z d_z)."""
+    if not pairs.from_rail:
+        return directions
+    mid, rad = directions.mid.copy(), directions.rad.copy()
+    each = (-1, *[1] * (mid.ndim - 2))
+    x, y, z = (exactly(column.reshape(each)) for column in pairs.along.T)
+    along = -(directions[:, 1] * y + directions[:, 2] * z) * x.inverse()
+    mid[:, 0], rad[:, 0] = along.mid, along.rad
+    return Enclosure(mid, rad)
 
 
 def _end_points(machine: Machine, motion: Motion, order: int) -> Enclosure:

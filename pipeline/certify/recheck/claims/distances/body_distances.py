@@ -10,7 +10,7 @@ from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, exactly, times, total
 from pipeline.certify.recheck.arithmetic.erring import Erring, joint_moves
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes
-from pipeline.certify.recheck.arithmetic.motion import Motion
+from pipeline.certify.recheck.arithmetic.motion import Motion, on_rails
 from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
@@ -116,7 +116,7 @@ def _moves(hull: SweptHull, errors: Erring, joints: Enclosure, lengths: FloatArr
         return (exactly(np.ones_like(parts.mid)) - parts) * cart + parts * platform
     moves = np.zeros((len(hull.points_m), *joints.mid.shape[1:]))
     if hull.kind == FrameKind.CART:
-        moves[:, 0, hull.number] = 1.0
+        moves[:, :, hull.number] = errors.hull.rails[hull.number == ARM_OF_LINK][0][:, None]
     return exactly(moves)
 
 
@@ -132,7 +132,7 @@ def _points(machine: Machine, hull: SweptHull, motion: Motion, order: int, lengt
         link = hull.number
         arm = int(ARM_OF_LINK[link])
         constant = exactly(machine.cart_offsets_m[link]) + exactly(np.append(0.0, machine.rails_m[arm]))
-        cart = _moving_along_x(motion, arm, order, constant, n)
+        cart = _moving_with_cart(machine, motion, arm, order, constant)
         platform = tcp + motion.arms[order][link]
         parts = exactly(_parts(hull, lengths[link])[:, None])
         rest = exactly(np.ones_like(parts.mid)) - parts
@@ -143,16 +143,14 @@ def _points(machine: Machine, hull: SweptHull, motion: Motion, order: int, lengt
         mid += given[..., None] if order == 0 else 0.0
         return exactly(mid)
     constant = constant + exactly(np.append(0.0, machine.rails_m[hull.number]))
-    return _moving_along_x(motion, hull.number, order, constant, n)
+    return _moving_with_cart(machine, motion, hull.number, order, constant)
 
 
-def _moving_along_x(motion: Motion, arm: int, order: int, constant: Enclosure, n: int) -> Enclosure:
-    """Place points (..., 3), given from x of a cart, at the cart: coefficients of one order, shape (..., 3, n)."""
-    shape = (*constant.mid.shape, n)
-    mid, rad = np.zeros(shape), np.zeros(shape)
-    cart = motion.q[order][arm]
-    mid[..., 0, :], rad[..., 0, :] = cart.mid, cart.rad
-    moving = Enclosure(mid, rad)
+def _moving_with_cart(machine: Machine, motion: Motion, arm: int, order: int, constant: Enclosure) -> Enclosure:
+    """Place points (..., 3), given for a cart at q = 0, at the cart: coefficients of one order, shape (..., 3, n)."""
+    moved = on_rails(motion.q[order][arm][None], machine.rail_directions[arm][None])
+    shape = (*constant.mid.shape, moved.mid.shape[-1])
+    moving = Enclosure(*(np.broadcast_to(part[0], shape) for part in (moved.mid, moved.rad)))
     if order:
         return moving
     return moving + Enclosure(constant.mid[..., None], constant.rad[..., None])

@@ -19,6 +19,8 @@ from pipeline.certify.recheck.arithmetic.enclosure import (
 )
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, linear_inverse, power, residual_of_inverse
 from pipeline.certify.recheck.arithmetic.jets import TERMS
+from pipeline.certify.recheck.arithmetic.loads.dynamics import cart_weights, with_constant
+from pipeline.certify.recheck.arithmetic.motion import along_rails
 from pipeline.certify.recheck.arithmetic.norms import frobenius, norm
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
@@ -86,13 +88,16 @@ def holding_force_bounds(machine: Machine, masses: Masses, boxes: Boxes, deviati
     errors = total(times(root(bound("ijn,ijn->in", miss, miss, terms=6)), size), by_pose[None])
     each = total(_magnitudes(links, h), errors)
     errors = total(bound("ijn,jn->in", miss, each, terms=6), by_pose[None])
-    rows = [(over if n + 1 == TERMS else at)[n][:, 0] for n in range(TERMS)]
-    along_x = _magnitudes(stacked(rows), h)
+    rails, weights = boxes.at.rails, cart_weights(machine, masses)
+    rows = [along_rails((over if n + 1 == TERMS else at)[n][:, :3], rails) for n in range(TERMS)]
+    along, change = _magnitudes(stacked(rows), h), times(norm(np.abs(rails).T).max(), off)
     carts, cart_errors = [], []
     for arm in range(3):
         of = np.flatnonzero(arm == ARM_OF_LINK)
-        carts.append(_summed_products(links[:, of], [row[of] for row in rows]))
-        cart_errors.append(total(*times(errors[of], total(along_x[of], off[None])), *([times(size, off)] * len(of))))
+        carts.append(with_constant(_summed_products(links[:, of], [row[of] for row in rows]), weights[arm]))
+        cart_errors.append(
+            total(*times(errors[of], total(along[of], change[None])), *([times(size, change)] * len(of)))
+        )
     parts = ((stacked(carts, 1), np.stack(cart_errors)), (links[:, TELESCOPES], errors[TELESCOPES]), (links, errors))
     return np.concatenate([_range(forces, h, error) for forces, error in parts])
 
