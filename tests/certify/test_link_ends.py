@@ -1,9 +1,12 @@
 """Certificates of machines with bodies at the ends of links, with errors of the drives and without."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.certify import prove_path
 from pipeline.certify.chain import close_chain
+from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck import verify
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
@@ -14,6 +17,8 @@ from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.distances.bodies import body_distance_bounds
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.uncertainty import of_actuators
+from pipeline.limits.bodies.body_distance import BODY_DISTANCE
+from pipeline.limits.bodies.surface_distance import SurfaceDistance
 from pipeline.machine import Machine
 from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.kinematics import newton
@@ -21,7 +26,7 @@ from pipeline.machine.samples import PoseSamples
 from tests.certify.paths import START, ends_of, pose_path, state
 
 OWN = {"stud", "motor", "ball", "collar"}
-EPS_M = 2e-4
+EPS_M, ENOUGH_M = 2e-4, 0.005
 
 
 def test_what_is_proven_is_below_all_samples_and_verified(ends_config: Config, ends_machine: Machine, vary) -> None:
@@ -58,7 +63,20 @@ def test_drives_that_are_off_are_bounded(ends_machine: Machine) -> None:
         assert chain.failure is None
         bodies = ends_machine.bodies
         assert bodies is not None
-        proven = np.min([body_distance_bounds(box, bodies) for box in boxes], axis=0)
+        sharp = np.array([body_distance_bounds(box, bodies) for box in boxes])
+        rough = np.array([body_distance_bounds(box, bodies, ENOUGH_M) for box in boxes])
+        far = SurfaceDistance(bodies, BODY_DISTANCE, "body distance", "bodies")
+        near = replace(far, bodies=replace(bodies, clearance_m=0.015))
+        for limit in (far, near):
+            examine = build_error_examiner([limit])
+            # Asked twice: what refused a box before is asked first.
+            verdicts = [examine(box) == () for box in boxes for _ in range(2)]
+            assert all(verdicts) == (limit is far)
+            assert verdicts == [limit.unproven(limit.bound(box)) == "" for box in boxes for _ in range(2)]
+    proven = sharp.min(axis=0)
+    # Where pairs are far apart bounds need not be sharp; nothing is lost of what is asked.
+    assert (rough[sharp >= ENOUGH_M] >= ENOUGH_M).all()
+    assert (rough < sharp).any()
     (segment,) = evaluate_chain(ends_machine, path, proven_chain(chain, kind, within_limits=True))
     off = segment.inclusions.image, segment.erring(ends_machine)
     again = bounds_again(ends_machine, bodies, segment.boxes, off).min(axis=1)
@@ -68,6 +86,7 @@ def test_drives_that_are_off_are_bounded(ends_machine: Machine) -> None:
     sampled = body_distances(bodies, PoseSamples(ends_machine, pose, q)).min(axis=0)
     own = [k for k, name in enumerate(bodies.names) if OWN & set(name.split())]
     apart = np.array(own)[sampled[own] > 0.0]
+    assert (rough.min(axis=0) <= sampled).all()
     for bounds in (proven, again):
         assert (bounds <= sampled).all()
         assert (bounds[apart] >= sampled[apart] - 4e-3).all()
