@@ -91,6 +91,28 @@ def bodies_machine(bodies_config: Config) -> Machine:
 
 
 @pytest.fixture(scope="session")
+def ends_config(bodies_config: Config, vary: Callable[[Config, dict[str, object]], Config]) -> Config:
+    """Give that machine bodies at the ends of four links: a sphere and capsules, two of them on one telescope."""
+    ends = [("stud", "l2b_platform", -0.06, 0.0, 0.025), ("motor", "l2b_cart", 0.3, 0.15, 0.03)]
+    ends += [("ball", "l1_cart", 0.0, 0.0, 0.02), ("collar", "l3a_platform", -0.2, -0.12, 0.018)]
+    added = [
+        {
+            "name": name,
+            "attached_to": where,
+            "capsule": {"from_m": [0.0, 0.0, first], "to_m": [0.0, 0.0, last], "radius_m": radius},
+        }
+        for name, where, first, last, radius in ends
+    ]
+    return vary(bodies_config, {"machine.bodies": [*bodies_config.model_dump()["machine"]["bodies"], *added]})
+
+
+@pytest.fixture(scope="session")
+def ends_machine(ends_config: Config) -> Machine:
+    """Build the machine with bodies at the ends of links."""
+    return build_machine(ends_config.machine)
+
+
+@pytest.fixture(scope="session")
 def machine(agder_config: Config) -> Machine:
     """Build the reference machine."""
     return build_machine(agder_config.machine)

@@ -33,9 +33,9 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
     """Prove that a path is one motion free of singularities, within its limits, from the start to the goal.
 
     Proven are the limits that the certificate bounds (`ProvenLimit`): the cap on kappa, the distances of links and
-    rails, the forces that hold the machine at rest, travel, strokes and tilts, but not the boxes to avoid. Since a
-    path may touch its limits of actuators and tilts, it is proven to exceed them by no more than 1e-6 m or rad
-    (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`); the bounds of the certificate are wider by another 1e-5
+    rails, the forces that hold the machine at rest, travel, strokes and tilts, and the boxes to avoid. Since a
+    path may touch boxes, and its limits of actuators and tilts, it is proven to pass them by no more than 1e-6 m or
+    rad (`PROOF_ROUNDING_M`, `PROOF_ROUNDING_RAD`); the bounds of the certificate are wider by another 1e-5
     (`PROOF_SLACK_M`, `PROOF_SLACK_RAD`), so that other arithmetic can verify them.
 
     With `certify.what` "tolerances" the largest calibration errors for which the chain still closes are searched as

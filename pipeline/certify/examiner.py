@@ -3,15 +3,20 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from pipeline.certify.chain import BoxBounds, Examiner
 from pipeline.certify.reasons import Reason
 from pipeline.config import CertifyConfig
 from pipeline.inclusion.proven_box import ProvenBox
-from pipeline.limits.interface.limit import ErrorProvenLimit, ProvenLimit
+from pipeline.limits.interface.limit import ErrorProvenLimit, ProvenLimit, RoughlyProvenLimit
 from pipeline.limits.kappa import KappaCap
 
 _SHARP_ENOUGH = 1e-5
 """Boxes are not halved below this width only to bound kappa more sharply."""
+
+_SUSPECTS = 3
+"""Pairs that are asked first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +55,25 @@ class LimitExaminer:
 
 
 def build_error_examiner(limits: Sequence[ErrorProvenLimit]) -> Examiner:
-    """Ask that limits be kept for every error of the actuators; how sharp their bounds are does not count."""
+    """Ask that limits be kept for every error of the actuators; how sharp their bounds are does not count.
+
+    Of many pairs few refuse boxes, and mostly the same ones: those that did so lately are asked first.
+    """
+    suspects: dict[tuple[int, int], ErrorProvenLimit] = {}
 
     def examine(box: ProvenBox) -> BoxBounds | Reason:
-        for limit in limits:
+        for key, limit in [*suspects.items()][::-1]:
             if text := limit.unproven(limit.bound(box)):
+                suspects[key] = suspects.pop(key)
+                return Reason(text, limit.wording.proof_advice)
+        for number, limit in enumerate(limits):
+            bounds = limit.rough_bound(box) if isinstance(limit, RoughlyProvenLimit) else limit.bound(box)
+            if text := limit.unproven(bounds):
+                if isinstance(limit, RoughlyProvenLimit):
+                    worst = int(bounds[:, 0].argmin())
+                    suspects[number, worst] = limit.only(np.array([worst]))
+                    while len(suspects) > _SUSPECTS:
+                        del suspects[next(iter(suspects))]
                 return Reason(text, limit.wording.proof_advice)
         return ()
 

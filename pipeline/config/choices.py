@@ -70,3 +70,21 @@ class BodyFrame(StrEnum):
     RAIL2 = "rail2"
     RAIL3 = "rail3"
     FRAME = "frame"
+    L1_CART = "l1_cart"
+    L1_PLATFORM = "l1_platform"
+    L2A_CART = "l2a_cart"
+    L2A_PLATFORM = "l2a_platform"
+    L2B_CART = "l2b_cart"
+    L2B_PLATFORM = "l2b_platform"
+    L3A_CART = "l3a_cart"
+    L3A_PLATFORM = "l3a_platform"
+    L3B_CART = "l3b_cart"
+    L3B_PLATFORM = "l3b_platform"
+    L3C_CART = "l3c_cart"
+    L3C_PLATFORM = "l3c_platform"
+
+    @property
+    def link_end(self) -> tuple[str, float] | None:
+        """The link ("l2b") and which end of it, 0 at the cart and 1 at the platform; None for all others."""
+        link, _, end = self.value.partition("_")
+        return (link, float(end == "platform")) if end else None

@@ -132,7 +132,7 @@ def _draw(machine: Machine, meshes: tuple[BodyMesh, ...], stances: list[Stance],
     axes.set_ylim(-(rows - 1) * size[1], size[1])
     axes.set_aspect("equal")
     way = any(len(stance.way_m) > 1 for stance in stances)
-    rods = any(mesh.kind == FrameKind.LINK for mesh in meshes)
+    rods = any(mesh.is_link for mesh in meshes)
     figure.legend(handles=legend_handles(way, rods), loc="outside lower center", ncols=3 if rods else 4)
     return figure
 
@@ -168,7 +168,7 @@ def draw_machine(
         corners = np.vstack([stance.pose[:3], points.platform_joints_m])
         bars = project(corners[platform_bars(machine)]) + origin
         axes.add_collection(LineCollection(list(bars), zorder=2.0, **_PLATFORM))
-    if FrameKind.LINK not in kinds:
+    if not any(mesh.is_link for mesh in meshes):
         links = project(np.stack([points.cart_joints_m, points.platform_joints_m], axis=1)) + origin
         for which, look in ((_FIXED, _LINK), (TELESCOPES, _TELESCOPE)):
             lines = LineCollection([links[k] for k in which], colors=[of_link[k] for k in which], zorder=3.0, **look)

@@ -16,7 +16,6 @@ from pipeline.limits.bodies.obstacle_distance import obstacles_of
 from pipeline.machine.bodies.meshes import body_meshes
 from pipeline.machine.drawing import drawn_points
 from pipeline.machine.geometry import LINKS, Machine
-from pipeline.machine.shapes.model import FrameKind
 
 _PIECES = 40
 """Of long bodies, so that what is in front covers what is behind."""
@@ -53,7 +52,7 @@ def task_figure(config: Config, machine: Machine, pose: FloatArray, q_m: FloatAr
         panels[0, column].set_title(stance.title)
         _name_joints(panels[1, column], machine, stance)
         _draw_scale(panels[1, column])
-    rods = any(mesh.kind == FrameKind.LINK for mesh in meshes)
+    rods = any(mesh.is_link for mesh in meshes)
     figure.legend(handles=legend_handles(False, rods)[:-1], loc="outside lower center", ncols=3)
     return figure
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,12 +10,20 @@ from pipeline.arrays import BoolArray, FloatArray
 from pipeline.config import BoxConfig, Config
 from pipeline.limits.interface.limit import Curve, Limit, Wording
 from pipeline.limits.interface.measure import Measure
-from pipeline.limits.interface.proof import CertificateEntry
+from pipeline.limits.interface.proof import CertificateEntry, CertificateKey, ProvenQuantity, Side
 from pipeline.limits.interface.relaxation import Relaxation, removals
 from pipeline.machine.geometry import Machine
 from pipeline.machine.samples import PoseSamples
 
+if TYPE_CHECKING:
+    from pipeline.inclusion.proven_box import ProvenBox
+
 ROUNDING = 1e-9
+PROOF_SLACK = 1e-5
+"""What proven bounds are weakened by, in metres or radians, so that other arithmetic can verify them."""
+PROOF_ROUNDING = 1e-6
+"""By how much a box may be entered by a path that was made to touch it."""
+AVOIDED_BY = CertificateKey("avoided_by", Side.FLOOR, None, "out of {}", "m or rad", 5, optional=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,25 +88,31 @@ class AvoidedBox:
     number: int
     cost: int = 0
     rounding: float = 1e-9
+    proven_under_error: bool = True
+
+    @property
+    def key(self) -> str:
+        """Configuration key of the box."""
+        return f"task.avoid[{self.number}]"
 
     @property
     def wording(self) -> Wording:
         """How the limit is named in messages."""
         return Wording(
             name="box to avoid",
-            key=f"task.avoid[{self.number}]",
+            key=self.key,
             rejected_move="the TCP enters a box to avoid",
-            refused_points=f"are inside task.avoid[{self.number}]",
-            broken_path=f"task.avoid[{self.number}] is entered, metres or radians",
+            refused_points=f"are inside {self.key}",
+            broken_path=f"{self.key} is entered, metres or radians",
             path_advice="Raise refine.clearance_margin_m or refine.nodes.",
-            proof_advice="Raise refine.nodes, and refine again.",
+            proof_advice="Raise refine.clearance_margin_m or refine.nodes, and refine again.",
             raise_key="route.avoid_margin",
         )
 
     @property
     def requirement(self) -> str:
         """What it asks for, in a few words."""
-        return f"outside task.avoid[{self.number}]"
+        return f"outside {self.key}"
 
     def margins(self, samples: PoseSamples) -> FloatArray:
         """Compute how far outside the box poses are, shape (n, 1)."""
@@ -109,11 +124,29 @@ class AvoidedBox:
 
     def violations(self, samples: PoseSamples) -> list[str]:
         """State that the pose is inside."""
-        return [f"is inside task.avoid[{self.number}]"] if self.box.inside(samples.controlled)[0] else []
+        return [f"is inside {self.key}"] if self.box.inside(samples.controlled)[0] else []
 
     def readings(self, samples: PoseSamples) -> Sequence[Curve]:
         """Return how deep the TCP is inside, in half widths of the box along its nearest side: negative outside."""
-        return (Curve(f"depth in {self.wording.key}", "half widths", self.box.depth(samples.controlled), -np.inf, 0.0),)
+        return (Curve(f"depth in {self.key}", "half widths", self.box.depth(samples.controlled), -np.inf, 0.0),)
+
+    @property
+    def quantities(self) -> tuple[ProvenQuantity, ...]:
+        """How far outside the motion stays, by the side that it is farthest beyond."""
+        return (ProvenQuantity(AVOIDED_BY, self.key, (0.0, np.inf)),)
+
+    def bound(self, box: "ProvenBox") -> FloatArray:
+        """Bound how far outside the poses of a proven box are from below, shape (1, 2)."""
+        from pipeline.inclusion.avoidance import least_outside
+
+        return np.array([[least_outside(box, self.box.low, self.box.high) - PROOF_SLACK, np.inf]])
+
+    def unproven(self, bounds: FloatArray) -> str:
+        """State that the motion is not proven to stay outside."""
+        least = float(bounds[0, 0])
+        if least >= -(PROOF_ROUNDING + PROOF_SLACK):
+            return ""
+        return f"{self.key} is not proven to be avoided (the bound is {-least:.3g} m or rad inside)"
 
 
 def boxes_to_avoid(config: Config) -> list[Box]:
@@ -141,5 +174,11 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     return removals(config, "avoid")
 
 
-CERTIFICATE = CertificateEntry()
+def _premises(config: Config) -> dict[str, Any]:
+    """Give the boxes: nothing without any, so that certificates of such tasks stay."""
+    boxes = [box.model_dump(mode="json") for box in config.task.avoid]
+    return {"avoid": boxes} if boxes else {}
+
+
+CERTIFICATE = CertificateEntry((AVOIDED_BY,), _premises)
 MEASURES: tuple[Measure, ...] = ()

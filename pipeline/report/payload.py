@@ -68,6 +68,7 @@ def _body(mesh: BodyMesh) -> dict[str, Any]:
         "frame": mesh.kind.name.lower(),
         "number": mesh.number,
         "around": mesh.is_around,
+        "isLink": mesh.is_link,
         "vertices": packed(mesh.vertices_m),
         "shares": packed(mesh.shares),
         "faces": packed(mesh.faces, "uint16"),

@@ -166,7 +166,7 @@ def _bound_texts(key: CertificateKey, proven: list[float], allowed: tuple[float,
     """State what is proven and what is allowed."""
     if key.side is Side.SIGN:
         return true_minus(f"{proven[0]:+.0f} everywhere"), "never changes"
-    unit = f" {key.unit}" if key.unit.isalpha() else key.unit
+    unit = key.unit if key.unit in ("", "°") else f" {key.unit}"
     form = {Side.BOTH: "{0} to {1}", Side.LARGEST: "at most {1}"}.get(key.side, "at least {0}")
     texts = ([format(value, spec) for value in pair] for pair, spec in ((proven, f".{key.decimals}f"), (allowed, "g")))
     one, other = (true_minus(form.format(*pair)) + unit for pair in texts)

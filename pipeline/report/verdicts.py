@@ -142,6 +142,8 @@ def _certificate(section: Mapping[str, Any]) -> Verdict:
     }
     apart = "".join(f"; {text.format(1e3 * least)}" for text, least in distances.items() if least is not None)
     detail = f"{section['boxes']:,} boxes: κ at most {section['kappa_bound']:.2f}{apart}."
+    if (avoided := section.get("avoided_by_bound")) is not None:
+        detail += f" Boxes to avoid at least {1e3 * avoided:.1f} mm or mrad away."
     if (least := section.get("least_kappa")) is not None:
         detail += f" No path within the limits can do with less than {least:.2f}."
     return Verdict("Certificate", "Certified", detail, "good")

@@ -72,11 +72,12 @@ def machine_rods(machine: Machine, tcp_m: FloatArray, points: DrawnPoints, colou
     platform : str
         That of the platform.
     """
-    kinds = {hull.kind for hull in body_hulls(machine)}
+    hulls = body_hulls(machine)
+    kinds = {hull.kind for hull in hulls}
     corners = np.vstack([tcp_m, points.platform_joints_m])
     bars = platform_bars(machine)
     parts = [(points.feet_m[ARM_OF_LINK], points.cart_joints_m, _BEAM_M, np.tile(rgb("#404040"), (6, 1)))]
-    if FrameKind.LINK not in kinds:
+    if not any(hull.is_link for hull in hulls):
         parts = [*_link_rods(machine, points, colours), *parts]
     if FrameKind.PLATFORM not in kinds:
         parts.append((corners[bars[:, 0]], corners[bars[:, 1]], _BAR_M, np.tile(rgb(platform), (len(bars), 1))))
@@ -87,8 +88,9 @@ def machine_rods(machine: Machine, tcp_m: FloatArray, points: DrawnPoints, colou
 
 def rod_count(machine: Machine) -> int:
     """Count what `machine_rods` builds."""
-    kinds = {hull.kind for hull in body_hulls(machine)}
-    links = 0 if FrameKind.LINK in kinds else 6 + len(TELESCOPES)
+    hulls = body_hulls(machine)
+    kinds = {hull.kind for hull in hulls}
+    links = 0 if any(hull.is_link for hull in hulls) else 6 + len(TELESCOPES)
     bars = 0 if FrameKind.PLATFORM in kinds else len(platform_bars(machine))
     return len(ARM_OF_LINK) + links + bars
 

@@ -33,6 +33,7 @@ def certificate_section(certificate: "Certificate") -> Section:
         "coordinates_tolerance_m": None if coordinates is None else coordinates.eps_m,
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
         **_body_part(bounds),
+        **_avoided_part(bounds),
         **_following_part(certificate),
         **pose_error_part(None),
         "least_kappa": None,
@@ -57,11 +58,18 @@ def _body_part(bounds: "Bounds") -> Section:
     }
 
 
+def _avoided_part(bounds: "Bounds") -> Section:
+    """Give how far outside the boxes to avoid the motion stays, in metres or radians, where there are any."""
+    ranges = bounds.ranges.get("avoided_by")
+    return {} if ranges is None else {"avoided_by_bound": float(ranges.values[:, 0].min())}
+
+
 def _following_part(certificate: "Certificate") -> Section:
     """Give how far the actuators may be from where they are commanded; null if that was not searched.
 
-    Two different claims. The keys that begin with `following_` alone: every limit of kappa, distances and joints is
-    kept. `following_on_branch_`: the motion stays regular and on its branch, whatever limits it breaks.
+    Two different claims. The keys that begin with `following_` alone: every limit of kappa, distances, joints and
+    boxes to avoid is kept. `following_on_branch_`: the motion stays regular and on its branch, whatever limits it
+    breaks.
     """
     following = certificate.following
     within, branch = ({}, {}) if following is None else (following.within_limits, following.on_branch)
@@ -133,6 +141,7 @@ def certificate_words(section: Section) -> str:
         "axes at least {:.4f} m apart": section["min_distance_bound_m"],
         "bodies at least {:.4f} m apart": section.get("min_body_distance_bound_m"),
         "obstacles at least {:.4f} m away": section.get("min_obstacle_distance_bound_m"),
+        "boxes to avoid at least {:.4f} m or rad away": section.get("avoided_by_bound"),
     }
     apart = "".join(f", {text.format(least)}" for text, least in distances.items() if least is not None)
     bounds = f"kappa at most {section['kappa_bound']:.2f}{apart}"

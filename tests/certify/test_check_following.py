@@ -93,7 +93,7 @@ def test_true_tolerances_are_verified(following_run: pathlib.Path) -> None:
     for shown in (
         "common within limits 0.5 mm, l3b within limits 1 mm, common 1 mm, by_velocity 2 mm, l3b 2 mm",
         "c1, c2, c3, l2b, l3b ± 2, 2, 2, 0.4, 0.4 mm",
-        "± 0.5, 0.5, 0.5, 0.5, 0.5 mm, limits kept: kappa, distances and joint angles stay within their limits",
+        "0.5, 0.5, 0.5, 0.5, 0.5 mm, limits kept: kappa, distances, joint angles and boxes to avoid keep their limits",
         "lengths ± 0.1, coordinates ± 0.02; c1, c2, c3, l2b, l3b ± 0.5",
         "over s mm, limits kept: each box holds one regular pose",
     ):

@@ -12,9 +12,10 @@ from tests.joints import every_cone
 
 
 @pytest.fixture(scope="module")
-def limits(agder_config: Config, machine: Machine) -> list[ProvenLimit]:
-    """Take all proven limits, those of rails and joints too."""
-    return proven_limits(agder_config, replace(machine, link_rail_m=0.01, joint_cones=every_cone(170.0)))
+def limits(agder_config: Config, machine: Machine, vary) -> list[ProvenLimit]:
+    """Take all proven limits, those of rails, joints and boxes to avoid too."""
+    config = vary(agder_config, {"task.avoid": [{"x_m": [0.0, 0.1]}, {"rx_deg": [5.0, 6.0]}]})
+    return proven_limits(config, replace(machine, link_rail_m=0.01, joint_cones=every_cone(170.0)))
 
 
 def test_keys_are_those_of_the_format() -> None:
@@ -29,6 +30,7 @@ def test_keys_are_those_of_the_format() -> None:
         "actuators_m",
         "tilt_deg",
         "joint_angle_deg",
+        "avoided_by",
         "holding_force_n",
         "gravity_stiffness_npm",
     }

@@ -87,7 +87,7 @@ class BodyConfig(Section):
     name: BodyName = Field(description="names the body in messages")
     attached_to: BodyFrame = Field(
         description="platform (from the TCP), cart1 to cart3 (from the cart's origin), "
-        "rail1 to rail3 (from the rail), or frame"
+        "rail1 to rail3 (from the rail), frame, or the end of a link (from the joint, z along the link to the platform)"
     )
     capsule: CapsuleConfig | None = Field(None, exclude_if=lambda value: value is None)
     box: BodyBoxConfig | None = Field(None, exclude_if=lambda value: value is None)
@@ -110,7 +110,25 @@ class BodyConfig(Section):
             )
         if self.beam is None and rail:
             raise wrong("attached_to", f"is {self.attached_to}, of which a body is a beam; attach others to the frame")
+        self._require_on_link()
         return self
+
+    def _require_on_link(self) -> None:
+        """Refuse what is not of revolution about the link that it is attached to, or is beyond the link's joint."""
+        if (end := self.attached_to.link_end) is None:
+            return
+        if self.capsule is None:
+            raise wrong(
+                "attached_to",
+                f"is {self.attached_to}, and joints leave open how far a link turns about its axis: only a capsule on "
+                "that axis is the same for all",
+            )
+        for key, point in (("from_m", self.capsule.from_m), ("to_m", self.capsule.to_m)):
+            if any(point[:2]):
+                raise wrong(f"capsule.{key}", "is off the axis of the link, along z; x and y have to be 0")
+            if point[2] * (1.0 - 2.0 * end[1]) < 0.0:
+                side = "at most" if end[1] else "at least"
+                raise wrong(f"capsule.{key}", f"is beyond the joint; z of a body of {self.attached_to} is {side} 0")
 
 
 S = TypeVar("S", bound=Section)

@@ -100,6 +100,8 @@ class MachineConfig(Section):
             return self
         lengths = {"l1": self.links.l1.length_m, "l2a": self.links.l2a.length_m, "l3a": self.links.l3a.length_m}
         lengths |= {"l2b": self.links.l2b.stroke_m[0], "l3b": self.links.l3b.stroke_m[0]}
+        if self.links.l3c.length_m is not None:
+            lengths["l3c"] = self.links.l3c.length_m
         trim = self.clearance.joint_trim_m
         for name, length in lengths.items():
             if trim.platform + trim.cart >= length:
@@ -112,7 +114,22 @@ class MachineConfig(Section):
                     f"is {tube:g}; allowed is more than clearance.joint_trim_m.cart ({trim.cart:g}), at most the "
                     f"least stroke ({lengths[name]:g})",
                 )
+        self._require_short_bodies(lengths)
         return self
+
+    def _require_short_bodies(self, lengths: dict[str, float]) -> None:
+        """Refuse a body on a link that is longer than the link ever is."""
+        for k, body in enumerate(self.bodies):
+            end, capsule = body.attached_to.link_end, body.capsule
+            if end is None or capsule is None or end[0] not in lengths:
+                continue
+            far = max(abs(capsule.from_m[2]), abs(capsule.to_m[2]))
+            if far > lengths[end[0]]:
+                raise wrong(
+                    f"bodies[{k}].capsule",
+                    f"reaches {far:g} m along link {end[0]}, which is {lengths[end[0]]:g} m long at least "
+                    f'(of "{body.name}")',
+                )
 
     @model_validator(mode="after")
     def _triangle_closes(self) -> Self:

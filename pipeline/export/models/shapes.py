@@ -26,14 +26,17 @@ def add_meshes(root: Element, machine: Machine) -> Shapes:
 
 
 def add_shapes(body: Element, meshes: Shapes, kind: FrameKind, number: int = 0, rod: bool = False) -> bool:
-    """Give a body its shapes; of a telescope either those of its tube or of its rod. False if none is declared."""
+    """Give a body its shapes; of a telescope either those of its tube or of its rod.
+
+    False if none is declared, or of a link only what is attached to it.
+    """
     found = [mesh for mesh in meshes if (mesh.kind, mesh.number) == (kind, number)]
     if kind == FrameKind.LINK and number in TELESCOPES:
         found = [mesh for mesh in found if bool(mesh.shares.any()) == rod]
     for mesh in found:
         colour = {"rgba": _SEEN_THROUGH} if mesh.is_around else {}
         add(body, "geom", name=_name(mesh), type="mesh", mesh=_name(mesh), **colour)
-    return bool(found)
+    return any(mesh.is_link for mesh in found) if kind == FrameKind.LINK else bool(found)
 
 
 def _vertices(machine: Machine, mesh: BodyMesh) -> FloatArray:

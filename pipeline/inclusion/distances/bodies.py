@@ -96,29 +96,50 @@ _Points = tuple[FloatArray, FloatArray, float, FloatArray, FloatArray]
 """Of one hull, what `MovingHulls` has of many."""
 
 
-def body_distance_bounds(box: ProvenBox, bodies: Bodies) -> FloatArray:
+def body_distance_bounds(box: ProvenBox, bodies: Bodies, enough_m: float = np.inf) -> FloatArray:
     """Bound the distances of all pairs from below over a proven box, negative if nothing is known. Shape (pairs,).
 
-    With errors of the actuators, for all of them.
+    With errors of the actuators, for all of them. Where boxes along the axes show that a pair is `enough_m` apart, its
+    bound is no sharper.
     """
     series, half = box.series, above(box.series.half)
     frames = series.derive(_Frames, lambda: _frames(box))
     reach, moves = _reach(box), None if box.erring is None else _moves(box.erring)
     placed = [_points(frames, reach, moves, hull) for hull in bodies.hulls]
     bounds = np.full(len(bodies.pairs), -np.inf)
-    for size, pairs in _by_size(bodies).items():
+    if np.isfinite(enough_m):
+        apart = _apart_along_axes(bodies, placed, half, reach.errors_m)
+        bounds = np.where(apart >= enough_m, apart, bounds)
+    for pairs in _by_size(bodies, np.flatnonzero(np.isneginf(bounds)).tolist()).values():
         first, second = (_gather(bodies, placed, pairs, side) for side in (0, 1))
         radii = np.array([bodies.radii_m(bodies.pairs[k]) for k in pairs])
-        directions = _directions(series, (bodies, size, moves is None), first, second)
+        directions = _directions(series, (bodies, tuple(pairs), moves is None), first, second)
         found = separated(first, second, directions, half, reach.errors_m)
         bounds[pairs] = np.nextafter(found - radii - LOST, -np.inf)
     return bounds
 
 
-def _by_size(bodies: Bodies) -> dict[tuple[int, int], list[int]]:
-    """Group pairs by the numbers of points of both hulls."""
+def _apart_along_axes(bodies: Bodies, placed: list[_Points], half: float, errors_m: FloatArray) -> FloatArray:
+    """Bound the distances of all pairs from below by boxes along the axes around everything they reach, (pairs,)."""
+    low, high = np.empty((2, len(placed), 3))
+    for k, (hull, (middle, radius, off, moved, moved_radius)) in enumerate(zip(bodies.hulls, placed, strict=True)):
+        spread = radius[0] + sum(half**n * (np.abs(middle[n]) + radius[n]) for n in range(1, _ORDERS))
+        errors = errors_m[: len(moved), None, None] * (np.abs(moved) + moved_radius)
+        far = spread + errors.sum(axis=0) + off + hull.radius_m
+        far = far + LOST * (1.0 + np.abs(middle[0]) + far)
+        low[k], high[k] = (middle[0] - far).min(axis=0), (middle[0] + far).max(axis=0)
+        if hull.endless:
+            low[k, 0], high[k, 0] = -np.inf, np.inf
+    first, second = np.array(bodies.pairs).T
+    apart = np.maximum(low[first] - high[second], low[second] - high[first]).max(axis=1)
+    return np.asarray(np.nextafter(apart - LOST, -np.inf), dtype=float)
+
+
+def _by_size(bodies: Bodies, chosen: list[int]) -> dict[tuple[int, int], list[int]]:
+    """Group some of the pairs by the numbers of points of both hulls."""
     groups: dict[tuple[int, int], list[int]] = {}
-    for k, (i, j) in enumerate(bodies.pairs):
+    for k in chosen:
+        i, j = bodies.pairs[k]
         groups.setdefault((len(bodies.hulls[i].points_m), len(bodies.hulls[j].points_m)), []).append(k)
     return groups
 
@@ -134,7 +155,7 @@ def _gather(bodies: Bodies, placed: list[_Points], pairs: list[int], side: int) 
 
 
 def _directions(
-    series: Piecewise, key: tuple[Bodies, tuple[int, int], bool], first: MovingHulls, second: MovingHulls
+    series: Piecewise, key: tuple[Bodies, tuple[int, ...], bool], first: MovingHulls, second: MovingHulls
 ) -> Directions:
     """Choose directions once for all sizes of errors: ends of links move little with these."""
     return series.derive(key, lambda: separating_directions(first, second, above(series.half)))

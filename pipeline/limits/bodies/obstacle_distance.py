@@ -3,7 +3,11 @@
 Distances depend on x: regions have windows of x without collision (`route.regions.obstacles`).
 """
 
+from dataclasses import replace
+from functools import partial
+
 from pipeline.config import Config
+from pipeline.limits.bodies.obstruction import obstruction
 from pipeline.limits.bodies.surface_distance import SurfaceDistance
 from pipeline.limits.interface.limit import Limit
 from pipeline.limits.interface.measure import Measure
@@ -42,7 +46,14 @@ def for_path(config: Config, machine: Machine) -> list[Limit]:
 
 def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
     """Remove all obstacles of the task, and each one alone."""
-    return removals(config, "obstacles")
+    found, pairs, obstacles = removals(config, "obstacles"), obstacles_of(config), config.task.obstacles
+    if pairs is None:
+        return found
+    entries = [obstacles] * (len(found) - len(obstacles)) + [(one,) for one in obstacles]
+    return [
+        replace(one, obstruction=partial(obstruction, pairs, {obstacle.name for obstacle in some}))
+        for one, some in zip(found, entries, strict=True)
+    ]
 
 
 def _premises(config: Config) -> dict[str, object]:

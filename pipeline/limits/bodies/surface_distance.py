@@ -136,10 +136,17 @@ class SurfaceDistance:
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the distances of all pairs over a proven box from below, shape (pairs, 2)."""
+        return self._bound(box, np.inf)
+
+    def _bound(self, box: "ProvenBox", enough_m: float) -> FloatArray:
         from pipeline.inclusion.distances.bodies import body_distance_bounds
 
-        least = np.maximum(body_distance_bounds(box, self.bodies) - PROOF_SLACK_M, 0.0)
+        least = np.maximum(body_distance_bounds(box, self.bodies, enough_m) - PROOF_SLACK_M, 0.0)
         return np.column_stack([least, np.full(len(least), np.inf)])
+
+    def rough_bound(self, box: "ProvenBox") -> FloatArray:
+        """Bound the distances of all pairs, those of pairs that are far apart by boxes around them."""
+        return self._bound(box, self.least + 2.0 * PROOF_SLACK_M)
 
     def unproven(self, bounds: FloatArray) -> str:
         """State the pair that is not proven far enough apart."""

@@ -189,6 +189,17 @@ class ErrorProvenLimit(ProvenLimit, Protocol):
         """True."""
 
 
+@runtime_checkable
+class RoughlyProvenLimit(ErrorProvenLimit, Protocol):
+    """A limit of many values, most of which are far from it, where bounds need not be sharp."""
+
+    def only(self, columns: IntArray) -> Self:
+        """Limit some of the values alone, given by their columns (k,)."""
+
+    def rough_bound(self, box: "ProvenBox") -> FloatArray:
+        """Bound every quantity as `bound` does, no more sharply than shows that it keeps the limit."""
+
+
 def admits(limit: Limit, samples: PoseSamples) -> BoolArray:
     """Return which poses keep a limit, equality included. Shape (n,)."""
     if isinstance(limit, ScreeningLimit):

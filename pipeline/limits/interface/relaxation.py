@@ -13,6 +13,12 @@ from pipeline.machine.samples import PoseSamples
 RegionFilter = Callable[[float], tuple[FloatArray, BoolArray]]
 """For a value of the limit: the x windows (n, 2) of n regions, and which regions the value admits (n,)."""
 
+Obstruction = Callable[[PoseSamples], str]
+
+
+def _unknown(samples: PoseSamples) -> str:
+    return ""
+
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
@@ -41,6 +47,8 @@ class Relaxation:
         That the change is to remove it, and nothing lies between.
     part_of : str
         Key of the relaxation that removes this and others like it: if that does not help, this does not.
+    obstruction : callable
+        Says how what is removed would be in the way of a motion, from poses along it; empty if nothing can be said.
     """
 
     key: str
@@ -52,9 +60,10 @@ class Relaxation:
     locked_axes: tuple[str, ...] | None = None
     removes: bool = False
     part_of: str = ""
+    obstruction: Obstruction = _unknown
 
     @classmethod
-    def removal(cls, key: str, without: Config, part_of: str = "") -> Self:
+    def removal(cls, key: str, without: Config, part_of: str = "", obstruction: Obstruction = _unknown) -> Self:
         """Remove something that the task asks for; `without` is the configuration without it."""
         return cls(
             key=key,
@@ -65,6 +74,7 @@ class Relaxation:
             prepare=lambda samples, windows_m: lambda value: (windows_m, np.ones(len(windows_m), dtype=bool)),
             removes=True,
             part_of=part_of,
+            obstruction=obstruction,
         )
 
     @classmethod

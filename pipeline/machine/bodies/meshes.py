@@ -42,6 +42,8 @@ class BodyMesh:
         The part of the link's length to be added to z; zero for all others.
     faces : (m, 3)
         Triangles between corners.
+    is_link : bool
+        Whether it is a link, or the rod or tube of one, and not a body attached to it.
     """
 
     name: str
@@ -51,6 +53,7 @@ class BodyMesh:
     vertices_m: FloatArray
     shares: FloatArray
     faces: IntArray
+    is_link: bool = False
 
     @property
     def is_around(self) -> bool:
@@ -117,7 +120,8 @@ def build_mesh(hull: SweptHull) -> BodyMesh:
     faces = np.where(inwards[:, None], found.simplices[:, ::-1], found.simplices)
     lengthwise = np.repeat(shares, len(around))[used]
     vertices = corners[used] - lengthwise[:, None] * [0.0, 0.0, _LONG_M]
-    return BodyMesh(hull.name, hull.kind, hull.number, hull.endless, vertices, lengthwise, np.searchsorted(used, faces))
+    faces = np.searchsorted(used, faces)
+    return BodyMesh(hull.name, hull.kind, hull.number, hull.endless, vertices, lengthwise, faces, hull.is_link)
 
 
 def mesh_frame(mesh: BodyMesh, pose: FloatArray, points: DrawnPoints) -> MeshFrame:
@@ -154,7 +158,7 @@ def _directions(points: FloatArray) -> FloatArray:
         np.column_stack([size * ring, np.full(_SIDES, z)]) for size, z in ((1.0, 0.0), (half, half), (half, -half))
     ]
     ball = np.vstack([*rings, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
-    if len(points) != 2:
+    if len(points) != 2 or np.array_equal(*points):
         return ball
     along = points[1] - points[0]
     return np.asarray(ball @ _axes_along(along / np.linalg.norm(along)).T, dtype=float)
@@ -186,12 +190,10 @@ def _ended(hull: SweptHull, window: FloatArray) -> SweptHull:
 
 def _seen(hulls: tuple[SweptHull, ...]) -> tuple[SweptHull, ...]:
     """Leave out the part of a rod that is within a tube."""
-    tubes = {
-        hull.number: hull.points_m[1] for hull in hulls if hull.kind == FrameKind.LINK and hull.points_m[1, 0] == 0.0
-    }
+    tubes = {hull.number: hull.points_m[1] for hull in hulls if hull.is_link and hull.points_m[1, 0] == 0.0}
     return tuple(
         replace(hull, points_m=np.stack([tubes[hull.number], hull.points_m[1]]))
-        if hull.kind == FrameKind.LINK and hull.number in tubes and hull.points_m[1, 0] == 1.0
+        if hull.is_link and hull.number in tubes and hull.points_m[1, 0] == 1.0
         else hull
         for hull in hulls
     )

@@ -2,7 +2,8 @@
 
 Pairs are derived from the machine. Not checked are two bodies of one frame, and links that share a joint. A link
 touches what its joint sits on, by construction: where a body that does not move relative to a joint is near it, the
-link is cut short there by `clearance.joint_trim_m`, and the rest of it checked.
+link is cut short there by `clearance.joint_trim_m`, and the rest of it checked. So are bodies at the ends of links;
+what slides on one end of a telescope is kept apart from what is on the other.
 """
 
 from dataclasses import dataclass, replace
@@ -17,6 +18,7 @@ from pipeline.machine.shapes.gjk import hull_separation
 from pipeline.machine.shapes.hulls import body_hull, config_name, link_hulls
 from pipeline.machine.shapes.model import Bodies, FrameKind, Neighbours, SweptHull
 
+_TELESCOPES = ("l2b", "l3b")
 _NEAR_M = 0.02
 """A body counts as touching a joint if it is nearer to it than this, or than the required distance."""
 
@@ -61,7 +63,7 @@ def build_bodies(config: MachineConfig) -> Bodies | None:
     ignored = {frozenset(pair) for pair in config.clearance.ignore}
     for i, j in combinations(range(len(hulls)), 2):
         a, b = hulls[i], hulls[j]
-        if config.link_bodies is None and a.kind == b.kind == FrameKind.LINK:
+        if config.link_bodies is None and a.is_link and b.is_link:
             continue
         if frozenset((config_name(a), config_name(b))) in ignored:
             found.leave_out(a, b, "machine.clearance.ignore", "not checked")
@@ -94,21 +96,27 @@ class _Pairs:
         a, b = self.hulls[i], self.hulls[j]
         cuts = [_cut(joints, a, b), _cut(joints, b, a)]
         first, second = (self._trimmed(k, cut) for k, cut in zip((i, j), cuts, strict=True))
-        if (at_platform := max(cut[0] for cut in cuts)) > 0.0:
-            self.leave_out(a, b, "a joint on the platform", f"checked beyond {at_platform:g} m from it")
-        if (at_cart := max(cut[1] for cut in cuts)) > 0.0:
-            self.leave_out(a, b, "a joint on the cart", f"checked beyond {at_cart:g} m from it")
-        self.pairs.append((first, second))
-        self.names.append(f"{a.name} and {b.name}")
+        left = first is not None and second is not None
+        for at, cut in zip(("platform", "cart"), np.max(cuts, axis=0).tolist(), strict=True):
+            if cut > 0.0:
+                rest = f"checked beyond {cut:g} m from it" if left else "not checked"
+                self.leave_out(a, b, f"a joint on the {at}", rest)
+        if first is not None and second is not None:
+            self.pairs.append((first, second))
+            self.names.append(f"{a.name} and {b.name}")
 
-    def _trimmed(self, number: int, cut: tuple[float, float]) -> int:
-        """Find a link cut short at its platform and cart ends, or make it."""
+    def _trimmed(self, number: int, cut: tuple[float, float]) -> int | None:
+        """Find a link cut short at its platform and cart ends, or make it; None if nothing is left of it."""
         hull = self.hulls[number]
         if cut == (0.0, 0.0):
             return number
         points = hull.points_m.copy()
-        points[0, 1] += cut[1]
-        points[1, 1] -= cut[0]
+        if cut[1] > 0.0:
+            points[0, 1] = max(points[0, 1], cut[1])
+        if cut[0] > 0.0:
+            points[1, 1] = min(points[1, 1], -cut[0])
+        if points[0, 0] == points[1, 0] and points[0, 1] >= points[1, 1]:
+            return None
         for known, other in enumerate(self.hulls):
             if other.name == hull.name and np.array_equal(other.points_m, points):
                 return known
@@ -122,10 +130,10 @@ _ONE_FRAME = "one frame"
 def _never_checked(joints: _Joints, a: SweptHull, b: SweptHull) -> str:
     """Say why two hulls are not checked; empty if they are."""
     fixed = a.kind == b.kind == FrameKind.FIXED
-    if fixed or (a.kind, a.number) == (b.kind, b.number):
+    if fixed or ((a.kind, a.number) == (b.kind, b.number) and not _slide(a, b)):
         return _ONE_FRAME
     kinds = {a.kind, b.kind}
-    if kinds == {FrameKind.LINK} and _share_joint(joints, a.number, b.number):
+    if kinds == {FrameKind.LINK} and a.number != b.number and _share_joint(joints, a, b):
         return "they share a joint"
     if kinds == {FrameKind.CART, FrameKind.FIXED}:
         cart, fixed_hull = (a, b) if a.kind == FrameKind.CART else (b, a)
@@ -137,9 +145,28 @@ def _never_checked(joints: _Joints, a: SweptHull, b: SweptHull) -> str:
     return ""
 
 
-def _share_joint(joints: _Joints, a: int, b: int) -> bool:
-    on_cart = joints.arms[a] == joints.arms[b] and np.array_equal(joints.cart_m[a], joints.cart_m[b])
-    return on_cart or np.array_equal(joints.platform_m[a], joints.platform_m[b])
+def _slide(a: SweptHull, b: SweptHull) -> bool:
+    """Tell whether two hulls of one link are on different ends of a telescope: its rod is on both."""
+    ends = [set(hull.points_m[:, 0].tolist()) for hull in (a, b)]
+    return (
+        a.kind == FrameKind.LINK and LINK_NAMES[a.number] in _TELESCOPES and sorted(map(sorted, ends)) == [[0.0], [1.0]]
+    )
+
+
+def _share_joint(joints: _Joints, a: SweptHull, b: SweptHull) -> bool:
+    """Tell whether two links share a joint that both hulls are at."""
+    i, j = a.number, b.number
+    on_cart = joints.arms[i] == joints.arms[j] and np.array_equal(joints.cart_m[i], joints.cart_m[j])
+    on_platform = np.array_equal(joints.platform_m[i], joints.platform_m[j])
+    at_cart, at_platform = (all(_is_at(joints, hull, end) for hull in (a, b)) for end in (0.0, 1.0))
+    return (on_cart and at_cart) or (on_platform and at_platform)
+
+
+def _is_at(joints: _Joints, hull: SweptHull, end: float) -> bool:
+    """Tell whether a hull of a link is near the joint at an end: links are at both."""
+    share, along = hull.points_m.T
+    near = np.abs(along).min() - hull.radius_m < max(joints.required_m, _NEAR_M)
+    return hull.is_link or bool(share[0] == end and near)
 
 
 def _cut(joints: _Joints, link: SweptHull, other: SweptHull) -> tuple[float, float]:
@@ -155,6 +182,8 @@ def _cut(joints: _Joints, link: SweptHull, other: SweptHull) -> tuple[float, flo
         near = link.points_m[1, 0] == 1.0 and _touches(joints, link, joints.platform_m[number], other)
         return joints.trim_m[0] if near else 0.0, 0.0
     if other.kind == FrameKind.CART and other.number != arm:
+        return 0.0, 0.0
+    if link.points_m[0, 0] != 0.0:
         return 0.0, 0.0
     joint = joints.cart_m[number] + (joints.rails_m[arm] if other.kind == FrameKind.FIXED else 0.0)
     return 0.0, joints.trim_m[1] if _touches(joints, link, joint, other) else 0.0

@@ -23,6 +23,9 @@ def body_hull(config: MachineConfig, body: BodyConfig) -> SweptHull:
         points, radius = np.array([(0.0, *corner) for corner in body.beam.points_m]), body.beam.radius_m
     if frame == BodyFrame.PLATFORM:
         return SweptHull(body.name, FrameKind.PLATFORM, 0, points, radius)
+    if (end := frame.link_end) is not None:
+        along = np.column_stack([np.full(2, end[1]), np.sort(points[[0, -1], 2])])
+        return SweptHull(body.name, FrameKind.LINK, LINK_NAMES.index(end[0]), along, radius, attached=True)
     if frame in _CARTS:
         return SweptHull(body.name, FrameKind.CART, _CARTS.index(frame), points, radius)
     number = _RAILS.index(frame) + 1 if frame in _RAILS else 0
@@ -52,7 +55,7 @@ def link_hulls(config: MachineConfig) -> Iterator[SweptHull]:
 
 def config_name(hull: SweptHull) -> str:
     """Return the name by which a body is given in the configuration."""
-    return LINK_NAMES[hull.number] if hull.kind == FrameKind.LINK else hull.name
+    return LINK_NAMES[hull.number] if hull.is_link else hull.name
 
 
 def _shape(body: BodyConfig | ObstacleConfig) -> tuple[FloatArray, float]:

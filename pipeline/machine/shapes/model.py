@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 from pipeline.arrays import FloatArray, IntArray
+from pipeline.config.machine.bodies import LINK_NAMES
 
 
 class FrameKind(Enum):
@@ -37,6 +38,8 @@ class SweptHull:
         The radius.
     endless : bool
         Whether it is endless along X: the points are corners of its profile, x zero.
+    attached : bool
+        Whether it is a body at an end of a link, beside the link itself: its points have one share f of the length.
     """
 
     name: str
@@ -45,6 +48,12 @@ class SweptHull:
     points_m: FloatArray
     radius_m: float
     endless: bool = False
+    attached: bool = False
+
+    @property
+    def is_link(self) -> bool:
+        """Whether it is a link, or the rod or tube of one."""
+        return self.kind == FrameKind.LINK and not self.attached
 
     @property
     def is_obstacle(self) -> bool:
@@ -58,7 +67,9 @@ class SweptHull:
             return f"rail {self.number}" if self.number else "frame"
         if self.kind == FrameKind.PLATFORM:
             return "platform"
-        return f"cart {self.number + 1}" if self.kind == FrameKind.CART else "link"
+        if self.kind == FrameKind.CART:
+            return f"cart {self.number + 1}"
+        return f"link {LINK_NAMES[self.number][1:]}" if self.attached else "link"
 
 
 @dataclass(frozen=True)

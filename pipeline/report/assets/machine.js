@@ -211,7 +211,7 @@ function coveredParts(bodies) {
   const onRails = bodies.filter(({ frame, number }) => frame === "fixed" && number > 0);
   const rails = new Set(onRails.map(({ number }) => number));
   return [
-    ...(has("link") ? ["fixed links", "telescopes"] : []),
+    ...(bodies.some((body) => body.isLink) ? ["fixed links", "telescopes"] : []),
     ...(has("platform") ? ["platform"] : []),
     ...(rails.size === 3 ? ["rails"] : []),
   ];

@@ -12,7 +12,9 @@ from pipeline.errors import InfeasibleError, NoSolutionError
 from pipeline.limits import RegionFilter, Relaxation
 from pipeline.limits.interface.relaxation import with_values
 from pipeline.machine.geometry import Machine, build_machine
+from pipeline.machine.kinematics import follow
 from pipeline.machine.rails import with_parallel_rails
+from pipeline.machine.samples import PoseSamples
 from pipeline.progress import Monitor, Progress
 from pipeline.route.bounds.shortest_paths import fewest_positions
 from pipeline.route.moves.candidates import Moves, find_moves
@@ -25,6 +27,8 @@ WHY_NOT = "why not: "
 _SEARCH_ROUNDS, _SEARCH_S = 30, 30.0
 """Most rounds of a whole search, and its time limit."""
 _ROUNDING = 1e-9
+_POSES = 33
+"""Poses along each move of a route that is looked at once more."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +43,14 @@ class SearchOutcome:
         Whether it is proven that there is none.
     enough : int or None
         The first value that admits all regions of the route that was found.
+    obstruction : str
+        How what was removed would be in the way of that route.
     """
 
     objective: float | None
     proven: bool = True
     enough: int | None = None
+    obstruction: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,16 +111,24 @@ class RelaxedTable:
         config = self.relaxation.change(float(self.relaxation.levels[index]))
         regions, inside = self.filtered(index)
         rows = np.flatnonzero(inside)
-        found, proven = run(
-            config, with_parallel_rails(build_machine(config.machine)), regions.take(rows), self.progress
-        )
+        machine = with_parallel_rails(build_machine(config.machine))
+        found, proven = run(config, machine, regions.take(rows), self.progress)
         if found is None:
             return SearchOutcome(None, proven)
         enough = bisect_left(range(index), True, key=lambda i: bool(self._admits(i, rows[found.region])))
-        return SearchOutcome(found.objective, enough=enough)
+        obstruction = self.relaxation.obstruction(along(machine, found)) if self.relaxation.removes else ""
+        return SearchOutcome(found.objective, enough=enough, obstruction=obstruction)
 
     def _admits(self, index: int, rows: IntArray) -> bool:
         return bool(self.filtered(index)[1][rows].all())
+
+
+def along(machine: Machine, route: Route) -> PoseSamples:
+    """Follow the moves of a route, at some poses of each."""
+    share = np.linspace(0.0, 1.0, _POSES)[:, None]
+    q = route.q_m[:-1, None] + share * np.diff(route.q_m, axis=0)[:, None]
+    pose, _ = follow(machine, q, route.pose[:-1])
+    return PoseSamples(machine, pose.reshape(-1, 6), q.reshape(-1, 5))
 
 
 WholeSearch = Callable[[Config, Machine, RegionTable, Progress], tuple[Route | None, bool]]

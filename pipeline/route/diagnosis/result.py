@@ -47,6 +47,8 @@ class Finding:
         Tilt axes still locked, where the change is to unlock others.
     removes : bool
         That the change is to remove it.
+    obstruction : str
+        How it would be in the way of the route without it.
     """
 
     key: str
@@ -60,6 +62,7 @@ class Finding:
     verdict: Verdict
     locked_axes: tuple[str, ...] | None = None
     removes: bool = False
+    obstruction: str = ""
 
     @property
     def advice(self) -> str:
@@ -92,7 +95,8 @@ class Finding:
     @property
     def _without(self) -> str:
         if self.value is not None:
-            return f"a route exists, sum of kappa {self.objective:.1f}"
+            way = f"; on it, {self.obstruction}" if self.obstruction else ""
+            return f"a route exists, sum of kappa {self.objective:.1f}{way}"
         if self.verdict is Verdict.NEVER:
             return f"no route either (proven {self._how})"
         return "undecided"
@@ -143,6 +147,7 @@ def make_finding(
         verdict=none if threshold.opened is None else Verdict.OPENS,
         locked_axes=locked_axes,
         removes=removes,
+        obstruction=threshold.obstruction,
     )
 
 

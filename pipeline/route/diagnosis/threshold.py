@@ -20,13 +20,16 @@ class FeasibilityThreshold:
     by_graph : bool
         That the graph alone proves it.
     opened : int or None
-        The first value a route was found with, and `objective` its sum of kappa.
+        The first value a route was found with, `objective` its sum of kappa, and
+    obstruction : str
+        how what was removed would be in its way.
     """
 
     refused: int
     by_graph: bool
     opened: int | None = None
     objective: float | None = None
+    obstruction: str = ""
 
 
 def find_threshold(
@@ -42,7 +45,7 @@ def find_threshold(
             break
         result = attempt(candidate)
         if result.objective is not None:
-            threshold = replace(threshold, opened=candidate, objective=result.objective)
+            threshold = replace(threshold, opened=candidate, objective=result.objective, obstruction=result.obstruction)
         else:
             low = candidate
             threshold = replace(threshold, refused=low, by_graph=False) if result.proven else threshold

@@ -63,7 +63,8 @@ def body(**keys: Any) -> list[dict[str, Any]]:
         (
             {"bodies": body(attached_to="cart4", capsule=SPHERE)},
             'bodies[0].attached_to: is "cart4"; allowed is platform or cart1 or cart2 or cart3 or rail1 or rail2 or '
-            "rail3 or frame",
+            "rail3 or frame or l1_cart or l1_platform or l2a_cart or l2a_platform or l2b_cart or l2b_platform or "
+            "l3a_cart or l3a_platform or l3b_cart or l3b_platform or l3c_cart or l3c_platform",
         ),
         (
             {"bodies": body(attached_to="cart1", capsule=SPHERE, tool=True)},
@@ -72,6 +73,23 @@ def body(**keys: Any) -> list[dict[str, Any]]:
         (
             {"bodies": body(attached_to="rail2", capsule=SPHERE)},
             "bodies[0].attached_to: is rail2, of which a body is a beam; attach others to the frame",
+        ),
+        (
+            {"bodies": body(attached_to="l2b_cart", box={"size_m": [0.1, 0.1, 0.1]})},
+            "bodies[0].attached_to: is l2b_cart, and joints leave open how far a link turns about its axis: only a "
+            "capsule on that axis is the same for all",
+        ),
+        (
+            {"bodies": body(attached_to="l2b_cart", capsule={**SPHERE, "to_m": [0.0, 0.01, 0.2]})},
+            "bodies[0].capsule.to_m: is off the axis of the link, along z; x and y have to be 0",
+        ),
+        (
+            {"bodies": body(attached_to="l2b_platform", capsule={**SPHERE, "to_m": [0.0, 0.0, 0.1]})},
+            "bodies[0].capsule.to_m: is beyond the joint; z of a body of l2b_platform is at most 0",
+        ),
+        (
+            {"bodies": body(attached_to="l2b_platform", capsule={**SPHERE, "to_m": [0.0, 0.0, -0.96]})},
+            "bodies[0].capsule: reaches 0.96 m along link l2b, which is 0.95 m long at least",
         ),
         (
             {"clearance.ignore": [["nose", "l4"]]},

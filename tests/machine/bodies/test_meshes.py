@@ -42,14 +42,14 @@ def test_surfaces_are_closed_and_of_the_declared_size(shape: str) -> None:
         assert 0.8 * expected < volume(mesh) < 1.01 * expected
 
 
-def test_corners_are_on_the_surfaces_of_placed_bodies(bodies_machine: Machine, draw_poses) -> None:
+def test_corners_are_on_the_surfaces_of_placed_bodies(ends_machine: Machine, draw_poses) -> None:
     """At poses, all corners of all bodies are as far from their hulls as the radius, those of telescopes, too."""
-    drawn = draw_poses(bodies_machine, 3, 4)
-    meshes = {mesh.name: mesh for mesh in body_meshes(bodies_machine)}
-    frames = Frames.of(bodies_machine, drawn.pose, drawn.q_m[:, :3])
-    points = drawn_points(bodies_machine, drawn.pose, drawn.q_m)
-    assert {hull.name for hull in body_hulls(bodies_machine)} == set(meshes)
-    for hull in body_hulls(bodies_machine):
+    drawn = draw_poses(ends_machine, 3, 4)
+    meshes = {mesh.name: mesh for mesh in body_meshes(ends_machine)}
+    frames = Frames.of(ends_machine, drawn.pose, drawn.q_m[:, :3])
+    points = drawn_points(ends_machine, drawn.pose, drawn.q_m)
+    assert {hull.name for hull in body_hulls(ends_machine)} == set(meshes)
+    for hull in body_hulls(ends_machine):
         if hull.endless:
             continue
         placed = frames.points(hull)

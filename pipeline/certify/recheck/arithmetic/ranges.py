@@ -1,5 +1,7 @@
 """Ranges of polynomials over the intervals of many boxes."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from pipeline.arrays import FloatArray
@@ -13,17 +15,19 @@ _SHARP = 1e-7
 
 def polynomial_ranges(coefficients: Enclosure, half: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Bound polynomials with coefficients (orders, k, n) over |t| <= half (n,) from below and above, both (k, n)."""
-    parts, orders = _parts(coefficients, half), len(coefficients.mid)
-    part = half / parts
-    lows, highs = [], []
+    lows, highs = zip(*part_ranges(coefficients, half, _parts(coefficients, half)), strict=True)
+    return np.min(lows, axis=0), np.max(highs, axis=0)
+
+
+def part_ranges(coefficients: Enclosure, half: FloatArray, parts: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Bound polynomials with coefficients (orders, k, n) over each of equal parts of |t| <= half (n,), both (k, n)."""
+    orders, part = len(coefficients.mid), half / parts
     for k in range(parts):
         middle = (2.0 * k + 1.0) * part - half
         about = expand(coefficients, exactly(middle), orders)
         # The middles and widths of parts are rounded.
         spread = expand(about, within(total(part, 1e-12 * half)), 1)[0]
-        lows.append(spread.lower)
-        highs.append(spread.upper)
-    return np.min(lows, axis=0), np.max(highs, axis=0)
+        yield spread.lower, spread.upper
 
 
 def _parts(coefficients: Enclosure, half: FloatArray) -> int:

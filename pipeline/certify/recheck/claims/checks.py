@@ -6,8 +6,9 @@ from typing import Protocol
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.claims import actuators, kappa, tilt
+from pipeline.certify.recheck.claims import actuators, kappa
 from pipeline.certify.recheck.claims.claim import Claim
+from pipeline.certify.recheck.claims.controlled import avoided, tilt
 from pipeline.certify.recheck.claims.distances import axis_distances, body_distances
 from pipeline.certify.recheck.claims.evidence import Evidence, combined
 from pipeline.certify.recheck.claims.gravity import holding_force, stiffness
@@ -40,6 +41,7 @@ CHECKS: tuple[BoundCheck, ...] = (
     actuators,
     tilt,
     angles,
+    avoided,
 )
 """All checks, in the order in which their claims are shown."""
 

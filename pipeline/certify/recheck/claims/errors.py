@@ -9,6 +9,7 @@ from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import times, total
 from pipeline.certify.recheck.claims import kappa
 from pipeline.certify.recheck.claims.claim import Claim
+from pipeline.certify.recheck.claims.controlled import avoided
 from pipeline.certify.recheck.claims.distances import axis_distances, body_distances
 from pipeline.certify.recheck.claims.evidence import combined
 from pipeline.certify.recheck.claims.joints import angles
@@ -17,12 +18,13 @@ from pipeline.limits.kappa import path_cap
 from pipeline.machine.geometry import Machine
 from pipeline.machine.pose import TILT_COLUMNS
 
-WITHIN_LIMITS = "kappa, distances and joint angles stay within their limits"
+WITHIN_LIMITS = "kappa, distances, joint angles and boxes to avoid keep their limits"
 RESERVE = "rx and rz are off the path by no more than stated"
 
-_KEPT = (kappa, axis_distances, body_distances, angles)
+_KEPT = (kappa, axis_distances, body_distances, angles, avoided)
 Evidence = tuple[FloatArray, ...]
-"""What each of these bounds over some boxes: kappa and det H, distances of axes, of bodies, and joint angles."""
+"""What each of these bounds over some boxes: kappa and det H, distances of axes, of bodies, joint angles, boxes to
+avoid."""
 
 
 def measure(config: Config, machine: Machine, segment: EvaluatedChain, before: Evidence | None) -> Evidence:
@@ -32,13 +34,14 @@ def measure(config: Config, machine: Machine, segment: EvaluatedChain, before: E
 
 
 def limit_claim(of: str, config: Config, machine: Machine, found: Evidence) -> Claim:
-    """Verify that the limits of kappa, distances and joints are kept for all errors, and det H has one sign."""
+    """Verify that the limits of kappa, distances, joints and boxes are kept for all errors, and det H has one sign."""
     (_, largest), signs = found[0].tolist()
     cap = path_cap(config)
     room = {
         "axes, m": found[1][:, 0] - axis_distances.required_m(machine),
         "bodies, m": found[2][:, 0] - body_distances.required_m(config, machine),
         "joints, degrees": np.array([cone.half_angle_deg for cone in machine.joint_cones]) - found[3][:, 1],
+        "boxes to avoid, m or rad": found[4][:, 0] - avoided.LEAST,
     }
     kept = largest <= cap and signs[0] == signs[1] != 0.0 and all((left >= 0.0).all() for left in room.values())
     left = "".join(f"; room of {what}: {left.min():.4g}" for what, left in room.items() if len(left))
