@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from pipeline.arrays import FloatArray
 from pipeline.certify.chain import BoxBounds, Examiner
 from pipeline.certify.reasons import Reason
 from pipeline.config import CertifyConfig
@@ -50,15 +53,29 @@ class LimitExaminer:
 
 
 def build_error_examiner(limits: Sequence[ErrorProvenLimit]) -> Examiner:
-    """Ask that limits be kept for every error of the actuators; how sharp their bounds are does not count."""
+    """Ask that limits be kept for every error of the actuators; how sharp their bounds are does not count.
+
+    The limit that was not kept last is asked first: neighbouring boxes, and other errors, mostly fail on the same one.
+    """
+    in_order = list(limits)
 
     def examine(box: ProvenBox) -> BoxBounds | Reason:
-        for limit in limits:
-            if text := limit.unproven(limit.bound(box)):
-                return Reason(text, limit.wording.proof_advice)
+        for k, limit in enumerate(in_order):
+            bounds = limit.bound(box)
+            if text := limit.unproven(bounds):
+                in_order.insert(0, in_order.pop(k))
+                return Reason(text, limit.wording.proof_advice, _least_kept(limit, bounds))
         return ()
 
     return examine
+
+
+def _least_kept(limit: ErrorProvenLimit, bounds: FloatArray) -> str:
+    """Name the quantity that is farthest beyond its limit."""
+    allowed = np.array([quantity.allowed for quantity in limit.quantities])
+    with np.errstate(invalid="ignore"):
+        beyond = np.fmax(allowed[:, 0] - bounds[:, 0], bounds[:, 1] - allowed[:, 1])
+    return limit.quantities[int(beyond.argmax())].subject
 
 
 def build_examiner(options: CertifyConfig, limits: list[ProvenLimit], kappa_sampled: float) -> LimitExaminer:

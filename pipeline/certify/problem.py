@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ _MOST_KEPT = 8_000
 """Boxes that are kept for other errors: some hundred MB."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Memory:
     """What attempts with other errors have shown; searches for tolerances use it, single proofs need none.
 
@@ -31,14 +32,20 @@ class Memory:
     guesses : dict
         Boxes and the closures along them, which depend on no error; None where the links cannot close.
     failed : dict
-        The least error for which a box failed, of one kind of error.
+        The least error of one kind for which a box, or what is asked of it, failed, and why.
+    proven : dict
+        The largest error of that kind for which a box was proven, and its link of the chain; at a single s, None.
+    widening : float
+        How many times as large the image of the last box was as without its hull.
     """
 
     guesses: dict[Interval, tuple[Box, Piecewise] | None] = field(default_factory=dict)
-    failed: dict[Interval, float] = field(default_factory=dict)
+    failed: dict[Interval, tuple[float, Reason]] = field(default_factory=dict)
+    proven: dict[Interval, tuple[float, Any]] = field(default_factory=dict)
+    widening: float = 1.0
 
     def of_another_kind(self) -> "Memory":
-        """Forget which boxes failed."""
+        """Forget which boxes failed, and which were proven."""
         return Memory(self.guesses)
 
 
@@ -109,15 +116,21 @@ def _point(problem: ProofProblem, s: float) -> Box | None:
 def prove_box(
     problem: ProofProblem, piece: Piece, interval: tuple[float, float], likely: FloatArray | None = None
 ) -> tuple[Piecewise, Inclusion] | Reason:
-    """Prove a box over an interval of a piece, or at a single s; its radii are likely as large as those (6,) given."""
+    """Prove a box over an interval of a piece, or at a single s.
+
+    With a memory its radii are at least as large as those (6,) given, or likely so at a single s.
+    """
     first, last = interval
     if (guessed := guess(problem, piece, first, last)) is None:
         return NO_POSE
     (box, series), errors = guessed, problem.errors_over(piece, first if first == last else None)
-    if problem.memory is not None and likely is not None and any(errors.actuator_m):
+    memory = problem.memory or Memory()
+    if problem.memory is not None and likely is not None and errors.any:
         box = replace(box, radius=np.maximum(box.radius, likely))
-    inclusion = include(problem.balls, series, box, errors)
-    return NO_INCLUSION if inclusion is None else (series, inclusion)
+    if (inclusion := include(problem.balls, series, box, errors, widening=memory.widening)) is None:
+        return NO_INCLUSION
+    memory.widening = inclusion.widening
+    return series, inclusion
 
 
 def build_problem(machine: Machine, path: Path, least_width: float, uncertainty: Uncertainty = CERTAIN) -> ProofProblem:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+REGULARITY = "regularity"
 _MORE_NODES = "Raise refine.nodes, and refine again."
 
 
@@ -15,10 +16,13 @@ class Reason:
         What is wrong.
     advice : str
         What to change.
+    limit : str
+        What is not kept: the quantity that a limit bounds, or that the motion is regular and on one branch.
     """
 
     text: str
     advice: str = _MORE_NODES
+    limit: str = REGULARITY
 
 
 @dataclass(frozen=True)

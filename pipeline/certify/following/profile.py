@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from pipeline.certify.chain import Chain, join_chains
-from pipeline.certify.following.search import Bracket, Search, largest_at, largest_over, points_of
 from pipeline.certify.result import ProvenChain, proven_chain
+from pipeline.certify.search import Bracket, Search, largest_at, largest_over, points_of
 from pipeline.inclusion.pieces import Piece
 from pipeline.progress import QUIET, Monitor
 
@@ -41,6 +41,6 @@ def _largest(search: Search, piece: Piece, likely_m: float) -> Bracket:
     first, *others = points_of(piece, 2)
     bracket = largest_at(search, first, Bracket(0.0, float("inf")), likely_m)
     for point in others:
-        if bracket.proven_m > 0.0 and not search.bears(bracket.proven_m, point):
+        if bracket.proven_m > 0.0 and search.failure_at(bracket.proven_m, point):
             bracket = largest_at(search, point, Bracket(0.0, bracket.proven_m))
     return largest_over(search, piece, bracket.proven_m)

@@ -9,10 +9,11 @@ from pipeline.certify.chain import accept_any, close_chain
 from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following.broken_limits import breaking_errors
 from pipeline.certify.following.profile import prove_profile
-from pipeline.certify.following.search import Search, largest_error, new_search
-from pipeline.certify.following.tolerances import search_following, tilt_reserve_deg
+from pipeline.certify.following.tolerances import search_following, searching_within_limits, tilt_reserve_deg
 from pipeline.certify.problem import build_problem
 from pipeline.certify.result import FollowingTolerances, ProvenChain
+from pipeline.certify.search import Search, largest_error, new_search
+from pipeline.certify.tolerance import search_problem
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import CERTAIN, of_actuators
@@ -162,10 +163,14 @@ def test_every_kind_of_error_is_searched_for_both_claims(
     config, machine = tight
     options = config.certify.model_copy(update={"following_coordinate_m": 2e-5})
     config = config.model_copy(update={"certify": options})
-    with working_precision(64):
-        found = search_following(config, machine, near)
-        monkeypatch.setenv(THREADS, "1")
-        alone = search_following(config, machine, near)
+
+    def search() -> FollowingTolerances:
+        with working_precision(64), searching_within_limits(config, machine, near) as within:
+            return search_following(config, search_problem(machine, near), within)
+
+    found = search()
+    monkeypatch.setenv(THREADS, "1")
+    alone = search()
     names = ["common", "by_velocity", "c1", "c2", "c3", "l2b", "l3b"]
     assert list(found.within_limits) == list(found.on_branch) == names
     for name in names:
