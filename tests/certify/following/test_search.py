@@ -66,6 +66,9 @@ def test_a_tenth_more_than_was_found_is_not_proven(near: Path, tight: tuple[Conf
             assert search.close(1.1 * found.proven_m).failure is not None
             proven = [float(e.mid()) for box in found.chain.inclusions for e in box.following.errors]
             assert found.proven_m == min(proven)
+        stops = [found.failure for found in (branch, within)]
+        assert all(stop is not None and 0.0 <= stop.s <= 1.0 for stop in stops)
+        assert [stop.reason.limit.split()[0] for stop in stops if stop is not None] == ["regularity", "links"]
     assert within.proven_m < 0.5 * branch.proven_m
 
 
