@@ -1,6 +1,7 @@
 """The proof of a path: the chain of boxes, the bounds over it, both ends, and on request the calibration tolerances."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from pipeline.certify.following.tolerances import search_following, searching_wi
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.problem import build_problem
 from pipeline.certify.reasons import ProofFailure
+from pipeline.certify.recheck import verifies
 from pipeline.certify.result import Certificate, path_sha256, proven_chain
 from pipeline.certify.tolerance import search_problem, search_tolerances
 from pipeline.config import Config
@@ -51,12 +53,12 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
         certificate = prove_path(config, machine, path, ends, monitor)
         if certificate.failure is not None:
             raise _refusal(certificate, certificate.failure)
-        problem = search_problem(machine, path)
+        problem = search_problem(machine, path, partial(verifies, config, machine, path))
         if config.certify.what == Proof.TOLERANCES:
             lengths, coordinates = search_tolerances(config.certify, problem, monitor)
             certificate = replace(certificate, link_length=lengths, coordinates=coordinates)
         if config.certify.what == Proof.FOLLOWING:
-            with searching_within_limits(config, machine, path) as within:
+            with searching_within_limits(config, problem) as within:
                 lengths, coordinates = search_tolerances(config.certify, problem, monitor)
                 following = search_following(config, problem, within, monitor)
             certificate = replace(certificate, link_length=lengths, coordinates=coordinates, following=following)

@@ -1,8 +1,8 @@
 """A path to be proven, in exact arithmetic, and the proof of a single box of it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from pipeline.inclusion.pieces import Piece, pieces
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.result import Path
+
+if TYPE_CHECKING:
+    from pipeline.certify.result import ProvenChain
 
 Interval = tuple[float, float, float]
 """The beginning of a piece of the splines, and an interval of s on it."""
@@ -71,6 +74,8 @@ class ProofProblem:
         What attempts with other errors have shown.
     profile_m : mapping or None
         Errors of all actuators by the beginning of each piece, in place of those of the uncertainty.
+    verifies : callable or None
+        Says whether other arithmetic verifies a chain: searches go on until it does. None: that is not asked.
     """
 
     machine: Machine
@@ -81,6 +86,7 @@ class ProofProblem:
     uncertainty: Uncertainty
     memory: Memory | None = None
     profile_m: Mapping[float, float] | None = None
+    verifies: "Callable[[ProvenChain], bool] | None" = None
 
     def errors_over(self, piece: Piece, s: float | None = None) -> Uncertainty:
         """Give the errors over a piece, or at a single s of it: where it meets another one, the smaller of both."""

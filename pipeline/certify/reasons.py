@@ -46,5 +46,9 @@ JUMP = Reason(
     "the path jumps from one branch to another",
     "Raise refine.nodes: the path is not one motion.",
 )
+NOT_VERIFIED = Reason(
+    "other arithmetic does not verify the chain",
+    "Raise certify.precision_bits, or lower refine.kappa_max.",
+)
 SPLINES_INCOMPLETE = Reason("the splines do not reach from s = 0 to s = 1")
 ACTUATORS_JUMP = Reason("the actuators jump")

@@ -9,13 +9,16 @@ from dataclasses import dataclass, replace
 
 from pipeline.certify.chain import Chain, Examiner, accept_any, close_chain, close_over, join_chains, what_fails_at
 from pipeline.certify.problem import Memory, ProofProblem
-from pipeline.certify.reasons import ProofFailure
+from pipeline.certify.reasons import NOT_VERIFIED, ProofFailure
+from pipeline.certify.result import proven_chain
 from pipeline.inclusion.pieces import Piece
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.progress import QUIET, Monitor
 
 LEAST_M = 1e-7
 """Smaller errors are not tried."""
+TIGHTENINGS, TIGHTER = 10, 0.99
+"""How often, and to what, errors are made smaller for boxes that other arithmetic does not verify."""
 _LEAST_POINTS, _RESOLUTION = 32, 0.02
 
 Point = tuple[Piece, float]
@@ -55,6 +58,12 @@ class Search:
         problem = replace(self.problem, uncertainty=self.kind(eps_m))
         reason = what_fails_at(problem, *point, self.examine)
         return None if reason is None else ProofFailure(point[1], reason)
+
+    def verifies(self, eps_m: float, chain: Chain) -> bool:
+        """Return whether other arithmetic verifies a chain for errors of a size, if that is asked."""
+        within_limits = self.examine is not accept_any
+        ask = self.problem.verifies
+        return ask is None or ask(proven_chain(chain, self.kind(eps_m), within_limits=within_limits))
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,13 +126,25 @@ def largest_error(search: Search, likely_m: float, likely_s: float, monitor: Mon
 
 
 def _joined(search: Search, parts: Sequence[tuple[Piece, Chain]], found: Bracket) -> Bracket:
-    """Join the chains of all pieces, each proven for the errors found or larger ones; search on where that fails."""
-    problem = replace(search.problem, uncertainty=search.kind(found.proven_m))
-    chain = join_chains(problem, parts)
-    if chain.failure is None:
-        return replace(found, chain=chain)
-    start = Bracket(0.0, found.proven_m, None, chain.failure)
-    return _narrowed(start, None, lambda eps: _proven(search.close(eps)), search.resolution)
+    """Join the chains of all pieces, each proven for the errors found or larger ones; search on where that fails.
+
+    Other arithmetic is asked to verify the chain: for errors that are a little smaller it is wider by less.
+    """
+    eps = found.proven_m
+    for _ in range(TIGHTENINGS):
+        chain = join_chains(replace(search.problem, uncertainty=search.kind(eps)), parts)
+        if chain.failure is not None:
+            break
+        if search.verifies(eps, chain):
+            return replace(found, proven_m=eps, chain=chain)
+        eps *= TIGHTER
+
+    def attempt(eps: float) -> _Attempt:
+        chain = search.close(eps)
+        return _proven(chain) if chain.failure or search.verifies(eps, chain) else ProofFailure(0.0, NOT_VERIFIED)
+
+    start = Bracket(0.0, found.proven_m, None, chain.failure or ProofFailure(0.0, NOT_VERIFIED))
+    return _narrowed(start, None, attempt, search.resolution)
 
 
 def largest_over(search: Search, piece: Piece, most_m: float) -> Bracket:

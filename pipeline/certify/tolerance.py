@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.certify.monte_carlo import failing_eps
 from pipeline.certify.problem import Memory, ProofProblem, build_problem
-from pipeline.certify.result import Tolerance, proven_chain
+from pipeline.certify.result import ProvenChain, Tolerance, proven_chain
 from pipeline.certify.search import largest_error, new_search
 from pipeline.config import CertifyConfig
 from pipeline.inclusion.uncertainty import Uncertainty, of_everything, of_lengths
@@ -22,9 +22,9 @@ _LEAST_WIDTH = 1e-4
 _SAMPLES = 401
 
 
-def search_problem(machine: Machine, path: Path) -> ProofProblem:
-    """Build what searches for errors of a path share."""
-    return replace(build_problem(machine, path, _LEAST_WIDTH), memory=Memory())
+def search_problem(machine: Machine, path: Path, verifies: Callable[[ProvenChain], bool] | None = None) -> ProofProblem:
+    """Build what searches for errors of a path share, and what verifies the chains they find."""
+    return replace(build_problem(machine, path, _LEAST_WIDTH), memory=Memory(), verifies=verifies)
 
 
 def search_tolerances(

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
+from flint import arb
 
 from pipeline.certify.chain import Chain, Examiner, accept_any
 from pipeline.certify.examiner import build_error_examiner
@@ -47,12 +48,12 @@ _Within = tuple[dict[str, Tolerance], ProvenChain | None]
 
 
 @contextmanager
-def searching_within_limits(config: Config, machine: Machine, path: Path) -> Iterator[Call[_Within]]:
+def searching_within_limits(config: Config, problem: ProofProblem) -> Iterator[Call[_Within]]:
     """Begin to search the errors within limits, in a second process if there is a processor for it.
 
     The other searches need nothing of that one, and what is found is the same.
     """
-    with begun(_search_within_limits, config, machine, path) as call:
+    with begun(_search_within_limits, config, problem.machine, problem.path, problem.verifies) as call:
         yield call
 
 
@@ -76,16 +77,23 @@ def search_following(
     calibrated = _calibrated(given, branch[COMMON], monitor)
     profile = prove_profile(common, branch[COMMON].eps_m or _FIRST_M, within_limits=False, monitor=monitor)
     monitor.progress("searching errors within limits")
-    found, profile_within = within.result(lambda: _search_within_limits(config, machine, problem.path, monitor))
+    given_again = config, machine, problem.path, problem.verifies
+    found, profile_within = within.result(lambda: _search_within_limits(*given_again, monitor))
     profiles = {"within_limits": profile_within, "on_branch": profile}
     proven = {name: chain for name, chain in profiles.items() if chain is not None}
     return FollowingTolerances(found, branch, calibrated, proven)
 
 
-def _search_within_limits(config: Config, machine: Machine, path: Path, monitor: Monitor = QUIET) -> _Within:
+def _search_within_limits(
+    config: Config,
+    machine: Machine,
+    path: Path,
+    verifies: Callable[[ProvenChain], bool] | None,
+    monitor: Monitor = QUIET,
+) -> _Within:
     """Search errors of every kind, and those of all actuators alike over s, with the limits kept."""
     with working_precision(config.certify.precision_bits):
-        given, limits = _Given(config, search_problem(machine, path)), error_proven_limits(config, machine)
+        given, limits = _Given(config, search_problem(machine, path, verifies)), error_proven_limits(config, machine)
         keep, found = build_error_examiner(limits), dict[str, Tolerance]()
         common = given.search(of_actuators(np.ones(len(ACTUATORS))), keep)
         for name, weights in following_weights(machine).items():
@@ -140,10 +148,13 @@ def _calibrated(given: _Given, alone: Tolerance, monitor: Monitor) -> Tolerance 
 
 
 def tilt_reserve_deg(chain: Chain) -> tuple[float, float]:
-    """Bound how far rx and rz are from those of the path, over all boxes: |P| A + 2 k."""
+    """Bound how far rx and rz are from those of the path, over all boxes: |P| A + 2 k, with r in place of k.
+
+    Other arithmetic has larger k, but verifies that they are below r.
+    """
     found = []
     for column in TILT_COLUMNS:
-        off = [box.following.moved[column] + 2 * box.image[column] for box in chain.inclusions]
+        off = [box.following.moved[column] + 2 * arb(float(box.box.radius[column])) for box in chain.inclusions]
         largest = max(float(value.abs_upper()) for value in off)
         found.append(_RESERVE_MARGIN * float(np.rad2deg(largest)) + _RESERVE_SLACK_DEG)
     return found[0], found[1]

@@ -1,6 +1,7 @@
 """The search for following errors: what it finds is proven, a tenth more is not, and limits ask for less."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from pipeline.certify.following.broken_limits import breaking_errors
 from pipeline.certify.following.profile import prove_profile
 from pipeline.certify.following.tolerances import search_following, searching_within_limits, tilt_reserve_deg
 from pipeline.certify.problem import build_problem
+from pipeline.certify.recheck import verifies
 from pipeline.certify.result import FollowingTolerances, ProvenChain
 from pipeline.certify.search import Search, largest_error, new_search
 from pipeline.certify.tolerance import search_problem
@@ -168,8 +170,9 @@ def test_every_kind_of_error_is_searched_for_both_claims(
     config = config.model_copy(update={"certify": options})
 
     def search() -> FollowingTolerances:
-        with working_precision(64), searching_within_limits(config, machine, near) as within:
-            return search_following(config, search_problem(machine, near), within)
+        problem = search_problem(machine, near, partial(verifies, config, machine, near))
+        with working_precision(64), searching_within_limits(config, problem) as within:
+            return search_following(config, problem, within)
 
     found = search()
     monkeypatch.setenv(THREADS, "1")
