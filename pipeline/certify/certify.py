@@ -1,6 +1,7 @@
 """The proof of a path: the chain of boxes, the bounds over it, both ends, and on request the calibration tolerances."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -8,12 +9,13 @@ from pipeline.certify.bounds import combine_bounds
 from pipeline.certify.chain import close_chain
 from pipeline.certify.endpoints import check_ends
 from pipeline.certify.examiner import build_examiner
-from pipeline.certify.following.tolerances import search_following
+from pipeline.certify.following.tolerances import search_following, searching_within_limits
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.problem import build_problem
 from pipeline.certify.reasons import ProofFailure
+from pipeline.certify.recheck import verifies
 from pipeline.certify.result import Certificate, path_sha256, proven_chain
-from pipeline.certify.tolerance import search_tolerances
+from pipeline.certify.tolerance import search_problem, search_tolerances
 from pipeline.config import Config
 from pipeline.config.choices import Proof
 from pipeline.errors import ForwardKinematicsError, NoSolutionError
@@ -51,11 +53,15 @@ def certify_path(config: Config, machine: Machine, path: Path, monitor: Monitor 
         certificate = prove_path(config, machine, path, ends, monitor)
         if certificate.failure is not None:
             raise _refusal(certificate, certificate.failure)
-        if config.certify.what in (Proof.TOLERANCES, Proof.FOLLOWING):
-            lengths, coordinates = search_tolerances(config.certify, machine, path, monitor)
+        problem = search_problem(machine, path, partial(verifies, config, machine, path))
+        if config.certify.what == Proof.TOLERANCES:
+            lengths, coordinates = search_tolerances(config.certify, problem, monitor)
             certificate = replace(certificate, link_length=lengths, coordinates=coordinates)
         if config.certify.what == Proof.FOLLOWING:
-            certificate = replace(certificate, following=search_following(config, machine, path, monitor))
+            with searching_within_limits(config, problem) as within:
+                lengths, coordinates = search_tolerances(config.certify, problem, monitor)
+                following = search_following(config, problem, within, monitor)
+            certificate = replace(certificate, link_length=lengths, coordinates=coordinates, following=following)
     return certificate
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
+from typing import cast
 
 from flint import arb, arb_poly
 
@@ -29,7 +30,9 @@ from pipeline.inclusion.pieces import Piece, exact, middle
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.progress import QUIET, Monitor
 
-_INFLATION = 1.15
+_INFLATION, _NARROW = 1.08, 0.3
+"""How much larger than what they have to hold radii are at least; narrower parts of a piece may be undecided at a
+single s."""
 MOST_BOXES = 100_000
 """Most boxes of a chain, so that a certificate can be kept, read and verified."""
 TOO_MANY_BOXES = Reason(
@@ -88,7 +91,8 @@ def close_over(
 ) -> Chain:
     """Prove boxes over neighbouring pieces of a continuous path.
 
-    With a memory, what failed for smaller errors is halved unseen, and what fails at a single s is given up at once.
+    With a memory, what failed for smaller errors is halved unseen, what was proven for larger ones is kept, and what
+    fails at a single s is given up at once.
     """
     origin = pieces[0]
     start = prove_joint(problem, origin, origin.first)
@@ -108,35 +112,58 @@ def close_over(
                 monitor.progress(f"{len(links)} boxes", last)
                 continue
             centre, _ = middle(first, last)
-            ends = last - first < 2.0 * problem.least_width
-            if problem.memory is not None and link is not None:
-                ends |= not bears(problem, piece, centre, examine)
-            if ends:
-                return _chain(start, links, ProofFailure(centre, link or NO_INCLUSION))
+            failure = link if last - first < 2.0 * problem.least_width else None
+            if problem.memory is not None and last - first < _NARROW * (piece.last - piece.first):
+                failure = what_fails_at(problem, piece, centre, examine) or failure
+            if failure is not None:
+                return _chain(start, links, ProofFailure(centre, failure))
             waiting += [(centre, last), (first, centre)]
     return _chain(start, links, None)
 
 
 def _try_link(
     problem: ProofProblem, piece: Piece, interval: tuple[float, float], before: Inclusion, examine: Examiner
-) -> _Link | Reason | None:
-    """Prove a link; None if it failed for smaller errors before."""
+) -> _Link | Reason:
+    """Prove a link, or give the reason why it failed, for these errors or smaller ones."""
     memory, key = problem.memory, (piece.first, *interval)
+    if memory is None:
+        return _prove_link(problem, piece, interval, before, examine)
     errors = problem.errors_over(piece).largest_m
-    if memory is not None and errors >= memory.failed.get(key, inf):
-        return None
+    failed_m, reason = memory.failed.get(key, (inf, NO_INCLUSION))
+    if errors >= failed_m:
+        return reason
+    proven_m, kept = memory.proven.get(key, (-inf, None))
+    if errors <= proven_m and holds(kept.inclusion, before):
+        return cast("_Link", kept)
     link = _prove_link(problem, piece, interval, before, examine)
-    if memory is not None and isinstance(link, Reason):
-        memory.failed[key] = errors
+    if isinstance(link, Reason):
+        memory.failed[key] = errors, link
+    else:
+        memory.proven[key] = errors, link
     return link
 
 
-def bears(problem: ProofProblem, piece: Piece, s: float, examine: Examiner) -> bool:
-    """Return whether a box can be proven at a single s, with its bounds: none around it can if that fails."""
+def what_fails_at(problem: ProofProblem, piece: Piece, s: float, examine: Examiner) -> Reason | None:
+    """Say why no box can be proven at a single s, with its bounds: then none around it can. None if one can."""
+    memory, key = problem.memory, (piece.first, s, s)
+    errors = problem.errors_over(piece, s).largest_m
+    if memory is not None:
+        failed_m, reason = memory.failed.get(key, (inf, NO_INCLUSION))
+        if errors >= failed_m:
+            return reason
+        if errors <= memory.proven.get(key, (-inf, None))[0]:
+            return None
     found = prove_box(problem, piece, (s, s))
-    if isinstance(found, Reason):
-        return False
-    return not isinstance(examine(ProvenBox(problem.machine, problem.balls, piece, *found)), Reason)
+    if not isinstance(found, Reason):
+        bounds = examine(ProvenBox(problem.machine, problem.balls, piece, *found))
+        if not isinstance(bounds, Reason):
+            if memory is not None:
+                memory.proven[key] = errors, None
+            return None
+        found = bounds
+    if memory is not None:
+        memory.failed[key] = errors, found
+    return found
 
 
 def join_chains(problem: ProofProblem, parts: Sequence[tuple[Piece, Chain]]) -> Chain:
@@ -178,13 +205,18 @@ def _prove_link(
     series, inclusion = found
     if not holds(inclusion, before):
         return JUMP
+    # With errors, limits refuse more boxes than joints do.
+    box = ProvenBox(problem.machine, problem.balls, piece, series, inclusion)
+    bounds = examine(box) if inclusion.following.any else None
+    if isinstance(bounds, Reason):
+        return bounds
     # What holds over the interval holds at its end, too.
     joint = prove_joint(problem, piece, interval[1], inclusion.box.radius)
     if isinstance(joint, Reason):
         return joint
     if not holds(inclusion, joint):
         return JUMP
-    bounds = examine(ProvenBox(problem.machine, problem.balls, piece, series, inclusion))
+    bounds = examine(box) if bounds is None else bounds
     return bounds if isinstance(bounds, Reason) else _Link(inclusion, bounds, joint)
 
 

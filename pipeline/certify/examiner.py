@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.certify.chain import BoxBounds, Examiner
 from pipeline.certify.reasons import Reason
 from pipeline.config import CertifyConfig
@@ -57,27 +58,39 @@ class LimitExaminer:
 def build_error_examiner(limits: Sequence[ErrorProvenLimit]) -> Examiner:
     """Ask that limits be kept for every error of the actuators; how sharp their bounds are does not count.
 
-    Of many pairs few refuse boxes, and mostly the same ones: those that did so lately are asked first.
+    Few limits refuse boxes, of many pairs few, and mostly the same ones, of neighbouring boxes and for other errors:
+    those that did so lately are asked first.
     """
     suspects: dict[tuple[int, int], ErrorProvenLimit] = {}
+    in_order = list(enumerate(limits))
 
     def examine(box: ProvenBox) -> BoxBounds | Reason:
         for key, limit in [*suspects.items()][::-1]:
-            if text := limit.unproven(limit.bound(box)):
+            bounds = limit.bound(box)
+            if text := limit.unproven(bounds):
                 suspects[key] = suspects.pop(key)
-                return Reason(text, limit.wording.proof_advice)
-        for number, limit in enumerate(limits):
+                return Reason(text, limit.wording.proof_advice, _least_kept(limit, bounds))
+        for k, (number, limit) in enumerate(in_order):
             bounds = limit.rough_bound(box) if isinstance(limit, RoughlyProvenLimit) else limit.bound(box)
             if text := limit.unproven(bounds):
+                in_order.insert(0, in_order.pop(k))
                 if isinstance(limit, RoughlyProvenLimit):
                     worst = int(bounds[:, 0].argmin())
                     suspects[number, worst] = limit.only(np.array([worst]))
                     while len(suspects) > _SUSPECTS:
                         del suspects[next(iter(suspects))]
-                return Reason(text, limit.wording.proof_advice)
+                return Reason(text, limit.wording.proof_advice, _least_kept(limit, bounds))
         return ()
 
     return examine
+
+
+def _least_kept(limit: ErrorProvenLimit, bounds: FloatArray) -> str:
+    """Name the quantity that is farthest beyond its limit."""
+    allowed = np.array([quantity.allowed for quantity in limit.quantities])
+    with np.errstate(invalid="ignore"):
+        beyond = np.fmax(allowed[:, 0] - bounds[:, 0], bounds[:, 1] - allowed[:, 1])
+    return limit.quantities[int(beyond.argmax())].subject
 
 
 def build_examiner(options: CertifyConfig, limits: list[ProvenLimit], kappa_sampled: float) -> LimitExaminer:

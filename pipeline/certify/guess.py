@@ -4,7 +4,8 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.errors import ForwardKinematicsError
-from pipeline.inclusion.krawczyk import LEAST_RADIUS, Box
+from pipeline.inclusion.growth import LEAST_RADIUS
+from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.pieces import middle
 from pipeline.refine.result import Path
 

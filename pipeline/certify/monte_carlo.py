@@ -18,8 +18,8 @@ from pipeline.refine.result import Path
 
 _SAMPLES, _SAMPLES_FOLLOWING = 400, 200
 _DRAWS_FOLLOWING = 6
-_STEPS = 24
-_HALVINGS = 6
+_STEPS = 10
+_HALVINGS = 7
 _LARGEST_M = 0.05
 _LARGEST_FOLLOWING_M = 0.3
 _MISS_M = 1e-9
@@ -91,15 +91,15 @@ def _first_failure(
     """
     (nominal, q_m), (most, step) = motion, reach
     sign = np.sign(np.linalg.det(statics_matrix(machine, nominal, q_m[:, :3])))
-    eps, pose, halvings = 0.0, nominal, 0
+    eps, pose, per_m, halvings = 0.0, nominal, np.zeros_like(nominal), 0
     while eps < most:
         wrong = errors.applied(machine, eps + step)
         actuators = errors.actuators(q_m, eps + step)
-        moved, miss = newton(wrong, actuators, pose)
+        moved, miss = newton(wrong, actuators, pose + step * per_m)
         held = np.sign(np.linalg.det(statics_matrix(wrong, moved, actuators[:, :3]))) == sign
         near = np.abs(moved - pose).max() <= _NEAR
         if (miss <= _MISS_M).all() and held.all() and near:
-            eps, pose = eps + step, moved
+            eps, pose, per_m = eps + step, moved, (moved - pose) / step
         elif halvings == _HALVINGS:
             return eps + step
         else:

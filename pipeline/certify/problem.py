@@ -1,7 +1,8 @@
 """A path to be proven, in exact arithmetic, and the proof of a single box of it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,13 +17,16 @@ from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.refine.result import Path
 
+if TYPE_CHECKING:
+    from pipeline.certify.result import ProvenChain
+
 Interval = tuple[float, float, float]
 """The beginning of a piece of the splines, and an interval of s on it."""
 _MOST_KEPT = 8_000
 """Boxes that are kept for other errors: some hundred MB."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Memory:
     """What attempts with other errors have shown; searches for tolerances use it, single proofs need none.
 
@@ -31,14 +35,20 @@ class Memory:
     guesses : dict
         Boxes and the closures along them, which depend on no error; None where the links cannot close.
     failed : dict
-        The least error for which a box failed, of one kind of error.
+        The least error of one kind for which a box, or what is asked of it, failed, and why.
+    proven : dict
+        The largest error of that kind for which a box was proven, and its link of the chain; at a single s, None.
+    widening : float
+        How many times as large the image of the last box was as without its hull.
     """
 
     guesses: dict[Interval, tuple[Box, Piecewise] | None] = field(default_factory=dict)
-    failed: dict[Interval, float] = field(default_factory=dict)
+    failed: dict[Interval, tuple[float, Reason]] = field(default_factory=dict)
+    proven: dict[Interval, tuple[float, Any]] = field(default_factory=dict)
+    widening: float = 1.0
 
     def of_another_kind(self) -> "Memory":
-        """Forget which boxes failed."""
+        """Forget which boxes failed, and which were proven."""
         return Memory(self.guesses)
 
 
@@ -64,6 +74,8 @@ class ProofProblem:
         What attempts with other errors have shown.
     profile_m : mapping or None
         Errors of all actuators by the beginning of each piece, in place of those of the uncertainty.
+    verifies : callable or None
+        Says whether other arithmetic verifies a chain: searches go on until it does. None: that is not asked.
     """
 
     machine: Machine
@@ -74,6 +86,7 @@ class ProofProblem:
     uncertainty: Uncertainty
     memory: Memory | None = None
     profile_m: Mapping[float, float] | None = None
+    verifies: "Callable[[ProvenChain], bool] | None" = None
 
     def errors_over(self, piece: Piece, s: float | None = None) -> Uncertainty:
         """Give the errors over a piece, or at a single s of it: where it meets another one, the smaller of both."""
@@ -109,15 +122,21 @@ def _point(problem: ProofProblem, s: float) -> Box | None:
 def prove_box(
     problem: ProofProblem, piece: Piece, interval: tuple[float, float], likely: FloatArray | None = None
 ) -> tuple[Piecewise, Inclusion] | Reason:
-    """Prove a box over an interval of a piece, or at a single s; its radii are likely as large as those (6,) given."""
+    """Prove a box over an interval of a piece, or at a single s.
+
+    With a memory its radii are at least as large as those (6,) given, or likely so at a single s.
+    """
     first, last = interval
     if (guessed := guess(problem, piece, first, last)) is None:
         return NO_POSE
     (box, series), errors = guessed, problem.errors_over(piece, first if first == last else None)
-    if problem.memory is not None and likely is not None and any(errors.actuator_m):
+    memory = problem.memory or Memory()
+    if problem.memory is not None and likely is not None and errors.any:
         box = replace(box, radius=np.maximum(box.radius, likely))
-    inclusion = include(problem.balls, series, box, errors)
-    return NO_INCLUSION if inclusion is None else (series, inclusion)
+    if (inclusion := include(problem.balls, series, box, errors, widening=memory.widening)) is None:
+        return NO_INCLUSION
+    memory.widening = inclusion.widening
+    return series, inclusion
 
 
 def build_problem(machine: Machine, path: Path, least_width: float, uncertainty: Uncertainty = CERTAIN) -> ProofProblem:

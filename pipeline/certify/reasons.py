@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+REGULARITY = "regularity"
 _MORE_NODES = "Raise refine.nodes, and refine again."
 
 
@@ -15,10 +16,13 @@ class Reason:
         What is wrong.
     advice : str
         What to change.
+    limit : str
+        What is not kept: the quantity that a limit bounds, or that the motion is regular and on one branch.
     """
 
     text: str
     advice: str = _MORE_NODES
+    limit: str = REGULARITY
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,10 @@ NO_INCLUSION = Reason(
 JUMP = Reason(
     "the path jumps from one branch to another",
     "Raise refine.nodes: the path is not one motion.",
+)
+NOT_VERIFIED = Reason(
+    "other arithmetic does not verify the chain",
+    "Raise certify.precision_bits, or lower refine.kappa_max.",
 )
 SPLINES_INCOMPLETE = Reason("the splines do not reach from s = 0 to s = 1")
 ACTUATORS_JUMP = Reason("the actuators jump")

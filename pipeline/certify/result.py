@@ -59,6 +59,8 @@ class Tolerance:
         What rx and rz may be off the path by, proven: what their limits need in reserve. None if that was not asked.
     late_s : float or None
         By how much actuators at their velocity limits may be early or late; None where it is not about velocities.
+    stopped_by : ProofFailure or None
+        Where and why the proof failed for the least eps that was tried in vain.
     """
 
     eps_m: float
@@ -67,6 +69,7 @@ class Tolerance:
     chain: ProvenChain | None
     tilt_reserve_deg: tuple[float, float] | None = None
     late_s: float | None = None
+    stopped_by: ProofFailure | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,28 +25,18 @@ from pipeline.inclusion.closure import Closure, Geometry, closure, component, cr
 from pipeline.inclusion.matrices import (
     added,
     ball_matrix,
-    enlarged,
     floats,
     magnitudes,
     times,
     upper_bounds,
-    upper_vector,
 )
 from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
 
 _LINKS, _ACTUATORS, _ORDERS = 6, len(ACTUATORS), 3
 CARTS = [int(arm) for arm in ARM_OF_LINK]
 TELESCOPE = {int(link): 3 + k for k, link in enumerate(TELESCOPES)}
-
-
-def _squares(hull: Closure[arb]) -> arb_mat:
-    """Compute W'' of each link by each actuator, 6 x 5."""
-    squares = arb_mat(_LINKS, _ACTUATORS)
-    for link, rail in enumerate(hull.rails):
-        squares[link, CARTS[link]] = component(rail, rail)
-        if link in TELESCOPE:
-            squares[link, TELESCOPE[link]] = -1
-    return squares
+_PAIRS = [(a, b) for a in range(_ACTUATORS) for b in range(a + 1)]
+"""Pairs of actuators, whatever their order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,35 +68,50 @@ class Following:
         """Whether any actuator is off."""
         return any(error > 0 for error in self.errors)
 
-    def slopes(self, C: arb_mat, hull: Closure[arb]) -> arb_mat:
-        """Enclose K_i of all six coordinates over a box, one below the other: 36 x 5."""
-        by_link = arb_mat(_LINKS, _LINKS * _ACTUATORS)
-        for link, cart in enumerate(CARTS):
-            rail = hull.rails[link]
-            for k in range(3):
-                by_link[link, _ACTUATORS * k + cart] = -rail[k]
-            for j, axis in enumerate(hull.axes):
-                by_link[link, _ACTUATORS * (3 + j) + cart] = -component(cross(axis, hull.arms[link]), rail)
-        return arb_mat(_LINKS * _LINKS, _ACTUATORS, (C * by_link).entries())
-
-    def second_order(self, C: arb_mat, parts: list[arb_mat], hull: Closure[arb]) -> FloatArray:
-        """Bound |a' (P' part_i + diag(C_i W'') / 2) a| for all errors, with part_i = G_i P / 2 + K_i. Shape (6,)."""
-        A, P = upper_vector(self.errors), self.over.transpose()
-        bent, found = C * _squares(hull), []
-        for i, part in enumerate(parts):
-            M = P * part
-            M = M + M.transpose()
-            for a in range(_ACTUATORS):
-                M[a, a] += bent[i, a]
-            found.append(A @ upper_bounds(M) @ A / 2.0)
-        return enlarged(np.array(found))
-
     def change(self, offset: arb, other: "Following") -> list[arb]:
         """Bound |P(offset) - P'| A against another box's P' at a single s."""
         if not other.any:
             return [arb(0)] * _LINKS
         here = ball_matrix(self.matrix[0]) + ball_matrix(self.matrix[1]) * offset
         return times(magnitudes(here - ball_matrix(other.matrix[0])), other.errors)
+
+
+def slopes(C: arb_mat, hull: Closure[arb]) -> arb_mat:
+    """Enclose K_i of all six coordinates over a box, one below the other: 36 x 5."""
+    by_link = arb_mat(_LINKS, _LINKS * _ACTUATORS)
+    for link, cart in enumerate(CARTS):
+        rail = hull.rails[link]
+        for k in range(3):
+            by_link[link, _ACTUATORS * k + cart] = -rail[k]
+        for j, axis in enumerate(hull.axes):
+            by_link[link, _ACTUATORS * (3 + j) + cart] = -component(cross(axis, hull.arms[link]), rail)
+    return arb_mat(_LINKS * _LINKS, _ACTUATORS, (C * by_link).entries())
+
+
+def second_order(C: arb_mat, P: arb_mat, stacked: arb_mat, hull: Closure[arb]) -> FloatArray:
+    """Bound twice the symmetric parts of P' (G_i P / 2 + K_i) + diag(C_i W'') / 2, entry by entry, shape (6, 5, 5).
+
+    `stacked` holds G_i P / 2 + K_i of all six coordinates, one below the other: 36 x 5.
+    """
+    rows, n = stacked.table(), _ACTUATORS
+    beside = arb_mat([[entry for i in range(_LINKS) for entry in rows[_LINKS * i + k]] for k in range(_LINKS)])
+    M, bent = (P.transpose() * beside).table(), (C * _squares(hull)).table()
+    upper = arb_mat(
+        [[M[a][n * i + b] + M[b][n * i + a] + (bent[i][a] if a == b else 0) for a, b in _PAIRS] for i in range(_LINKS)]
+    )
+    bounds, (first, second) = np.empty((_LINKS, n, n)), np.array(_PAIRS).T
+    bounds[:, first, second] = bounds[:, second, first] = upper_bounds(upper)
+    return bounds
+
+
+def _squares(hull: Closure[arb]) -> arb_mat:
+    """Compute W'' of each link by each actuator, 6 x 5."""
+    squares = arb_mat(_LINKS, _ACTUATORS)
+    for link, rail in enumerate(hull.rails):
+        squares[link, CARTS[link]] = component(rail, rail)
+        if link in TELESCOPE:
+            squares[link, TELESCOPE[link]] = -1
+    return squares
 
 
 _NOTHING = [arb(0)] * _LINKS

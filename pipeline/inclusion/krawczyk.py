@@ -21,7 +21,7 @@ With actuators that are off by a, |a_k| <= A_k, there is one more symbol, and on
 Everything that depends on t is a power series whose last term holds for the whole interval.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar, cast
@@ -36,34 +36,20 @@ from pipeline.inclusion.closure import (
     Geometry,
     closure,
     pose_series,
-    second_derivatives,
     shifted,
 )
 from pipeline.inclusion.following import NO_FOLLOWING, Following, Symbols, choose_symbols, follow_actuators
-from pipeline.inclusion.matrices import (
-    added,
-    ball_matrix,
-    enlarged,
-    floats,
-    magnitudes,
-    matrices,
-    times,
-    upper_bounds,
-    upper_vector,
-)
+from pipeline.inclusion.growth import LEAST_RADIUS, Growth, Known, Outline, enlarge, growth, outline, settle
+from pipeline.inclusion.matrices import added, ball_matrix, floats, magnitudes, matrices, times
 from pipeline.inclusion.pieces import Piece, middle
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty, jacobian_change, residual_change
 
 _T = TypeVar("_T")
 _SIZE = 6
-_ATTEMPTS, _ATTEMPTS_WITH_ERRORS = 3, 6
-_INFLATION, _CAREFULLY = 1.5, 1.2
-"""Near the largest errors few radii are neither too small nor too large."""
+_ATTEMPTS = 3
 SLACK, _SLACK_WITH_ERRORS = arb(0.95), arb(0.9)
 """Share of a radius that has to suffice, so that other arithmetic with wider enclosures can verify the same boxes; with
 errors of actuators enclosures are wider still."""
-LEAST_RADIUS = 1e-6
-"""Least radius of a box in metres and radians, so that neighbours overlap despite rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +90,8 @@ class Inclusion:
         D, over all of the box.
     following : Following
         P and A.
+    widening : float
+        How many times as large k is as without the hull: about as much as that of neighbouring boxes.
     """
 
     box: Box
@@ -112,6 +100,7 @@ class Inclusion:
     residual_change: list[arb]
     jacobian_change: list[list[arb]]
     following: Following = NO_FOLLOWING
+    widening: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,9 +158,18 @@ def along(machine: Geometry, piece: Piece, box: Box) -> Piecewise:
 
 
 def include(
-    machine: Geometry, series: Piecewise, box: Box, uncertainty: Uncertainty = CERTAIN, attempts: int = _ATTEMPTS
+    machine: Geometry,
+    series: Piecewise,
+    box: Box,
+    uncertainty: Uncertainty = CERTAIN,
+    attempts: int = _ATTEMPTS,
+    widening: float = 1.0,
 ) -> Inclusion | None:
-    """Prove a box, with larger radii if its own are too small; None if that fails."""
+    """Prove a box, with larger radii if its own are too small; None if that fails.
+
+    With errors, those at a single s may become smaller, too: nothing has to fit into such a box.
+    How many times as large the hull likely makes the image (`widening`) only decides which radii are tried first.
+    """
     if (inverse := series.inverse) is None or (symbols := series.symbols) is None:
         return None
     C = [ball_matrix(part) for part in inverse]
@@ -184,25 +182,31 @@ def include(
     rest = added(own, following.miss)
     if uncertainty.calibration:
         rest = added(rest, times(miss, times(C_abs, E)))
-    inflation, worst, slack = _INFLATION, np.inf, _SLACK_WITH_ERRORS if following.any else SLACK
-    for _ in range(_ATTEMPTS_WITH_ERRORS if following.any else attempts):
-        radius = [arb(value) for value in box.radius]
-        reach = added(moved, radius)
-        hull = _hull(machine, series, reach)
+
+    def grow(radius: FloatArray) -> tuple[Growth, list[list[arb]]]:
+        hull = _hull(machine, series, added(moved, [arb(value) for value in radius.tolist()]))
         D = jacobian_change(machine, hull, uncertainty)
-        image = _image(C_over, hull, (miss, rest, E, moved, D), following, radius)
-        if all(k < r * slack for k, r in zip(image, radius, strict=True)):
-            return Inclusion(box, inverse, image, E, D, following)
-        if not all(k.is_finite() and k < 1 for k in image):
-            return None
-        # k / r is a sum of a / r, constants and g r: once it grows with r, it grows on.
-        before, worst = worst, max(float(k.mid()) / r for k, r in zip(image, box.radius.tolist(), strict=True))
-        if following.any and worst >= before:
-            return None
-        wider = np.maximum(LEAST_RADIUS, [inflation * float(k.upper()) for k in image])
-        inflation = _CAREFULLY if following.any else _INFLATION
-        box = Box(box.first, box.last, box.pose, np.maximum(wider, box.radius))
-    return None
+        return growth(C_over, hull, Known(miss, rest, E, moved, D), following, radius), D
+
+    def without_hull() -> Outline:
+        return outline(C_over, _hull(machine, series), series.misses, symbols)
+
+    floor = box.radius if box.first < box.last else np.full(_SIZE, LEAST_RADIUS)
+    if not uncertainty.any:
+        found = enlarge(box.radius, grow, SLACK, attempts)
+    elif not following.any:
+        found = settle((floor, box.radius), grow, [], SLACK)
+    else:
+        about = series.derive(Outline, without_hull)
+        likely, least = (about.of(uncertainty.actuator_m, times) for times in (widening, 1.0))
+        found = settle((floor, box.radius), grow, [likely, least], _SLACK_WITH_ERRORS)
+        if found is not None:
+            widening = least.times(*found[:2])
+    if found is None:
+        return None
+    radius, image, D = found
+    box = Box(box.first, box.last, box.pose, radius)
+    return Inclusion(box, inverse, image, E, D, following, widening)
 
 
 def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
@@ -218,51 +222,10 @@ def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
     return bound
 
 
-def _hull(machine: Geometry, series: Piecewise, reach: list[arb]) -> Closure[arb]:
-    """Evaluate the closures over all poses of a box, in plain balls."""
+def _hull(machine: Geometry, series: Piecewise, reach: Sequence[arb] = (arb(0),) * _SIZE) -> Closure[arb]:
+    """Evaluate the closures over all poses within `reach` (6,) of x(t), in plain balls."""
     pose = [coordinate[0] + arb(0, r.upper()) for coordinate, r in zip(series.over.pose, reach, strict=True)]
     return closure(machine, pose, [q[0] for q in series.over.q])
-
-
-def _image(
-    C: arb_mat,
-    hull: Closure[arb],
-    known: tuple[list[list[arb]], list[arb], list[arb], list[arb], list[list[arb]]],
-    following: Following,
-    radius: list[arb],
-) -> list[arb]:
-    """Bound k of a box (see the module). Sums of bounds are in floats, and enlarged by more than they round."""
-    miss, D = (np.array([upper_vector(row) for row in matrix]) for matrix in (known[0], known[4]))
-    rest, E, moved, r = (upper_vector(values) for values in (known[1], known[2], known[3], radius))
-    G = arb_mat(_SIZE * _SIZE, _SIZE, (C * arb_mat(second_derivatives(hull))).entries())
-    spread = _bounds(G) @ r
-    k = rest + miss @ r
-    if uncertain := any(not e.is_zero() for e in known[2]):
-        GC, CT, C_abs = G * C, C.transpose(), upper_bounds(C)
-        spread += _bounds(GC) @ E
-        k += np.array([E @ upper_bounds(CT * part) @ E for part in _parts(GC)]) / 2.0
-        k += C_abs @ (D @ (moved + r))
-    if following.any:
-        A = upper_vector(following.errors)
-        K = following.slopes(C, hull)
-        GP = G * following.over
-        bent = GP + K
-        spread += _bounds(bent) @ A
-        k += following.second_order(C, _parts(GP / 2 + K), hull)
-        if uncertain:
-            k += np.array([E @ upper_bounds(CT * part) @ A for part in _parts(bent)])
-    return [arb(value) for value in enlarged(k + spread @ r).tolist()]
-
-
-def _parts(stacked: arb_mat) -> list[arb_mat]:
-    """Split six matrices with six rows each that are stacked, one per coordinate of the pose."""
-    entries, n = stacked.entries(), _SIZE * stacked.ncols()
-    return [arb_mat(_SIZE, stacked.ncols(), entries[n * i : n * (i + 1)]) for i in range(_SIZE)]
-
-
-def _bounds(stacked: arb_mat) -> FloatArray:
-    """Bound the entries of six stacked matrices, shape (6, 6, n)."""
-    return upper_bounds(stacked).reshape(_SIZE, _SIZE, stacked.ncols())
 
 
 def linear_inverse(J: list[arb_mat]) -> FloatArray | None:

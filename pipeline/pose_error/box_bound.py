@@ -22,7 +22,8 @@ from flint import arb
 
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.condition import above, below
-from pipeline.inclusion.krawczyk import LEAST_RADIUS, Box, Inclusion, include
+from pipeline.inclusion.growth import LEAST_RADIUS
+from pipeline.inclusion.krawczyk import Box, Inclusion, include
 from pipeline.inclusion.matrices import ball_matrix, magnitudes, times
 from pipeline.inclusion.proven_box import ProvenBox
 

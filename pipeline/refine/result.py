@@ -1,6 +1,7 @@
 """The result of stage two: a path, a curve of actuator positions over s in [0, 1] with the pose it implies."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
@@ -85,8 +86,12 @@ class Path:
         """
         s = _path_parameter(s)
         shape, s = np.shape(s), np.ravel(s)
-        guess = CubicSpline(self.node_s, self.node_pose)(s) if self.spline.k > 1 else self._linear_guess(s)
+        guess = self._guess(s) if self.spline.k > 1 else self._linear_guess(s)
         return forward_kinematics(self.machine, self.q(s), guess).reshape(*shape, 6)
+
+    @cached_property
+    def _guess(self) -> CubicSpline:
+        return CubicSpline(self.node_s, self.node_pose)
 
     def _linear_guess(self, s: FloatArray) -> FloatArray:
         columns = [np.interp(s, self.node_s, column) for column in self.node_pose.T]

@@ -94,7 +94,20 @@ def _tolerances(found: "Mapping[str, Tolerance]", key: str) -> Section:
         f"{key}_by_velocity_m": errors,
         f"{key}_out_of_step_s": None if by_velocity is None else by_velocity.late_s,
         f"{key}_alone_m": alone or None,
+        f"{key}_stopped_by": {name: _stop(one) for name, one in found.items()} or None,
     }
+
+
+def _stop(tolerance: "Tolerance") -> Section | None:
+    """Give what stopped the search of a tolerance, and where; None if nothing did."""
+    stop = tolerance.stopped_by
+    return None if stop is None else {"limit": stop.reason.limit, "s": stop.s}
+
+
+def _stopped(section: Section, key: str) -> str:
+    """Say what stopped the errors of all drives alike."""
+    stop = (section.get(f"{key}_stopped_by") or {}).get("common")
+    return "" if stop is None else f" (stopped by {stop['limit']} at s = {stop['s']:.3f})"
 
 
 def certificate_facts(config: Config, seconds: float) -> Section:
@@ -133,7 +146,8 @@ def certificate_words(section: Section) -> str:
         branch = section["following_on_branch_m"]
         found += (
             f"; all drives may be off by {1e3 * following:.2f} mm with kappa, distances and joints within their "
-            f"limits, and by {1e3 * branch:.2f} mm before the motion could leave its branch (limits broken)"
+            f"limits{_stopped(section, 'following')}, and by {1e3 * branch:.2f} mm before the motion could leave its "
+            f"branch, limits broken{_stopped(section, 'following_on_branch')}"
         )
     if (least := section.get("least_kappa")) is not None:
         found += f"; no path can have a largest kappa below {least:.2f}"

@@ -9,7 +9,6 @@ import pytest
 from pipeline.certify import Certificate, prove_path
 from pipeline.certify.bounds import Bounds, Ranges
 from pipeline.certify.examiner import build_error_examiner
-from pipeline.certify.following.search import new_search
 from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck import verify
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
@@ -17,6 +16,7 @@ from pipeline.certify.recheck.claims import errors
 from pipeline.certify.recheck.claims.distances.body_distances import check, measure
 from pipeline.certify.recheck.claims.evidence import Evidence
 from pipeline.certify.result import proven_chain
+from pipeline.certify.search import new_search
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import of_actuators

@@ -17,13 +17,13 @@ from pipeline.certify.chain import accept_any
 from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following import BY_VELOCITY, COMMON, following_weights
 from pipeline.certify.following.profile import prove_profile
-from pipeline.certify.following.search import new_search
 from pipeline.certify.following.steps import following_profile
 from pipeline.certify.following.tolerances import tilt_reserve_deg
 from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck.claims.errors import RESERVE
 from pipeline.certify.recheck.claims.inventory import FOLLOWING, PROFILES
 from pipeline.certify.result import FollowingTolerances, Tolerance, proven_chain
+from pipeline.certify.search import new_search
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import Uncertainty, of_actuators
@@ -229,8 +229,8 @@ def test_times_of_the_table_are_those_of_the_trajectory(following_run: pathlib.P
 
     times = times_at(trajectory, profile.s)
     assert wrong(times, trajectory) == wrong(times, None) == []
-    late = times + np.where(np.arange(len(times)) == 2, 1e-3, 0.0)
-    assert wrong(late, trajectory)[0].startswith(f"{TIMES}: line 4, t_s: at ")
+    early = times - np.where(np.arange(len(times)) == len(times) - 1, 1e-3, 0.0)
+    assert wrong(early, trajectory)[0].startswith(f"{TIMES}: line {len(times) + 1}, t_s: at ")
     assert len(wrong(times + 0.1, trajectory)) == 1
     words = times.astype(str)
     words[1] = "abc"

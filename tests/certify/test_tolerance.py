@@ -8,7 +8,7 @@ import pytest
 from pipeline.certify import Uncertainty
 from pipeline.certify.monte_carlo import failing_eps
 from pipeline.certify.problem import build_problem
-from pipeline.certify.tolerance import largest_tolerance, search_tolerances
+from pipeline.certify.tolerance import largest_tolerance, search_problem, search_tolerances
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.machine import Machine
@@ -32,7 +32,7 @@ def hasty(wide: Config) -> Config:
 def test_the_proven_tolerance_is_below_what_fails(hasty: Config, machine: Machine, line: Path) -> None:
     """And that of all coordinates is less than that of lengths alone."""
     with working_precision(64):
-        link_length, coordinates = search_tolerances(hasty.certify, machine, line)
+        link_length, coordinates = search_tolerances(hasty.certify, search_problem(machine, line))
     for tolerance in (link_length, coordinates):
         assert 0.0 < tolerance.eps_m < tolerance.refuted_m <= 1.3 * tolerance.eps_m
         assert tolerance.eps_m < tolerance.fails_m

@@ -25,3 +25,17 @@ def test_what_no_path_can_do_is_said_where_it_is_known(quick_config: Config, mac
     words = certificate_words({**CERTIFIED, **section})
     assert "kappa at most 27.3" in words
     assert "no path can have a largest kappa below 23.14" in words
+
+
+def test_words_say_what_stopped_the_errors_of_drives() -> None:
+    """For both claims, with the place; nothing where it is not known."""
+    section = {**CERTIFIED, "following_m": 1.88e-3, "following_on_branch_m": 2.69e-3}
+    assert "stopped by" not in certificate_words(section)
+    section["following_stopped_by"] = {"common": {"limit": "links 2a and 3a", "s": 0.3007}}
+    section["following_on_branch_stopped_by"] = {"common": {"limit": "regularity", "s": 0.41}}
+    words = certificate_words(section)
+    assert (
+        "1.88 mm with kappa, distances and joints within their limits (stopped by links 2a and 3a at s = 0.301)"
+        in words
+    )
+    assert "limits broken (stopped by regularity at s = 0.410)" in words

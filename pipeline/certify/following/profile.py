@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from pipeline.certify.chain import Chain, join_chains
-from pipeline.certify.following.search import Bracket, Search, largest_at, largest_over, points_of
 from pipeline.certify.result import ProvenChain, proven_chain
+from pipeline.certify.search import TIGHTENINGS, TIGHTER, Bracket, Search, largest_at, largest_over, points_of
 from pipeline.inclusion.pieces import Piece
 from pipeline.progress import QUIET, Monitor
 
@@ -28,12 +28,17 @@ def prove_profile(
             return None
         likely_m = profile[piece.first] = found.proven_m
         parts.append((piece, found.chain))
-    least = search.kind(min(profile.values()))
-    chain = join_chains(replace(search.problem, uncertainty=least, profile_m=profile), parts)
-    if chain.failure is not None:
-        return None
-    errors = tuple(profile[piece.first] for piece, part in parts for _ in part.inclusions)
-    return replace(proven_chain(chain, least, within_limits=within_limits), profile_m=errors)
+    for _ in range(TIGHTENINGS):
+        least = search.kind(min(profile.values()))
+        chain = join_chains(replace(search.problem, uncertainty=least, profile_m=profile), parts)
+        if chain.failure is not None:
+            return None
+        errors = tuple(profile[piece.first] for piece, part in parts for _ in part.inclusions)
+        proven = replace(proven_chain(chain, least, within_limits=within_limits), profile_m=errors)
+        if search.problem.verifies is None or search.problem.verifies(proven):
+            return proven
+        profile = {first: TIGHTER * error for first, error in profile.items()}
+    return None
 
 
 def _largest(search: Search, piece: Piece, likely_m: float) -> Bracket:
@@ -41,6 +46,6 @@ def _largest(search: Search, piece: Piece, likely_m: float) -> Bracket:
     first, *others = points_of(piece, 2)
     bracket = largest_at(search, first, Bracket(0.0, float("inf")), likely_m)
     for point in others:
-        if bracket.proven_m > 0.0 and not search.bears(bracket.proven_m, point):
+        if bracket.proven_m > 0.0 and search.failure_at(bracket.proven_m, point):
             bracket = largest_at(search, point, Bracket(0.0, bracket.proven_m))
     return largest_over(search, piece, bracket.proven_m)

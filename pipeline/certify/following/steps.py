@@ -20,11 +20,14 @@ class FollowingProfile:
     within_limits_m, on_branch_m : (n,)
         Errors between neighbouring s for which the limits of kappa, distances and joints are kept, and for which the
         motion merely stays regular and on its branch; NaN where that was not proven.
+    stops : tuple of (str, float)
+        What stopped the searches of the same errors for all s, and where: marked in figures.
     """
 
     s: FloatArray
     within_limits_m: FloatArray
     on_branch_m: FloatArray
+    stops: tuple[tuple[str, float], ...] = ()
 
 
 def following_profile(chains: Sequence[ProvenChain]) -> FollowingProfile | None:

@@ -7,7 +7,7 @@ are, and directions between axes.
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.profile import KappaProfile, kappa_profile
 from pipeline.certify.recheck.statement import StatedCalibrated, StatedFollowing, StatedTolerance, Statement
-from pipeline.certify.recheck.verdict import MANDATORY, verify
+from pipeline.certify.recheck.verdict import MANDATORY, verifies, verify
 
 __all__ = [
     "MANDATORY",
@@ -18,5 +18,6 @@ __all__ = [
     "StatedTolerance",
     "Statement",
     "kappa_profile",
+    "verifies",
     "verify",
 ]

@@ -9,11 +9,15 @@ from pipeline.certify.result import ProvenChain
 
 @dataclass(frozen=True)
 class StatedTolerance:
-    """A tolerance, the number of boxes of its proof, none if eps is zero, and what rx and rz need in reserve."""
+    """A tolerance, the number of boxes of its proof, none if eps is zero, and what rx and rz need in reserve.
+
+    What stopped the search, and at which s, is no claim: that more was not proven proves nothing.
+    """
 
     eps_m: float
     boxes: int
     tilt_reserve_deg: tuple[float, float] | None = None
+    stopped_by: tuple[str, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -58,20 +58,36 @@ def verify(
         yield from endpoints.endpoint_claims(machine, ends, evaluate_ends(machine, path, proven), stated.bounds)
         yield pose_claim(path, proven)
 
+    # Boxes say nothing about splines that are not a function.
+    if splines.verified:
+        for proven, reserve in zip(stated.chains, inventory.stated_reserves(stated), strict=True):
+            asked = _Asked(measured, bounds_of, ends_of, *_under_error(config, machine), reserve)
+            claims += _chain_claims(machine, path, proven, asked, refused=_any_refused(claims))
+    known = {claim.what for claim in claims}
+    absent = "missing, or not evaluated for what else is wrong" if _any_refused(claims) else "missing"
+    return claims + [Claim(what, verified=False, found=absent) for what in MANDATORY if what not in known]
+
+
+def verifies(config: Config, machine: Machine, path: Path, proven: ProvenChain) -> bool:
+    """Return whether a chain of an uncertain machine closes, and keeps the limits if it says so."""
+    asked = _Asked(lambda *_: [], lambda _: [], lambda _: [], *_under_error(config, machine), None)
+    return not _any_refused(_chain_claims(machine, path, proven, asked, refused=False))
+
+
+_Erring = Callable[[EvaluatedChain, errors.Evidence | None], errors.Evidence]
+_Limits = Callable[[str, errors.Evidence], Claim]
+
+
+def _under_error(config: Config, machine: Machine) -> tuple[_Erring, _Limits]:
+    """Give what measures limits under error, and claims that they are kept."""
+
     def erring(segment: EvaluatedChain, before: errors.Evidence | None) -> errors.Evidence:
         return errors.measure(config, machine, segment, before)
 
     def limits_of(of: str, found: errors.Evidence) -> Claim:
         return errors.limit_claim(of, config, machine, found)
 
-    # Boxes say nothing about splines that are not a function.
-    if splines.verified:
-        for proven, reserve in zip(stated.chains, inventory.stated_reserves(stated), strict=True):
-            asked = _Asked(measured, bounds_of, ends_of, erring, limits_of, reserve)
-            claims += _chain_claims(machine, path, proven, asked, refused=_any_refused(claims))
-    known = {claim.what for claim in claims}
-    absent = "missing, or not evaluated for what else is wrong" if _any_refused(claims) else "missing"
-    return claims + [Claim(what, verified=False, found=absent) for what in MANDATORY if what not in known]
+    return erring, limits_of
 
 
 @dataclass(frozen=True)
@@ -81,8 +97,8 @@ class _Asked:
     measured: Callable[[EvaluatedChain, list[FloatArray] | None], list[FloatArray]]
     bounds_of: Callable[[list[FloatArray]], list[Claim]]
     ends_of: Callable[[ProvenChain], Iterable[Claim]]
-    erring: Callable[[EvaluatedChain, errors.Evidence | None], errors.Evidence]
-    limits_of: Callable[[str, errors.Evidence], Claim]
+    erring: _Erring
+    limits_of: _Limits
     reserve_deg: tuple[float, float] | None
 
 

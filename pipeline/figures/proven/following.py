@@ -9,7 +9,10 @@ from pipeline.figures import style
 
 @style.styled
 def following_figure(following: FollowingProfile) -> Figure:
-    """Draw the proven errors of all drives over s: with the limits kept, and with the branch kept alone."""
+    """Draw the proven errors of all drives over s: with the limits kept, and with the branch kept alone.
+
+    Dotted lines are where the least of each was stopped, and by what.
+    """
     figure = style.new_figure(2.2)
     axes = figure.subplots()
     for steps, colour, name in (
@@ -18,6 +21,18 @@ def following_figure(following: FollowingProfile) -> Figure:
     ):
         if np.isfinite(steps).any():
             axes.stairs(1e3 * steps, following.s, baseline=None, color=colour, linewidth=1.0, label=name)
+    for limit, s in following.stops:
+        axes.axvline(s, color=style.BLACK, linestyle=":", linewidth=0.8)
+        side, offset = ("right", -3) if s > 0.5 else ("left", 3)
+        axes.annotate(
+            limit,
+            (s, 0.02),
+            (offset, 0),
+            ("data", "axes fraction"),
+            textcoords="offset points",
+            ha=side,
+            fontsize="small",
+        )
     axes.set_ylim(bottom=0.0)
     axes.set_xlim(0.0, 1.0)
     axes.set_xlabel("s")

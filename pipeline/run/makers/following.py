@@ -1,5 +1,6 @@
 """Make the table of following errors: after the proof, and again once the motion is known."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from pipeline.artifacts import read_state
 from pipeline.artifacts.layout import CERTIFICATE_JSON
 from pipeline.artifacts.results.following import following_files
+from pipeline.certify.following import COMMON
 from pipeline.certify.following.steps import FollowingProfile, following_profile
 from pipeline.run.up_to_date.check import why_outdated
 from pipeline.stage import Stage
@@ -39,7 +41,12 @@ def proven_following(results: "Results") -> FollowingProfile | None:
     """Give the proven following errors over s; None if they were not searched."""
     if not (results.folder / CERTIFICATE_JSON).exists():
         return None
-    return following_profile(results.certificate.chains)
+    certificate = results.certificate
+    if (profile := following_profile(certificate.chains)) is None:
+        return None
+    stated = (certificate.following.within_limits, certificate.following.on_branch)
+    stops = (None if COMMON not in one else one[COMMON].stopped_by for one in stated)
+    return replace(profile, stops=tuple(stop for stop in stops if stop is not None))
 
 
 def times_at(trajectory: "Trajectory", s: "FloatArray") -> "FloatArray":

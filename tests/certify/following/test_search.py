@@ -1,6 +1,7 @@
 """The search for following errors: what it finds is proven, a tenth more is not, and limits ask for less."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ from pipeline.certify.chain import accept_any, close_chain
 from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following.broken_limits import breaking_errors
 from pipeline.certify.following.profile import prove_profile
-from pipeline.certify.following.search import Search, largest_error, new_search
-from pipeline.certify.following.tolerances import search_following, tilt_reserve_deg
+from pipeline.certify.following.tolerances import search_following, searching_within_limits, tilt_reserve_deg
 from pipeline.certify.problem import build_problem
+from pipeline.certify.recheck import verifies
 from pipeline.certify.result import FollowingTolerances, ProvenChain
+from pipeline.certify.search import Search, largest_error, new_search
+from pipeline.certify.tolerance import search_problem
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import CERTAIN, of_actuators
@@ -65,6 +68,9 @@ def test_a_tenth_more_than_was_found_is_not_proven(near: Path, tight: tuple[Conf
             assert search.close(1.1 * found.proven_m).failure is not None
             proven = [float(e.mid()) for box in found.chain.inclusions for e in box.following.errors]
             assert found.proven_m == min(proven)
+        stops = [found.failure for found in (branch, within)]
+        assert all(stop is not None and 0.0 <= stop.s <= 1.0 for stop in stops)
+        assert [stop.reason.limit.split()[0] for stop in stops if stop is not None] == ["regularity", "links"]
     assert within.proven_m < 0.5 * branch.proven_m
 
 
@@ -162,10 +168,15 @@ def test_every_kind_of_error_is_searched_for_both_claims(
     config, machine = tight
     options = config.certify.model_copy(update={"following_coordinate_m": 2e-5})
     config = config.model_copy(update={"certify": options})
-    with working_precision(64):
-        found = search_following(config, machine, near)
-        monkeypatch.setenv(THREADS, "1")
-        alone = search_following(config, machine, near)
+
+    def search() -> FollowingTolerances:
+        problem = search_problem(machine, near, partial(verifies, config, machine, near))
+        with working_precision(64), searching_within_limits(config, problem) as within:
+            return search_following(config, problem, within)
+
+    found = search()
+    monkeypatch.setenv(THREADS, "1")
+    alone = search()
     names = ["common", "by_velocity", "c1", "c2", "c3", "l2b", "l3b"]
     assert list(found.within_limits) == list(found.on_branch) == names
     for name in names:

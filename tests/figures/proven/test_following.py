@@ -17,3 +17,11 @@ def test_a_stair_per_claim_in_millimetres() -> None:
     assert both.axes[0].get_ylim()[0] == 0.0
     one = following_figure(FollowingProfile(s, np.full(2, np.nan), np.array([3e-3, 4e-3])))
     assert len(one.axes[0].patches) == 1
+
+
+def test_what_stopped_the_searches_is_marked_at_its_s() -> None:
+    """A line each, with the name of the limit beside it."""
+    s, steps = np.array([0.0, 0.4, 1.0]), np.array([1e-3, 2e-3])
+    axes = following_figure(FollowingProfile(s, steps, 2.0 * steps, (("kappa", 0.3), ("regularity", 0.7)))).axes[0]
+    assert [line.get_xdata()[0] for line in axes.lines] == [0.3, 0.7]
+    assert [text.get_text() for text in axes.texts] == ["kappa", "regularity"]

@@ -11,6 +11,7 @@ import pytest
 from pipeline.artifacts.layout import CERTIFICATE_JSON, FOLLOWING_CSV
 from pipeline.certify.following.steps import FollowingProfile, at_ends, following_profile
 from pipeline.certify.guess import point_box
+from pipeline.certify.recheck import StatedFollowing, StatedTolerance
 from pipeline.certify.result import ProvenChain
 from pipeline.config import Config
 from pipeline.export.csv import read_csv
@@ -18,11 +19,13 @@ from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import Uncertainty
 from pipeline.machine import Machine
 from pipeline.run import RunOptions, Stage, run_pipeline
-from pipeline.run.makers.following import table_of_motion, table_of_proof, times_at
+from pipeline.run.makers.following import proven_following, table_of_motion, table_of_proof, times_at
 from pipeline.run.product import Product
 from pipeline.run.results import Results
 from tests.run.fake_stages import FakeStages
 from tests.run.short_results import make_path, make_trajectory
+
+STOPPED = StatedTolerance(1e-3, 4, stopped_by=("kappa", 0.4))
 
 
 def chain(profile_m: tuple[float, ...], *, within_limits: bool) -> ProvenChain:
@@ -86,7 +89,13 @@ def test_the_proof_writes_the_table_and_the_motion_adds_its_times(
     trajectory = make_trajectory(make_path(machine, 5))
     assert table_of_motion(results, trajectory) == {}
     (tmp_path / CERTIFICATE_JSON).write_text("{}")
-    results.keep(Stage.CERTIFY, SimpleNamespace(chains=[chain((1e-3, 2e-3, 2e-3, 2e-3), within_limits=True)]))
+    stated = SimpleNamespace(
+        chains=[chain((1e-3, 2e-3, 2e-3, 2e-3), within_limits=True)], following=StatedFollowing({}, {"common": STOPPED})
+    )
+    results.keep(Stage.CERTIFY, stated)
+    found = proven_following(results)
+    assert found is not None
+    assert found.stops == (("kappa", 0.4),)
     later = read_csv(table_of_motion(results, trajectory)[FOLLOWING_CSV].decode())
     assert list(later)[:2] == ["s", "t_s"]
     np.testing.assert_allclose(trajectory.s(later["t_s"]), later["s"], atol=1e-9)

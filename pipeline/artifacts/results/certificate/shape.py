@@ -90,6 +90,8 @@ class ToleranceShape(_Part):
     monte_carlo_fails_m: _Number | None
     boxes: _Count
     tilt_reserve_deg: Annotated[list[_Number] | None, Field(min_length=2, max_length=2)] = None
+    stopped_by: str | None = None
+    stopped_at_s: _PartOfPath | None = None
 
 
 class CalibratedShape(ToleranceShape):

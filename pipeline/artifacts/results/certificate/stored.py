@@ -140,8 +140,9 @@ def _stated(shape: ToleranceShape | None) -> StatedTolerance | None:
 
 
 def _read(shape: ToleranceShape) -> StatedTolerance:
-    reserve = shape.tilt_reserve_deg
-    return StatedTolerance(shape.proven_m, shape.boxes, None if reserve is None else (reserve[0], reserve[1]))
+    reserve, limit, s = shape.tilt_reserve_deg, shape.stopped_by, shape.stopped_at_s
+    stop = None if limit is None or s is None else (limit, s)
+    return StatedTolerance(shape.proven_m, shape.boxes, None if reserve is None else (reserve[0], reserve[1]), stop)
 
 
 def _calibrated(shape: CalibratedShape | None) -> StatedCalibrated | None:
@@ -165,13 +166,14 @@ def _chain(shape: ChainShape) -> ProvenChain:
 def _tolerance_dict(tolerance: Tolerance | None) -> dict[str, Any] | None:
     if tolerance is None:
         return None
-    reserve = tolerance.tilt_reserve_deg
+    reserve, stop = tolerance.tilt_reserve_deg, tolerance.stopped_by
     return {
         "proven_m": tolerance.eps_m,
         "not_proven_m": tolerance.refuted_m,
         "monte_carlo_fails_m": tolerance.fails_m,
         "boxes": 0 if tolerance.chain is None else len(tolerance.chain.boxes),
         **({} if reserve is None else {"tilt_reserve_deg": list(reserve)}),
+        **({} if stop is None else {"stopped_by": stop.reason.limit, "stopped_at_s": stop.s}),
     }
 
 
