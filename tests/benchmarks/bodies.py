@@ -1,0 +1,199 @@
+"""What bodies cost, and what comes of random obstacles: `make bench-bodies`."""
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import Annotated, Any
+
+import typer
+
+from pipeline.artifacts import json_bytes, write_whole
+from tests.benchmarks.host import describe_host
+from tests.benchmarks.isolated import FINISHED, measure
+from tests.benchmarks.obstacles import HAS_COAL, SAMPLES, Refused, obstacle_tasks
+from tests.benchmarks.report import table
+from tests.benchmarks.whole_runs import ROOT
+from tests.benchmarks.whole_runs import measure as measure_runs
+
+_OUT = ROOT / "results" / "benchmarks"
+_WITHOUT, _WITH = "agder", "agder-bodies"
+_ASKED = {"regions": 4.0, "run": 2.5, "before": 1.05}
+"""Largest ratios that are asked for."""
+
+
+def main() -> None:
+    """Run the command line."""
+    typer.run(benchmark)
+
+
+def benchmark(
+    out: Annotated[Path, typer.Option(help="folder for bodies.json and bodies.md")] = _OUT,
+    tasks: Annotated[int, typer.Option(min=0, help="random tasks; with 0 those measured before are kept")] = 20,
+    rounds: Annotated[int, typer.Option(min=0, help="runs of each kind; with 0 those measured before are kept")] = 3,
+    tree: Annotated[Path | None, typer.Option(help="a checkout from before there were bodies")] = None,
+    limit_s: Annotated[float, typer.Option(min=1.0, help="time limit of each task")] = 1_800.0,
+) -> None:
+    """Plan, certify and check random tasks with obstacles; compare runs with bodies and without."""
+    file = out / "bodies.json"
+    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    found["host"] = describe_host()
+
+    def keep() -> None:
+        write_whole(file, json_bytes(found))
+        write_whole(out / "bodies.md", page(found).encode())
+
+    if tasks:
+        found |= {"tasks": [], "refused": [], "coal": HAS_COAL, "samples": SAMPLES}
+        for problem in obstacle_tasks(tasks):
+            if isinstance(problem, Refused):
+                row = {"task": problem.problem.name, "reason": problem.reason, "nearest_m": problem.nearest_m}
+                found["refused"].append(row)
+                continue
+            done = measure("tests.benchmarks.obstacles:measure_task", (problem.config,), limit_s)
+            row = {"task": problem.name, **done.figures}
+            found["tasks"].append(row if done.ended == FINISHED else {**row, "outcome": done.ended})
+            typer.echo(found["tasks"][-1])
+            keep()
+    if rounds:
+        found["runs"] = [_round(tree, number) for number in range(rounds)]
+    keep()
+    typer.echo(f"{out / 'bodies.md'}")
+
+
+def _round(tree: Path | None, number: int) -> dict[str, Any]:
+    """Run the reference machine without bodies, before there were any, and with bodies, one after the other."""
+    typer.echo(f"round {number + 1}")
+    trees = {"without": ROOT} if tree is None else {"before": tree.resolve(), "without": ROOT}
+    found = {name: runs["runs"][_WITHOUT] for name, runs in measure_runs(trees, [_WITHOUT], 1).items()}
+    return {**found, "with": measure_runs({"with": ROOT}, [_WITH], 1)["with"]["runs"][_WITH]}
+
+
+def page(found: dict[str, Any]) -> str:
+    """Write everything as a page."""
+    host = found["host"]
+    sections = [
+        "# Benchmark of bodies",
+        "Written by `make bench-bodies`; every number is in `bodies.json`. "
+        f"On {host['cpu']}, {host['cores']} cores, {host['date']}, load {host['load_before']:.1f} before the start.",
+    ]
+    if found.get("tasks"):
+        sections += ["## Random obstacles", *_tasks(found)]
+    if found.get("runs"):
+        sections += ["## What bodies cost", *_costs(found["runs"])]
+    return "\n\n".join(sections) + "\n"
+
+
+def _tasks(found: dict[str, Any]) -> list[str]:
+    tasks, refused = found["tasks"], found["refused"]
+    ended = ", ".join(f"{count} {outcome}" for outcome, count in Counter(one["outcome"] for one in tasks).most_common())
+    rows = [(str(number), one["task"], *_ending(one)) for number, one in enumerate(tasks, 1)]
+    return [
+        "The machine of `agder-bodies.yaml` on the grid of `quick.yaml`, among boxes, bars and stones drawn at random where "
+        "it moves; every other task is the reference task, the others go from one random pose and mode to another. "
+        f"Of {len(tasks)} tasks: {ended}.",
+        _coal_words(found),
+        table(
+            ("", "task; obstacles", "seconds", "outcome", "route", "boxes", "proven mm", "coal mm", "asked of coal"), rows
+        ),
+        *_reasons(tasks),
+        f"On the way {len(refused)} more were drawn whose start or goal is refused for a pair that is too near"
+        + (", which coal finds, too:" if all(one["nearest_m"] is not None for one in refused) else ":"),
+        table(("refused", "nearest pair by coal, mm"), [(one["reason"], _mm(one["nearest_m"])) for one in refused]),
+    ]
+
+
+def _ending(one: dict[str, Any]) -> tuple[str, ...]:
+    outcome = one["outcome"]
+    if one.get("refused_claims"):
+        outcome += "; not verified again: " + ", ".join(one["refused_claims"])
+    if one.get("below"):
+        outcome += "; nearer than proven by coal: " + ", ".join(one["below"])
+    route = f"{one['objective']:.2f}, {one['modes']}" if "objective" in one else "-"
+    figures = (str(one.get("boxes", "-")), _mm(one.get("proven_m")), _mm(one.get("nearest_m")))
+    return (_seconds(one.get("seconds")), outcome, route, *figures, f"{one['asked']:,}" if "asked" in one else "-")
+
+
+def _coal_words(found: dict[str, Any]) -> str:
+    if not found["coal"]:
+        return "Skipped: coal is not installed, so that no other library looked for collisions."
+    certified = [one for one in found["tasks"] if "below" in one]
+    pairs = sum(one["pairs"] for one in certified)
+    below, refused = (sum(len(one[key]) for one in certified) for key in ("below", "refused_claims"))
+    return (
+        f"Every certificate was verified again by other arithmetic ({refused} claims refused), and another library, coal, "
+        f"looked for collisions at {found['samples']:,} samples of each certified path: of {pairs:,} pairs of bodies "
+        f"{below} came nearer than is proven. Where two known distances and the movement between them leave no room for "
+        "that, samples were not asked for. *Proven* is the least distance of all pairs in the certificate, *coal* the least "
+        "that it found."
+    )
+
+
+def _reasons(tasks: Sequence[dict[str, Any]]) -> list[str]:
+    """State why there is no path, and what comes of leaving out obstacles."""
+    lines = []
+    for number, one in enumerate(tasks, 1):
+        if "reason" in one:
+            lines.append(f"- Task {number}: {one['reason']}.")
+            lines += [f"  - {sentence}" for sentence in one.get("opens", [])]
+    return ["Why there is none:", "\n".join(lines)] if lines else []
+
+
+def _costs(rounds: Sequence[dict[str, Any]]) -> list[str]:
+    """Compare runs: medians, and medians of the ratios within a round, of which the runs follow one another."""
+    names = {"before": "agder, before there were bodies", "without": "agder", "with": "agder-bodies"}
+    rows = [
+        (
+            label,
+            *(f"{median(one[name][key] for one in rounds):.1f}" for key in ("wall_s", "cpu_s")),
+            *(f"{median(one[name]['stages'][stage] for one in rounds):.1f}" for stage in _STAGES),
+        )
+        for name, label in names.items()
+        if name in rounds[0]
+    ]
+    ratios = [
+        ("region table, with bodies to without", _ratios(rounds, "with", "without", "regions"), _ASKED["regions"]),
+        ("whole run, with bodies to without", _ratios(rounds, "with", "without", "cpu_s"), _ASKED["run"]),
+        ("the same by the clock", _ratios(rounds, "with", "without", "wall_s"), _ASKED["run"]),
+    ]
+    if "before" in rounds[0]:
+        ratios += [
+            (f"{words}, without bodies to before", _ratios(rounds, "without", "before", key), _ASKED["before"])
+            for words, key in (("region table", "regions"), ("route", "route"), ("path", "refine"))
+        ]
+    return [
+        f"Whole runs into empty folders, medians of {len(rounds)} rounds in turns; processor seconds are those of all "
+        "processes.",
+        table(("run", "seconds", "processor s", *_STAGES), rows),
+        "Medians of the ratios within each round:",
+        table(("", "ratio", "least", "largest", "asked for at most"), [(one, *_spread(r), f"{a:g}") for one, r, a in ratios]),
+    ]
+
+
+_STAGES = ("regions", "route", "refine", "certify", "retime", "figures")
+
+
+def _ratios(rounds: Sequence[dict[str, Any]], over: str, under: str, key: str) -> list[float]:
+    return [_figure(one[over], key) / _figure(one[under], key) for one in rounds]
+
+
+def _figure(run: dict[str, Any], key: str) -> float:
+    return float(run["stages"][key] if key in run["stages"] else run[key])
+
+
+def _spread(ratios: Sequence[float]) -> tuple[str, ...]:
+    return tuple(f"{value:.2f}" for value in (median(ratios), min(ratios), max(ratios)))
+
+
+def _mm(value_m: float | None) -> str:
+    return "-" if value_m is None else f"{1e3 * value_m:.2f}"
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.0f}"
+
+
+if __name__ == "__main__":
+    # Only here: every process that a measurement gets to itself imports this module.
+    main()
