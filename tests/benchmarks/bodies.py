@@ -3,6 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any
@@ -90,12 +91,13 @@ def _tasks(found: dict[str, Any]) -> list[str]:
     ended = ", ".join(f"{count} {outcome}" for outcome, count in Counter(one["outcome"] for one in tasks).most_common())
     rows = [(str(number), one["task"], *_ending(one)) for number, one in enumerate(tasks, 1)]
     return [
-        "The machine of `agder-bodies.yaml` on the grid of `quick.yaml`, among boxes, bars and stones drawn at random where "
-        "it moves; every other task is the reference task, the others go from one random pose and mode to another. "
-        f"Of {len(tasks)} tasks: {ended}.",
+        "The machine of `agder-bodies.yaml` on the grid of `quick.yaml`, among boxes, bars and stones drawn at random "
+        "where it moves; every other task is the reference task, the others go from one random pose and mode to "
+        f"another. Of {len(tasks)} tasks: {ended}.",
         _coal_words(found),
         table(
-            ("", "task; obstacles", "seconds", "outcome", "route", "boxes", "proven mm", "coal mm", "asked of coal"), rows
+            ("", "task; obstacles", "seconds", "outcome", "route", "boxes", "proven mm", "coal mm", "asked of coal"),
+            rows,
         ),
         *_reasons(tasks),
         f"On the way {len(refused)} more were drawn whose start or goal is refused for a pair that is too near"
@@ -110,7 +112,8 @@ def _ending(one: dict[str, Any]) -> tuple[str, ...]:
         outcome += "; not verified again: " + ", ".join(one["refused_claims"])
     if one.get("below"):
         outcome += "; nearer than proven by coal: " + ", ".join(one["below"])
-    route = f"{one['objective']:.2f}, {one['modes']}" if "objective" in one else "-"
+    modes = " ".join(mode for mode, _ in groupby(one.get("modes", "").split()))
+    route = f"{one['objective']:.2f}, {modes}" if "objective" in one else "-"
     figures = (str(one.get("boxes", "-")), _mm(one.get("proven_m")), _mm(one.get("nearest_m")))
     return (_seconds(one.get("seconds")), outcome, route, *figures, f"{one['asked']:,}" if "asked" in one else "-")
 
@@ -122,11 +125,11 @@ def _coal_words(found: dict[str, Any]) -> str:
     pairs = sum(one["pairs"] for one in certified)
     below, refused = (sum(len(one[key]) for one in certified) for key in ("below", "refused_claims"))
     return (
-        f"Every certificate was verified again by other arithmetic ({refused} claims refused), and another library, coal, "
-        f"looked for collisions at {found['samples']:,} samples of each certified path: of {pairs:,} pairs of bodies "
-        f"{below} came nearer than is proven. Where two known distances and the movement between them leave no room for "
-        "that, samples were not asked for. *Proven* is the least distance of all pairs in the certificate, *coal* the least "
-        "that it found."
+        f"Every certificate was verified again by other arithmetic ({refused} claims refused), and another library, "
+        f"coal, looked for collisions at {found['samples']:,} samples of each certified path: of {pairs:,} pairs of "
+        f"bodies {below} came nearer than is proven. Where two known distances and the movement between them leave no "
+        "room for that, samples were not asked for. *Proven* is the least distance of all pairs in the certificate, "
+        "*coal* the least that it found."
     )
 
 
@@ -167,7 +170,10 @@ def _costs(rounds: Sequence[dict[str, Any]]) -> list[str]:
         "processes.",
         table(("run", "seconds", "processor s", *_STAGES), rows),
         "Medians of the ratios within each round:",
-        table(("", "ratio", "least", "largest", "asked for at most"), [(one, *_spread(r), f"{a:g}") for one, r, a in ratios]),
+        table(
+            ("", "ratio", "least", "largest", "asked for at most"),
+            [(one, *_spread(r), f"{a:g}") for one, r, a in ratios],
+        ),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Random obstacles around the reference machine with bodies: what the program makes of such tasks, and whether it is so.
+"""Random obstacles around the reference machine with bodies: what comes of such tasks, and whether it is so.
 
 Answers are checked by another library, coal, where it is installed.
 """
@@ -52,7 +52,10 @@ def obstacle_tasks(count: int, seed: int = 7) -> Iterator[Problem | Refused]:
 
     Every other task is the reference task; the others go from one random pose and mode to another.
     """
-    quick, base = load_config(CONFIGS / "quick.yaml"), load_config(CONFIGS / "agder-bodies.yaml").model_dump(mode="json")
+    quick, base = (
+        load_config(CONFIGS / "quick.yaml"),
+        load_config(CONFIGS / "agder-bodies.yaml").model_dump(mode="json"),
+    )
     base["route"] = quick.route.model_dump(mode="json")
     rng, found = np.random.default_rng(seed), 0
     while found < count:
@@ -136,7 +139,11 @@ def measure_task(config: Config) -> Iterator[dict[str, Any]]:
         regions = build_regions(config, machine)
         yield {"regions": len(regions), "regions_s": time.perf_counter() - began}
         route = plan_route(config, machine, regions)
-        yield {"route_s": time.perf_counter() - began, "objective": route.objective, "modes": " ".join(route.mode_names)}
+        yield {
+            "route_s": time.perf_counter() - began,
+            "objective": route.objective,
+            "modes": " ".join(route.mode_names),
+        }
         path = refine_path(config, machine, route).path
         yield {"refine_s": time.perf_counter() - began}
         certificate = certify_path(config, machine, path)

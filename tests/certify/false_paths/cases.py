@@ -22,7 +22,7 @@ from pipeline.machine.samples import PoseSamples
 from pipeline.machine.shapes.hulls import config_name
 from pipeline.machine.shapes.model import FrameKind, SweptHull
 from pipeline.refine import Path
-from tests.certify.paths import START, pose_path
+from tests.certify.paths import pose_path
 
 LOOKS = 9
 """Places where one looks, evenly along a path."""
@@ -61,7 +61,9 @@ class Case:
         if machine.joint_cones:
             left = [one.half_angle_deg - joint_angles_deg(one, samples) for one in machine.joint_cones]
             return np.min(left, axis=0)
-        return pair_distances(kept_apart(config, machine), samples, _FAR_M).min(axis=1) - config.machine.clearance.bodies_m
+        return (
+            pair_distances(kept_apart(config, machine), samples, _FAR_M).min(axis=1) - config.machine.clearance.bodies_m
+        )
 
     @property
     def seen(self) -> float:
@@ -290,7 +292,7 @@ def rods(rng: np.random.Generator, document: dict[str, Any]) -> Iterator[Case]:
 
 
 def _nearly_kept(document: dict[str, Any], path: Path, kept: frozenset[str], **parts: Any) -> Iterator[Case]:
-    """Ask for a distance between the least of all and the least where one looks; of the harmless, two millimetres less."""
+    """Ask for a distance between the least of all and the least where one looks; for less of the harmless."""
     config = _asking(document, kept, **parts)
     probe = Case(config, config, path)
     least, seen = float(probe.margins(config, FINE).min()) + REQUIRED_M, probe.seen + REQUIRED_M
