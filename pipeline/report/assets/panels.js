@@ -71,7 +71,7 @@ function nearestPanel({ scene, colours }, motion, curve) {
   const clearance = 1000 * scene.clearance;
   const least = motion.groups.map(({ distances }) => 1000 * Math.min(...distances));
   return {
-    title: "distance of the nearest pair (mm)",
+    title: "nearest pair (mm)",
     decimals: 1,
     curves: motion.groups.map(({ of, pairs, distances }, i) => ({
       ...curve(of, "mm", Array.from(distances, (value) => 1000 * value), i),

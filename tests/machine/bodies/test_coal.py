@@ -11,7 +11,7 @@ from pipeline.machine.samples import PoseSamples
 from tests.certify.paths import line_path
 from tests.machine.bodies.coal_oracle import CoalOracle
 
-pytest.importorskip("coal")
+pytest.importorskip("coal", reason="coal is not installed: make consumers")
 WORKPIECE = {"name": "workpiece", "box": {"centre_m": [1.0, 0.3, 0.45], "size_m": [0.3] * 3, "rounding_m": 0.01}}
 WEDGE = {"name": "wedge", "hull": {"points_m": [[0.2, 0.1, 0.4], [0.6, 0.1, 0.4], [0.4, 0.4, 0.5], [0.4, 0.2, 0.9]]}}
 ASKED = 10_000
