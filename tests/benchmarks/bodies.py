@@ -17,6 +17,7 @@ from pipeline.artifacts import json_bytes, write_whole
 from tests.benchmarks.host import describe_host
 from tests.benchmarks.isolated import FINISHED, measure
 from tests.benchmarks.obstacles import HAS_COAL, SAMPLES, Refused, obstacle_tasks
+from tests.benchmarks.problems import Problem
 from tests.benchmarks.report import table
 from tests.benchmarks.whole_runs import ROOT
 from tests.benchmarks.whole_runs import measure as measure_runs
@@ -45,36 +46,44 @@ def main() -> None:
 
 def benchmark(
     out: Annotated[Path, typer.Option(help="folder for bodies.json and bodies.md")] = _OUT,
-    tasks: Annotated[int, typer.Option(min=0, help="random tasks; with 0 those measured before are kept")] = 20,
-    rounds: Annotated[int, typer.Option(min=0, help="runs of each kind; with 0 those measured before are kept")] = 3,
+    tasks: Annotated[int, typer.Option(min=0, help="random tasks")] = 20,
+    rounds: Annotated[int, typer.Option(min=0, help="runs of each kind")] = 3,
+    resume: Annotated[bool, typer.Option("--resume", help="keep what bodies.json has, and measure the rest")] = False,
     tree: Annotated[Path | None, typer.Option(help="a checkout from before there were bodies")] = None,
     limit_s: Annotated[float, typer.Option(min=1.0, help="time limit of each task")] = 1_800.0,
 ) -> None:
     """Plan, certify and check random tasks with obstacles; compare runs with bodies and without."""
     file = out / "bodies.json"
-    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
-    found["host"] = describe_host()
+    before: dict[str, Any] = json.loads(file.read_text(encoding="utf-8")) if resume and file.exists() else {}
+    known = before.get("tasks", [])
+    found = {"host": describe_host(), "coal": HAS_COAL, "samples": SAMPLES, "tasks": [], "refused": []}
+    found["runs"] = before.get("runs", [])[:rounds]
 
     def keep() -> None:
         write_whole(file, json_bytes(found))
         write_whole(out / "bodies.md", page(found).encode())
 
-    if tasks:
-        found |= {"tasks": [], "refused": [], "coal": HAS_COAL, "samples": SAMPLES}
-        for problem in obstacle_tasks(tasks):
-            if isinstance(problem, Refused):
-                row = {"task": problem.problem.name, "reason": problem.reason, "nearest_m": problem.nearest_m}
-                found["refused"].append(row)
-                continue
-            done = measure("tests.benchmarks.obstacles:measure_task", (problem.config,), limit_s)
-            row = {"task": problem.name, **done.figures}
-            found["tasks"].append(row if done.ended == FINISHED else {**row, "outcome": done.ended})
-            typer.echo(found["tasks"][-1])
-            keep()
-    if rounds:
-        found["runs"] = [_round(tree, number) for number in range(rounds)]
+    for problem in obstacle_tasks(tasks):
+        if isinstance(problem, Refused):
+            row = {"task": problem.problem.name, "reason": problem.reason, "nearest_m": problem.nearest_m}
+            found["refused"].append(row)
+            continue
+        number = len(found["tasks"])
+        found["tasks"].append(known[number] if number < len(known) else _task(problem, limit_s))
+        typer.echo(found["tasks"][-1])
+        keep()
+    while len(found["runs"]) < rounds:
+        found["runs"].append(_round(tree, len(found["runs"])))
+        keep()
     keep()
     typer.echo(f"{out / 'bodies.md'}")
+
+
+def _task(problem: Problem, limit_s: float) -> dict[str, Any]:
+    """Measure a task in a process of its own."""
+    done = measure("tests.benchmarks.obstacles:measure_task", (problem.config,), limit_s)
+    row = {"task": problem.name, **done.figures}
+    return row if done.ended == FINISHED else {**row, "outcome": done.ended}
 
 
 def _round(tree: Path | None, number: int) -> dict[str, Any]:
