@@ -23,6 +23,8 @@ _LOOKS = tuple(
 """Of the pairs that are named, the nearest first."""
 _NAMED_OBSTACLES = 4
 """Pairs with obstacles that are named: they are often far."""
+_LONG_LABEL = 34
+"""Letters of a label beyond which no two are beside each other."""
 _REACH_M, _BEYOND = 0.06, 3.0
 """Distances are drawn so far above their limit, or to so many times the least one."""
 
@@ -75,4 +77,5 @@ def _draw_pairs(axes: Axes, bodies: Bodies, samples: PathSamples, length: FloatA
     limit = 1e3 * bodies.clearance_m
     axes.axhline(limit, label=f"limit ({limit:g} mm)", **style.LIMIT_LINE)
     axes.set_ylim(bottom=min(0.0, 1e3 * float(least.min())), top=1e3 * top)
-    style.name_lines(axes, 2)
+    longest = max(len(str(line.get_label())) for line in axes.get_lines())
+    style.name_lines(axes, 2 if longest <= _LONG_LABEL else 1)

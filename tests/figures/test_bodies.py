@@ -79,3 +79,15 @@ def test_it_is_drawn_only_where_there_are_bodies(
 def test_nothing_overlaps(figure: Figure, assert_laid_out: Callable[[Figure], None]) -> None:
     """Panel and legend keep off each other and stay on the page."""
     assert_laid_out(figure)
+
+
+def test_long_names_stay_on_the_page(
+    quick_config: Config,
+    machine: Machine,
+    refined: PathSamples,
+    vary: Callable[..., Config],
+    assert_laid_out: Callable[[Figure], None],
+) -> None:
+    """They are below each other."""
+    ball = {"name": "the-fixture-on-the-left-of-the-table", "hull": {"points_m": [[1.0, 0.0, 0.2]], "radius_m": 0.05}}
+    assert_laid_out(bodies_figure(vary(quick_config, {"task.obstacles": [ball]}), machine, refined))
