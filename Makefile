@@ -114,6 +114,12 @@ consumers: $(VENV)/.consumers.ready
 bench-simulate: $(DEV)
 	$(BIN)/python -m tests.benchmarks.simulating $(ARGS)
 
+# Bodies: 20 random tasks with obstacles, checked by coal where `make consumers` has brought it, and what bodies cost in
+# turns with a checkout from before them (ARGS="--tree DIR"): an hour on a quiet machine.
+.PHONY: bench-bodies
+bench-bodies: $(DEV)
+	$(BIN)/python -m tests.benchmarks.bodies $(ARGS)
+
 # Studies: throughput and overheads, then 25 kills of client, scheduler and workers: ten minutes.
 .PHONY: bench-study
 bench-study: $(DEV)

@@ -14,7 +14,8 @@ from scipy.optimize import linprog
 from pipeline.config.file import load_config
 from pipeline.machine import build_machine
 from pipeline.route import build_regions, plan_route
-from tests.benchmarks import cli, report, side_by_side
+from pipeline.route.regions.endpoints import task_endpoints
+from tests.benchmarks import bodies, cli, obstacles, report, side_by_side
 from tests.benchmarks.growth import growth
 from tests.benchmarks.isolated import FINISHED, measure
 from tests.benchmarks.peers.ours import place_along_x
@@ -230,3 +231,42 @@ def test_paper_size_is_the_papers() -> None:
     route = plan_route(config, machine, regions)
     assert route.search.gap == 0.0
     assert len(route) <= 25
+
+
+def test_tasks_with_obstacles_are_drawn_with_clear_ends_or_with_why_not() -> None:
+    """Start and goal of a task keep clear; a drawn task that is left out names the end and the pair."""
+    drawn = list(obstacles.obstacle_tasks(1, seed=7))
+    *refused, task = drawn
+    assert isinstance(task, Problem)
+    assert task.config.task.obstacles
+    task_endpoints(task.config, build_machine(task.config.machine))
+    assert refused
+    for one in refused:
+        assert isinstance(one, obstacles.Refused)
+        assert re.match(r"task\.(start|goal): has .* and obstacle\d", one.reason)
+
+
+def test_the_page_of_bodies_says_how_tasks_ended_and_what_bodies_cost() -> None:
+    """Certified with distances, none with what opens a route, ratios as medians of rounds."""
+    ends = {"seconds": 12.0, "objective": 455.5, "modes": "LLL LLL RRR"}
+    certified = {"task": "a", "outcome": "certified", "boxes": 40, "proven_m": 0.0051, "nearest_m": 0.0055, **ends}
+    certified |= {"refused_claims": [], "below": [], "asked": 4_000, "pairs": 300}
+    none = {"task": "b", "outcome": "no route, proven", "reason": "no route exists", "opens": ["without x: a route"]}
+    stages = dict.fromkeys(("regions", "route", "refine", "certify", "retime", "figures"), 1.0)
+    runs = [
+        {
+            "without": {"wall_s": 20.0, "cpu_s": 30.0, "table_cpu_s": 2.0, "stages": stages},
+            "with": {"wall_s": 40.0, "cpu_s": 60.0, "table_cpu_s": 2.0 * ratio, "stages": stages},
+        }
+        for ratio in (3.0, 5.0, 4.0)
+    ]
+    refused = [{"task": "c", "reason": "task.start: has link 1 and o", "nearest_m": -0.001}]
+    host = {"cpu": "one", "cores": 2, "date": "today", "load_before": 0.5}
+    found = {"host": host, "tasks": [certified, none], "refused": refused, "coal": True, "samples": 100_000}
+    page = bodies.page({**found, "runs": runs})
+    assert "Of 2 tasks: 1 certified, 1 no route, proven." in page
+    assert "| 1 | a | 12 | certified | 455.50, LLL RRR | 40 | 5.10 | 5.50 | 4,000 |" in page
+    assert "- Task 2: no route exists.\n  - without x: a route" in page
+    assert "of 300 pairs of bodies 0 came nearer than is proven" in page
+    assert "| region table, with bodies to without | 4.00 | 3.00 | 5.00 | 4 |" in page
+    assert "Skipped: coal is not installed" in bodies.page({**found, "coal": False})

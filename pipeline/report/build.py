@@ -17,7 +17,7 @@ from pipeline.refine.result import Refinement
 from pipeline.report.coarse import CoarseMotion, Retime, drive_coarse
 from pipeline.report.data import Motion, Picture, Proof, Report, RoutePart, Table
 from pipeline.report.motion import build_motion, build_scene
-from pipeline.report.pictures import pose_error_picture, reach_picture, route_part
+from pipeline.report.pictures import pairs_picture, pose_error_picture, reach_picture, route_part
 from pipeline.report.tables import (
     bounds_table,
     build_proof,
@@ -118,6 +118,7 @@ def build_report(run: RunResults, retime: Retime = retimed) -> Report:
         distances=None if run.bounds is None else distances_table(config, machine, run.bounds),
         proof=_proof(run),
         pose_error=None if run.pose_error is None else pose_error_picture(*run.pose_error),
+        pairs=None if run.samples is None else pairs_picture(config, machine, run.samples[1]),
         motions=_motions(run, coarse),
         motion_note=_why_still(run.facts) if run.trajectory is None else coarse.note,
     )

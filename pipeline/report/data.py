@@ -104,6 +104,23 @@ class KappaMaps:
 
 
 @dataclass(frozen=True, eq=False)
+class NearestPairs:
+    """The nearest pair at n instants: of bodies among each other, or of these and what is fixed in space.
+
+    Attributes
+    ----------
+    of : str
+        "bodies" or "obstacles".
+    pair, distance_m : (n,), (n,)
+        The pair, of `Scene.pairs`, and its distance.
+    """
+
+    of: str
+    pair: IntArray
+    distance_m: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Motion:
     """The machine at n instants of a motion, with the places of its joints.
 
@@ -121,8 +138,8 @@ class Motion:
         Carts on their rails, both ends of every link.
     maps : KappaMaps
         kappa around the machine.
-    nearest_pair, nearest_m : (n,), (n,); None without bodies
-        The pair of bodies that is nearest, of `Scene.pairs`, and its distance.
+    nearest : tuple of NearestPairs
+        The nearest pairs of bodies, and of bodies and obstacles, where there are any.
     """
 
     name: MotionName
@@ -136,8 +153,12 @@ class Motion:
     cart_joints_m: FloatArray
     platform_joints_m: FloatArray
     maps: KappaMaps
-    nearest_pair: IntArray | None = None
-    nearest_m: FloatArray | None = None
+    nearest: tuple[NearestPairs, ...] = ()
+
+    def nearest_at(self, instant: int) -> tuple[int, float]:
+        """Return the nearest of all pairs at an instant, and its distance in metres; there have to be pairs."""
+        distance, pair = min((group.distance_m[instant], group.pair[instant]) for group in self.nearest)
+        return int(pair), float(distance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,8 +181,8 @@ class Scene:
         The bodies of each pair that is kept apart; -1 for an axis, which has no surface.
     pair_names : texts
         Their names.
-    alarm_m : float
-        The nearest pair is red below this distance.
+    clearance_m, alarm_m : float
+        Least distance of pairs that is required; the nearest pair is red below the second.
     """
 
     rails_m: FloatArray
@@ -172,6 +193,7 @@ class Scene:
     meshes: tuple[BodyMesh, ...] = ()
     pairs: tuple[tuple[int, int], ...] = ()
     pair_names: tuple[str, ...] = ()
+    clearance_m: float = 0.0
     alarm_m: float = 0.0
 
 
@@ -225,6 +247,8 @@ class Report:
         kappa and its bound.
     pose_error : Picture or None
         The proven error of the tool.
+    pairs : Picture or None
+        Distances of bodies along the path.
     config_yaml : str
         The whole configuration.
     provenance : pairs of text
@@ -252,5 +276,6 @@ class Report:
     distances: Table | None = None
     proof: Proof | None = None
     pose_error: Picture | None = None
+    pairs: Picture | None = None
     motions: tuple[Motion, ...] = field(default=())
     motion_note: str = ""

@@ -29,11 +29,11 @@ def _machine(motion: Motion) -> str:
 
 
 def _bodies(motion: Motion, scene: Scene) -> str:
-    if motion.nearest_m is None or motion.nearest_pair is None:
+    if not motion.nearest:
         return ""
-    i = int(np.argmin(motion.nearest_m))
-    pair = scene.pair_names[int(motion.nearest_pair[i])]
-    return f" Of its bodies, {pair} come closest: {1e3 * motion.nearest_m[i]:.1f} mm at {motion.t_s[i]:.2f} s."
+    i = int(np.min([group.distance_m for group in motion.nearest], axis=0).argmin())
+    pair, distance_m = motion.nearest_at(i)
+    return f" Of its bodies, {scene.pair_names[pair]} come closest: {1e3 * distance_m:.1f} mm at {motion.t_s[i]:.2f} s."
 
 
 def _map(motion: Motion) -> str:
@@ -50,8 +50,9 @@ def _timeline(motion: Motion) -> str:
     changes = np.flatnonzero(np.diff(motion.modes)) + 1
     modes = "; ".join(f"{_mode(motion, i)} from {motion.t_s[i]:.2f} s" for i in changes.tolist()) or "no change"
     speed = np.abs(motion.qd_mps)
+    bodies = "distances of the nearest bodies, " if motion.nearest else ""
     return (
-        "κ, position and tilt of the TCP, and positions and velocities of carts and telescopes over time. "
+        f"κ, {bodies}position and tilt of the TCP, and positions and velocities of carts and telescopes over time. "
         f"κ peaks at {motion.kappa[worst]:.1f} at {motion.t_s[worst]:.2f} s. "
         f"Working modes: {_mode(motion, 0)} at the start; {modes}. "
         f"Peak velocity of a cart {speed[:, :3].max():.2f} m/s, of a telescope {speed[:, 3:].max():.2f} m/s."

@@ -1,6 +1,7 @@
 """The machine in motion: joints and bodies at 50 instants per second, maps of kappa around it at fewer instants."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,8 @@ from pipeline.arrays import FloatArray, IntArray
 from pipeline.config import Config
 from pipeline.figures.maps.kappa_map import KappaMap, YzWindow, kappa_map, seen_window
 from pipeline.limits.bodies.obstacle_distance import obstacles_of
-from pipeline.limits.bodies.pairs import kept_apart, pair_distances, pair_names
+from pipeline.limits.bodies.pairs import kept_apart, pair_names
+from pipeline.machine.bodies.distances import body_distances
 from pipeline.machine.bodies.meshes import body_meshes
 from pipeline.machine.drawing import drawn_points, platform_bars, rail_ends
 from pipeline.machine.geometry import MODES, Machine
@@ -18,7 +20,7 @@ from pipeline.machine.pose import TILT_COLUMNS
 from pipeline.machine.samples import PoseSamples
 from pipeline.machine.statics import moment_unit
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
-from pipeline.report.data import KappaMaps, Motion, MotionName, Scene
+from pipeline.report.data import KappaMaps, Motion, MotionName, NearestPairs, Scene
 from pipeline.retime.result import Trajectory, TrajectorySamples
 from pipeline.retime.sampling import sample_at, whole_periods
 
@@ -49,6 +51,7 @@ def build_scene(config: Config, machine: Machine) -> Scene:
         meshes=meshes,
         pairs=tuple((first, second) for first, second in pairs),
         pair_names=pair_names(kept),
+        clearance_m=least,
         alarm_m=least + max(least, _ALARM_M),
     )
 
@@ -82,11 +85,17 @@ def build_motion(config: Config, trajectory: Trajectory, name: MotionName) -> Mo
         platform_joints_m=points.platform_joints_m,
         maps=_maps(config, machine, samples, modes),
     )
-    kept = kept_apart(config, machine)
-    if not any(bodies.pairs for bodies in kept):
-        return motion
-    distances = pair_distances(kept, PoseSamples(machine, samples.pose, samples.q_m))
-    return replace(motion, nearest_pair=distances.argmin(axis=1), nearest_m=distances.min(axis=1))
+    return replace(motion, nearest=tuple(_nearest(config, PoseSamples(machine, samples.pose, samples.q_m))))
+
+
+def _nearest(config: Config, samples: PoseSamples) -> Iterator[NearestPairs]:
+    """Find the nearest pair of bodies at each instant, and that of bodies and obstacles."""
+    before = 0
+    for bodies in kept_apart(config, samples.machine):
+        distances = body_distances(bodies, samples)
+        of = "bodies" if bodies is samples.machine.bodies else "obstacles"
+        yield NearestPairs(of, before + distances.argmin(axis=1), distances.min(axis=1))
+        before += len(bodies.pairs)
 
 
 def _maps(config: Config, machine: Machine, samples: TrajectorySamples, modes: IntArray) -> KappaMaps:

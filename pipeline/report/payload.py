@@ -54,6 +54,7 @@ def _scene(scene: Scene) -> dict[str, Any]:
         "platformBars": scene.platform_bars.tolist(),
         "bodies": [_body(mesh) for mesh in scene.meshes],
         "pairs": [{"name": name, "bodies": pair} for name, pair in zip(scene.pair_names, scene.pairs, strict=True)],
+        "clearance": scene.clearance_m,
         "alarmDistance": scene.alarm_m,
         "qLimits": scene.q_limits_m.tolist(),
         # JSON has no infinity: null stands for no limit.
@@ -86,8 +87,10 @@ def _motion(motion: Motion) -> dict[str, Any]:
         "feet": packed(motion.feet_m),
         "cartJoints": packed(motion.cart_joints_m),
         "platformJoints": packed(motion.platform_joints_m),
-        "nearestPair": None if motion.nearest_pair is None else packed(motion.nearest_pair, "uint16"),
-        "nearestDistance": None if motion.nearest_m is None else packed(motion.nearest_m),
+        "nearest": [
+            {"of": group.of, "pairs": packed(group.pair, "uint16"), "distances": packed(group.distance_m)}
+            for group in motion.nearest
+        ],
         "maps": _maps(motion.maps),
     }
 

@@ -8,9 +8,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.config import Config
+from pipeline.figures.bodies import bodies_figure, has_pairs
 from pipeline.figures.maps.route import route_figure
 from pipeline.figures.maps.volume import workspace_volume_figure
 from pipeline.figures.proven.pose_error import pose_error_figure
+from pipeline.limits.bodies.pairs import kept_apart
+from pipeline.machine.bodies.distances import least_distance
 from pipeline.machine.geometry import MODES, Machine
 from pipeline.pose_error import PoseError, SampledError
 from pipeline.refine.measure import PathSamples
@@ -36,6 +39,23 @@ def workspace_picture(machine: Machine, workspace: Workspace) -> Picture:
         f"arms right (RRR), {workspace.union_m3:.3f} m³ in all eight working modes together."
     )
     return picture_of(workspace_volume_figure(machine, workspace), alt)
+
+
+def pairs_picture(config: Config, machine: Machine, refined: PathSamples) -> Picture | None:
+    """Draw the distances of bodies along the path; None without bodies."""
+    if not has_pairs(config, machine, refined):
+        return None
+    kept = kept_apart(config, machine)
+    least = [(least_distance(bodies, refined), bodies is machine.bodies) for bodies in kept]
+    nearest = " and ".join(
+        f"{1e3 * value:.1f} mm {'between bodies' if own else 'from obstacles'}" for value, own in least
+    )
+    alt = (
+        "The distances of all pairs of bodies that come near, over the length of the path, with the least that is "
+        f"required, {1e3 * kept[0].clearance_m:g} mm. The least along the path are {nearest}; at each time the nearest "
+        "pair is named beside the view of the machine."
+    )
+    return picture_of(bodies_figure(config, machine, refined), alt)
 
 
 def pose_error_picture(found: PoseError, sampled: SampledError) -> Picture:

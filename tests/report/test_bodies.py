@@ -23,6 +23,7 @@ pytestmark = [
 
 MOVING = 9
 SEEN = "() => document.getElementById('machine').data.filter(t => t.visible !== false).map(t => t.name)"
+NEAREST = "i => document.getElementById('timeline').data.filter(t => t.text).map(t => [t.name, t.text[i], t.y[i]])"
 COLOURS = "() => [9, 10].map(k => document.getElementById('machine').data[k].facecolor)"
 
 
@@ -51,15 +52,23 @@ def test_bodies_are_drawn_where_they_are(opened: Opened, bodies_report: Report, 
 def test_the_nearest_pair_is_named_and_red(opened: Opened, bodies_report: Report) -> None:
     """Its triangles alone have the colour, and the values beside the map say which it is and how near."""
     motion, frame = bodies_report.motions[0], 30
-    assert motion.nearest_pair is not None
-    assert motion.nearest_m is not None
     opened.go_to(frame)
-    scene, pair = bodies_report.scene, int(motion.nearest_pair[frame])
+    scene, (pair, distance_m) = bodies_report.scene, motion.nearest_at(frame)
     red = [colour == LIGHT.near for colours in opened.page.evaluate(COLOURS) for colour in colours]
     assert sum(red) == sum(len(scene.meshes[number].faces) for number in scene.pairs[pair])
     text = opened.page.locator("#readout .bodies").inner_text()
-    assert f"{1e3 * motion.nearest_m[frame]:.1f} mm: {scene.pair_names[pair]}" in text
+    assert f"{1e3 * distance_m:.1f} mm: {scene.pair_names[pair]}" in text
     assert opened.page.locator("#readout .near").count() == 1
+
+
+def test_distances_over_time_name_their_pairs(opened: Opened, bodies_report: Report) -> None:
+    """There is a curve of the nearest bodies and one of the nearest obstacle, with the pair at every instant."""
+    motion, names = bodies_report.motions[0], bodies_report.scene.pair_names
+    for frame in (0, 60):
+        found = opened.page.evaluate(NEAREST, frame)
+        for (of, name, distance_mm), group in zip(found, motion.nearest, strict=True):
+            assert (of, name) == (group.of, names[group.pair[frame]])
+            assert abs(distance_mm - 1e3 * group.distance_m[frame]) < 1e-3
 
 
 def test_bodies_can_be_left_out(opened: Opened) -> None:

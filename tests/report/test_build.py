@@ -76,16 +76,18 @@ class TestMotion:
     def test_the_nearest_pair_is_that_of_each_instant(
         self, bodies_report: Report, bodies_config: Config, bodies_machine: Machine
     ) -> None:
-        """Its distance is the least of all pairs, obstacles included."""
+        """Its distance is the least of all bodies, that of all obstacles, and the less of these is of all pairs."""
         motion = bodies_report.motions[0]
-        assert motion.nearest_pair is not None
-        assert motion.nearest_m is not None
         names, kept = bodies_report.scene.pair_names, kept_apart(bodies_config, bodies_machine)
+        assert [group.of for group in motion.nearest] == ["bodies", "obstacles"]
         for frame in range(0, len(motion.t_s), 40):
             samples = PoseSamples(bodies_machine, motion.pose[[frame]], motion.q_m[[frame]])
             distances = dict(zip(names, pair_distances(kept, samples)[0], strict=True))
-            pair = names[motion.nearest_pair[frame]]
-            assert distances[pair] == min(distances.values()) == pytest.approx(motion.nearest_m[frame], abs=1e-9)
+            for group, bodies in zip(motion.nearest, kept, strict=True):
+                pair, least = names[group.pair[frame]], min(distances[name] for name in bodies.names)
+                assert distances[pair] == least == pytest.approx(group.distance_m[frame], abs=1e-9)
+            number, distance_m = motion.nearest_at(frame)
+            assert distances[names[number]] == min(distances.values()) == pytest.approx(distance_m, abs=1e-9)
 
 
 class TestLoops:

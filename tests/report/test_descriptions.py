@@ -30,11 +30,12 @@ def test_every_plot_is_described_by_its_own_numbers(report: Report) -> None:
 def test_the_nearest_bodies_are_described(bodies_report: Report, report: Report) -> None:
     """Pair, distance and time of the closest approach; nothing of the kind without bodies."""
     motion = bodies_report.motions[0]
-    assert motion.nearest_m is not None
-    assert motion.nearest_pair is not None
-    worst = int(np.argmin(motion.nearest_m))
-    pair = bodies_report.scene.pair_names[motion.nearest_pair[worst]]
-    text = f"{pair} come closest: {1e3 * motion.nearest_m[worst]:.1f} mm at {motion.t_s[worst]:.2f} s"
+    nearest = [motion.nearest_at(i) for i in range(len(motion.t_s))]
+    worst = int(np.argmin([distance_m for _, distance_m in nearest]))
+    pair, distance_m = nearest[worst]
+    text = (
+        f"{bodies_report.scene.pair_names[pair]} come closest: {1e3 * distance_m:.1f} mm at {motion.t_s[worst]:.2f} s"
+    )
     assert text in describe_plots(bodies_report)["machine"]
     assert "bodies" not in describe_plots(report)["machine"]
 

@@ -7,7 +7,7 @@ const CAMERAS = {
   Overview: { eye: { x: -0.95, y: -1.8, z: 0.66 }, up: UP, center: { x: -0.03, y: 0, z: -0.06 } },
   Front: { eye: { x: 0, y: -2, z: 0 }, up: UP, center: MIDDLE },
   Side: { eye: { x: 2.15, y: 0, z: 0 }, up: UP, center: MIDDLE },
-  Top: { eye: { x: 0, y: -0.001, z: 1.85 }, up: { x: 0, y: 1, z: 0 }, center: MIDDLE },
+  Top: { eye: { x: 0, y: -0.001, z: 2.05 }, up: { x: 0, y: 1, z: 0 }, center: MIDDLE },
 };
 const TURNS = {
   "Turn left": { sign: "↺", around: -15 },

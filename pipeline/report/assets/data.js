@@ -37,11 +37,22 @@ function unpackMotion(name, motion) {
   const tables = ["pose", "q", "qd", "modes", "feet", "cartJoints", "platformJoints"];
   const unpacked = Object.fromEntries(tables.map((table) => [table, unpack(motion[table])]));
   const [t, kappa] = [unpack(motion.t).values, unpack(motion.kappa).values];
-  const nearest = motion.nearestPair && {
-    pairs: unpack(motion.nearestPair).values,
-    distances: unpack(motion.nearestDistance).values,
-  };
-  return { name, t, kappa, ...unpacked, nearest, maps: unpackMaps(motion.maps) };
+  const groups = motion.nearest.map(({ of, pairs, distances }) => ({
+    of,
+    pairs: unpack(pairs).values,
+    distances: unpack(distances).values,
+  }));
+  return { name, t, kappa, ...unpacked, groups, nearest: nearestOf(groups), maps: unpackMaps(motion.maps) };
+}
+
+/** The nearest pair of all groups at every instant; null without any. */
+function nearestOf(groups) {
+  if (groups.length === 0) return null;
+  const [first, ...others] = groups;
+  const best = Array.from(first.distances, (_, i) =>
+    others.reduce((one, other) => (other.distances[i] < one.distances[i] ? other : one), first),
+  );
+  return { pairs: best.map((group, i) => group.pairs[i]), distances: best.map((group, i) => group.distances[i]) };
 }
 
 function unpackBody(body) {

@@ -7,6 +7,8 @@ const DASHES = [
   { dash: "9px,3px", sign: "━ ━" },
   { dash: "3px,2px", sign: "╍╍" },
 ];
+/** Distances are shown so far above their limit, or farther, up to this, so that some of each curve is seen. */
+const [NEAR_MM, FAR_MM] = [60, 150];
 const LIMIT = { dash: "12px,3px,1px,3px", sign: "─·─" };
 
 /** What the panels show of a motion: title, decimals, curves and lines for limits. */
@@ -24,6 +26,7 @@ function panelsOf(report, motion) {
   ];
   return [
     { title: "κ", decimals: 2, curves: kappaCurves(report, motion), limits: bounds(report) },
+    ...(motion.groups.length > 0 ? [nearestPanel(report, motion, curve)] : []),
     {
       title: "position (m)",
       decimals: 4,
@@ -63,6 +66,22 @@ function panelsOf(report, motion) {
   ];
 }
 
+/** How near the nearest pairs are, of bodies and of obstacles; what is far is not seen. */
+function nearestPanel({ scene, colours }, motion, curve) {
+  const clearance = 1000 * scene.clearance;
+  const least = motion.groups.map(({ distances }) => 1000 * Math.min(...distances));
+  return {
+    title: "nearest pair (mm)",
+    decimals: 1,
+    curves: motion.groups.map(({ of, pairs, distances }, i) => ({
+      ...curve(of, "mm", Array.from(distances, (value) => 1000 * value), i),
+      texts: Array.from(pairs, (pair) => scene.pairs[pair].name),
+    })),
+    limits: [{ value: clearance, colour: colours.limit }],
+    largest: Math.max(clearance + NEAR_MM, Math.min(FAR_MM, 1.25 * Math.max(...least))),
+  };
+}
+
 function kappaCurves(report, chosen) {
   const last = Object.values(report.motions).sort((a) => (a === chosen ? 1 : -1));
   return last.map((motion) => ({
@@ -95,6 +114,7 @@ function rangeOf(panel) {
     ([a, b], value) => [Math.min(a, value), Math.max(b, value)],
     [Infinity, -Infinity],
   );
-  const margin = 0.06 * (largest - least) || 0.01;
-  return [least - margin, largest + margin];
+  const top = Math.min(largest, panel.largest ?? Infinity);
+  const margin = 0.06 * (top - least) || 0.01;
+  return [least - margin, top + margin];
 }

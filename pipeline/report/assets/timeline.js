@@ -18,7 +18,8 @@ function createTimeline(div, cursor, report, onPick) {
         yaxis: `y${row + 1}`,
         line: { color: curve.colour, dash: curve.dash, width: curve.faint ? 1 : 2, simplify: false },
         opacity: curve.faint ? 0.7 : 1,
-        hovertemplate: `${curve.name} %{y:.${panel.decimals}f} ${curve.unit}<extra></extra>`,
+        text: curve.texts,
+        hovertemplate: `${curve.name} %{y:.${panel.decimals}f} ${curve.unit}${curve.texts ? ": %{text}" : ""}<extra></extra>`,
       })),
     );
   }

@@ -74,7 +74,7 @@ def test_a_quadratic_program_finds_the_same_points() -> None:
 
 def test_another_library_agrees() -> None:
     """Coal, where it is installed: 10,000 pairs to 1e-9."""
-    coal = pytest.importorskip("coal")
+    coal = pytest.importorskip("coal", reason="coal is not installed: make consumers")
 
     def shape(points: np.ndarray) -> object:
         vector = coal.StdVec_Vec3s()
