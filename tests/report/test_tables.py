@@ -1,6 +1,15 @@
 """Tables of a report from parts of the summary."""
 
-from pipeline.report.tables import rows_table
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.certify import Ranges
+from pipeline.config import Config
+from pipeline.machine import Machine
+from pipeline.report.tables import bounds_table, rows_table
+from tests.certify.paths import bounds_of
 
 
 def test_what_a_controller_makes_of_rows_is_a_line_per_interpolation() -> None:
@@ -24,3 +33,13 @@ def test_what_a_controller_makes_of_rows_is_a_line_per_interpolation() -> None:
     )
     assert len(table.header) == 6
     assert "--safe" in table.note
+
+
+def test_boxes_to_avoid_are_a_line_each(quick_config: Config, machine: Machine, vary: Callable) -> None:
+    """With what is proven of each, and units after a space."""
+    config = vary(quick_config, {"task.avoid": [{"z_m": [0.0, 0.1]}, {"rx_deg": [20.0, 25.0]}]})
+    boxes = Ranges(("task.avoid[0]", "task.avoid[1]"), np.array([[0.2, np.inf], [-1.1e-5, np.inf]]))
+    bounds = bounds_of()
+    rows = bounds_table(config, machine, replace(bounds, ranges={**bounds.ranges, "avoided_by": boxes})).rows
+    assert ("out of task.avoid[0]", "at least 0.20000 m or rad", "at least 0 m or rad") in rows
+    assert ("out of task.avoid[1]", "at least −0.00001 m or rad", "at least 0 m or rad") in rows

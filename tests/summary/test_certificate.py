@@ -1,12 +1,19 @@
 """The certificate in the summary."""
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from pipeline.bound.bound import bound_all_paths
+from pipeline.certify import Certificate, Ranges
+from pipeline.certify.result import ProvenChain
 from pipeline.config import Config
+from pipeline.inclusion.uncertainty import CERTAIN
 from pipeline.machine import Machine
 from pipeline.route.regions.endpoints import task_endpoints
-from pipeline.summary.certificate import certificate_words, every_path_section
+from pipeline.summary.certificate import certificate_section, certificate_words, every_path_section
+from tests.certify.paths import bounds_of
 
 CERTIFIED: dict[str, Any] = {
     "verdict": "certified",
@@ -39,3 +46,17 @@ def test_words_say_what_stopped_the_errors_of_drives() -> None:
         in words
     )
     assert "limits broken (stopped by regularity at s = 0.410)" in words
+
+
+def test_boxes_to_avoid_are_said_where_there_are_any() -> None:
+    """The least of all boxes, in words as well; of a task without boxes nothing is said."""
+    given, chain = bounds_of(), ProvenChain(CERTAIN, (), ())
+    boxes = Ranges(("task.avoid[0]", "task.avoid[1]"), np.array([[0.2, np.inf], [0.0125, np.inf]]))
+    with_boxes = replace(given, ranges={**given.ranges, "avoided_by": boxes})
+    plain, section = (
+        certificate_section(Certificate("", "", 64, chain, bounds, None)) for bounds in (given, with_boxes)
+    )
+    assert "avoided_by_bound" not in plain
+    assert "avoid" not in certificate_words(plain)
+    assert section["avoided_by_bound"] == 0.0125
+    assert "boxes to avoid at least 0.0125 m or rad away" in certificate_words(section)
