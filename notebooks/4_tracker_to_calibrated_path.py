@@ -105,7 +105,7 @@ learning_figure(learning_curves(rough, further=24))
 
 # %%
 more = next_poses(rough, 24)
-measured = measured.joined(real.measure(more.q_m, more.pose, seed=1))
+measured = measured.joined(real.measure(more.q_m, more.pose))
 calibration = calibrate(config, reflectors_m, measured, Setting())
 print("accepted" if judge(calibration).accepted else judge(calibration).reasons)
 residuals_figure(calibration)

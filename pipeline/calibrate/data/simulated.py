@@ -1,6 +1,7 @@
 """Simulated measurements of static poses: a machine as real ones are, seen by a tracker somewhere in the room."""
 
 from dataclasses import dataclass
+from zlib import crc32
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -92,8 +93,10 @@ class SimulatedPoses:
     is_outlier: BoolArray
     noise_m: float
 
-    def measure(self, q_m: FloatArray, near: FloatArray, seed: int = 0) -> StaticPoses:
+    def measure(self, q_m: FloatArray, near: FloatArray) -> StaticPoses:
         """Measure the same machine with encoders (n, 5) at other poses, near those given (n, 6), without outliers.
+
+        The same encoders are measured with the same noise, others with other noise.
 
         Raises
         ------
@@ -101,8 +104,8 @@ class SimulatedPoses:
             When it cannot be assembled at one.
         """
         seen = positions(self.truth, _assembled(self.truth, q_m, near))
-        noise = np.random.default_rng(seed).normal(0.0, self.noise_m, seen.shape)
-        return StaticPoses(q_m, seen + noise)
+        noise = np.random.default_rng(crc32(np.ascontiguousarray(q_m).tobytes()))
+        return StaticPoses(q_m, seen + noise.normal(0.0, self.noise_m, seen.shape))
 
 
 def simulate_static(config: Config, reflectors_m: FloatArray, setting: StaticSetting) -> SimulatedPoses:

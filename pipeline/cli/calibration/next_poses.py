@@ -69,4 +69,6 @@ def propose(proposed: "NextPoses", reflector_count: int, next_file: Path | None,
         console.print(text_table(title, NEXT_HEADER, next_cells(proposed), (0, 1)))
     if next_file is not None:
         write_output(next_file, format_csv(next_columns(proposed, reflector_count)).encode())
-        messages_console().print(f"{next_file}: {len(proposed.q_m)} poses to measure", soft_wrap=True)
+        messages_console().print(
+            f"{next_file}: {len(proposed.q_m)} poses to measure; to drive there: gantry-tau tour", soft_wrap=True
+        )

@@ -148,6 +148,22 @@ def test_nothing_to_calibrate_from(options: tuple[object, ...], message: str) ->
     assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
 
 
+def test_a_table_to_be_filled_in_is_simulated() -> None:
+    """By the same machine as without it, but not with the same noise; what a table is for is what it gives."""
+    simulate("--poses", 20)
+    table = call("calibrate", "cell.yaml", *REFLECTORS, "--next", 12, "--next-output", "first.csv")
+    assert "gantry-tau tour" in table.stderr
+    at = ("simulate-poses", "cell.yaml", *REFLECTORS, "--poses", 20, "--at", "first.csv")
+    assert call(*at, "--output", "filled.csv").exit_code == 0
+    truths = [json.loads(Path(name).read_text())["truth"] for name in ("poses.json", "filled.json")]
+    assert truths[0] == truths[1]
+    result = call("calibrate", "cell.yaml", "poses.csv", "filled.csv", *REFLECTORS)
+    assert result.exit_code == 0, result.output
+    assert len(Path("filled.csv").read_text().splitlines()) == 13
+    assert call(*at, "--outliers", 0.1).exit_code == 2
+    assert call(*at, "--output", "first.csv").exit_code == 2
+
+
 def test_pictures_are_beside_their_name() -> None:
     """A file per figure, also where the calibration is refused; before anything is measured there is none."""
     simulate("--outliers", 0.05)
