@@ -10,7 +10,12 @@ from nbformat import NotebookNode
 
 FOLDER = Path(__file__).parents[1] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.py"))
-PICTURES = {"1_machine_and_singularities": 4, "2_route_to_trajectory": 7, "3_your_own_machine": 3}
+PICTURES = {
+    "1_machine_and_singularities": 4,
+    "2_route_to_trajectory": 7,
+    "3_your_own_machine": 3,
+    "4_tracker_to_calibrated_path": 5,
+}
 
 
 def read(file: Path) -> NotebookNode:

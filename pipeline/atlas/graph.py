@@ -67,6 +67,11 @@ class AtlasGraph:
     forward: FloatArray
     backward: FloatArray
 
+    @property
+    def station_costs(self) -> FloatArray:
+        """Costs of the shortest paths from every station to every other, which no route undercuts. Shape (s, s)."""
+        return self.forward[:, len(self.grid) + len(self.stations) :]
+
     def pair_config(self, pair: tuple[int, int]) -> Config:
         """Give the configuration of the task from one station to another."""
         origin, target = pair

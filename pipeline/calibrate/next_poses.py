@@ -1,8 +1,4 @@
-"""Which poses to measure next: those that say most about the machine, given what is known of it already.
-
-Greedy D-optimal design: with the covariance S of the parameters and the derivatives J of what is seen at a pose, in
-deviations of noise, that pose is worth log det(1 + J S J'), and measured it leaves S - S J' (1 + J S J')^-1 J S.
-"""
+"""Which poses to measure next: those that say most about the machine, given what is known of it already."""
 
 from dataclasses import dataclass
 
@@ -10,20 +6,14 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.calibrate.calibration import Calibration, Setting
-from pipeline.calibrate.data.design import MODERATE, random_poses
-from pipeline.calibrate.model.forward import close, position_jacobian
+from pipeline.calibrate.data.design import MODERATE
+from pipeline.calibrate.model.forward import close
 from pipeline.calibrate.model.model import Model, configured_model
+from pipeline.calibrate.predict.candidates import Candidates, choose, draw_candidates, known_beforehand, largest_kappa
 from pipeline.config import Config
 from pipeline.machine.geometry import build_machine
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.machine.working_modes import mode_names, reach_along_rails
-
-_CANDIDATES, _ELSEWHERE = 600, 200
-_SEED = 1
-_CALIBRATED = 40.0
-"""Largest kappa of poses once a machine is known to a few tenths of a millimetre."""
-_FRAME_STD = 10.0
-"""Stands for knowing nothing of the tracker's frame, in metres and radians."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +50,8 @@ def first_poses(config: Config, reflectors_m: FloatArray, setting: Setting, coun
         When the machine has too few such poses.
     """
     model = configured_model(config.machine, reflectors_m)
-    parameters = model.parameters
-    std = np.where(parameters.is_fitted(setting.fit), parameters.prior_std(setting.prior), 0.0)
-    covariance = np.diag(np.where(np.isfinite(std), std, _FRAME_STD) ** 2)
-    return _greedy(config, model, covariance, setting.noise_m, (count, MODERATE))
+    among = draw_candidates(config, model, setting.noise_m, (count, MODERATE))
+    return _chosen(config, model, among, known_beforehand(model, setting), count)
 
 
 def next_poses(calibration: Calibration, count: int) -> NextPoses:
@@ -75,56 +63,17 @@ def next_poses(calibration: Calibration, count: int) -> NextPoses:
         When the machine has too few such poses.
     """
     found, config = calibration.identification, calibration.config
-    wanted = count, min(_CALIBRATED, config.route.kappa_max)
-    return _greedy(config, found.model, found.covariance, calibration.setting.noise_m, wanted)
+    among = draw_candidates(config, found.model, calibration.setting.noise_m, (count, largest_kappa(config)))
+    return _chosen(config, found.model, among, found.covariance, count)
 
 
-def _greedy(
-    config: Config, model: Model, covariance: FloatArray, noise_m: float, wanted: tuple[int, float]
-) -> NextPoses:
-    count, kappa_max = wanted
-    random, machine = np.random.default_rng(_SEED), build_machine(config.machine)
-    where = random_poses(config, max(_CANDIDATES, 2 * count), random, kappa_max)
-    q = model.to_encoders(where.q_m)
-    J = _seen(model, q, where.pose) / noise_m
-    elsewhere = random_poses(config, _ELSEWHERE, random, kappa_max)
-    everywhere = _seen(model, model.to_encoders(elsewhere.q_m), elsewhere.pose)
-    chosen: list[int] = []
-    errors = [_error(everywhere, covariance)]
-    free = np.ones(len(q), dtype=bool)
-    for _ in range(count):
-        gain = np.linalg.slogdet(np.eye(J.shape[1]) + J @ covariance @ np.swapaxes(J, 1, 2))[1]
-        best = int(np.argmax(np.where(free, gain, -np.inf)))
-        free[best] = False
-        chosen.append(best)
-        covariance = _measured(covariance, J[best])
-        errors.append(_error(everywhere, covariance))
-    pose = where.pose[chosen]
-    carts = where.q_m[chosen, :3]
-    signs = np.sign(reach_along_rails(machine, pose, carts))
+def _chosen(config: Config, model: Model, among: Candidates, covariance: FloatArray, count: int) -> NextPoses:
+    machine, (rows, errors) = build_machine(config.machine), choose(among, covariance, count)
+    pose, carts, q = among.pose[rows], among.carts_m[rows], among.q_m[rows]
     return NextPoses(
-        q_m=q[chosen],
-        pose=close(model, q[chosen], pose).pose,
-        modes=mode_names(signs),
+        q_m=q,
+        pose=close(model, q, pose).pose,
+        modes=mode_names(np.sign(reach_along_rails(machine, pose, carts))),
         kappa=condition_number(statics_matrix(machine, pose, carts)),
-        error_m=np.array(errors),
+        error_m=errors,
     )
-
-
-def _seen(model: Model, q_m: FloatArray, pose: FloatArray) -> FloatArray:
-    """Differentiate all coordinates seen at every pose by all parameters. Shape (n, 3 reflectors, count)."""
-    J = position_jacobian(model, q_m, close(model, q_m, pose))
-    return J.reshape(len(J), -1, J.shape[-1])
-
-
-def _measured(covariance: FloatArray, J: FloatArray) -> FloatArray:
-    """Give the covariance that is left when a pose with derivatives (m, count) is measured."""
-    SJ = covariance @ J.T
-    left = covariance - SJ @ np.linalg.solve(np.eye(len(J)) + J @ SJ, SJ.T)
-    return np.asarray((left + left.T) / 2.0)
-
-
-def _error(J: FloatArray, covariance: FloatArray) -> float:
-    """Predict the error of a reflector, root mean square over poses. Three coordinates make one reflector."""
-    variance = np.einsum("nip,pk,nik->ni", J, covariance, J, optimize=True)
-    return float(np.sqrt(3.0 * variance.mean()))

@@ -158,7 +158,7 @@ def next_cells(poses: NextPoses) -> list[tuple[str, ...]]:
 def next_columns(poses: NextPoses, reflector_count: int) -> dict[str, Any]:
     """Name the columns of a table to be filled: encoders, reflectors yet unseen, and where the machine will be."""
     columns: dict[str, Any] = dict(zip(POSITIONS, poses.q_m.T, strict=True))
-    unseen = np.full(len(poses.q_m), np.nan)
+    unseen = np.full(len(poses.q_m), "")
     columns |= {name: unseen for number in range(reflector_count) for name in reflector_columns(number + 1)}
     return columns | dict(zip(POSE, poses.pose.T, strict=True)) | {"mode": np.array(poses.modes)}
 

@@ -80,12 +80,17 @@ def judge(calibration: Calibration) -> Verdict:
 
 def measured_modes(found: Identification) -> dict[str, int]:
     """Count poses by the working mode they were measured in."""
+    names, counts = np.unique(pose_modes(found), return_counts=True)
+    return dict(zip(names.tolist(), counts.tolist(), strict=True))
+
+
+def pose_modes(found: Identification) -> list[str]:
+    """Name the working mode of every pose."""
     joints = found.model.cart_joints(found.problem.poses.q_m)
     R = rotation(*found.pose[:, 3:].T)
     points = found.pose[:, None, :3] + found.model.platform_points_m @ np.swapaxes(R, 1, 2)
     modes = np.where(joints[:, PRIMARY, 0] < points[:, PRIMARY, 0], -1.0, 1.0)
-    names, counts = np.unique(mode_names(modes), return_counts=True)
-    return dict(zip(names.tolist(), counts.tolist(), strict=True))
+    return mode_names(modes)
 
 
 def _probability(found: Identification) -> float:

@@ -25,7 +25,7 @@ from pipeline.cli.commands import (
     simulate_poses,
     tune,
 )
-from pipeline.cli.commands.analyses import atlas, bound, compare, pose_error, study, tradeoff, workspace
+from pipeline.cli.commands.analyses import atlas, bound, compare, pose_error, study, tour, tradeoff, workspace
 from pipeline.cli.console import discard_output, print_error, print_message
 from pipeline.cli.interrupts import ignore_interrupts, was_interrupted
 from pipeline.errors import PipelineError, UsageError
@@ -230,6 +230,7 @@ _GROUPS = (
     measured,
     simulate_poses,
     calibrate,
+    tour,
     simulate,
     tune,
 )

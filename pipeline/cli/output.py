@@ -8,6 +8,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
 from rich.table import Table
 
 from pipeline.errors import UsageError
@@ -30,6 +31,13 @@ def text_table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]],
     for row in rows:
         table.add_row(*row)
     return table
+
+
+def print_json(data: dict[str, Any]) -> None:
+    """Print plain data as JSON, unrounded."""
+    from pipeline.artifacts import json_bytes
+
+    typer.echo(json_bytes(data), nl=False)
 
 
 def check_output(output: Path | None, run: Path | None = None, option: str = "--output") -> None:

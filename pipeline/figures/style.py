@@ -119,6 +119,11 @@ def angle_locator() -> MaxNLocator:
     return MaxNLocator(5, steps=[1, 1.5, 3, 5, 10])
 
 
+def count_locator() -> MaxNLocator:
+    """Place ticks at whole numbers that one counts in: ones, twos, fives, tens."""
+    return MaxNLocator(8, steps=[1, 2, 5, 10], integer=True)
+
+
 def mark_changes(axes: Axes, t_s: Iterable[float]) -> None:
     """Draw a vertical line at every change of the working mode."""
     for t in t_s:

@@ -5,11 +5,14 @@ import numpy as np
 from pipeline.arrays import IntArray
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
+from pipeline.limits import admitted, pose_limits
 from pipeline.limits.actuator_margins import controlled_pose
-from pipeline.machine.clearance import link_distances
+from pipeline.limits.actuators import cart_travel
+from pipeline.limits.bodies import obstacle_distance
 from pipeline.machine.geometry import MODES, Machine, build_machine
 from pipeline.machine.kinematics import InverseSolution, inverse_kinematics
-from pipeline.machine.statics import condition_number, det_sign, statics_matrix
+from pipeline.machine.samples import PoseSamples
+from pipeline.machine.statics import det_sign, statics_matrix
 
 MODERATE = 25.0
 """Largest kappa of poses to measure first: near a singularity a machine that is 1 mm off may not assemble."""
@@ -20,7 +23,8 @@ _ROUNDS = 20
 def random_poses(config: Config, count: int, random: np.random.Generator, kappa_max: float) -> InverseSolution:
     """Draw poses of the configured machine in all working modes, as many in each as can be had.
 
-    Actuators and links keep their limits and distances, tilts those of the task, and det H has the sign of task.start.
+    All limits of a pose are kept, distances of bodies and obstacles among them, tilts are those of the task, and det H
+    has the sign of task.start.
     Whether the machine can be driven from one to the next is not looked at.
 
     Raises
@@ -65,19 +69,21 @@ def _draw(
     )
     modes = random.integers(0, len(MODES), _DRAWN)
     solution = inverse_kinematics(machine, controlled, modes)
-    limits = machine.actuator_limits_m
-    with np.errstate(invalid="ignore"):
-        within = ((solution.q_m >= limits[:, 0]) & (solution.q_m <= limits[:, 1])).all(axis=1)
-    rows = np.flatnonzero(solution.reachable & within)
-    pose, q = solution.pose[rows], solution.q_m[rows]
-    H = statics_matrix(machine, pose, q[:, :3])
-    apart = link_distances(machine, pose, q[:, :3]).min(axis=1) >= machine.link_link_m
-    rows = rows[(condition_number(H) <= kappa_max) & (det_sign(H) == _sign_at_start(config, machine)) & apart]
+    rows = np.flatnonzero(solution.reachable)
+    samples = PoseSamples(machine, solution.pose[rows], solution.q_m[rows])
+    on_side = samples.det_sign == sign_at_start(config, machine)
+    limits = [
+        cart_travel(machine),
+        *pose_limits(machine, min(kappa_max, config.route.kappa_max)),
+        *obstacle_distance.for_path(config, machine),
+    ]
+    rows = rows[on_side][admitted(limits, samples.take(on_side))[0]]
     picked = (getattr(solution, name)[rows] for name in ("pose", "q_m", "discriminants_m2", "reachable"))
     return InverseSolution(*picked), modes[rows]
 
 
-def _sign_at_start(config: Config, machine: Machine) -> float:
+def sign_at_start(config: Config, machine: Machine) -> float:
+    """Give the sign of det H at task.start, which no motion without a Type-II singularity can change."""
     start = config.task.start
     there = inverse_kinematics(machine, controlled_pose(start)[None], np.array([MODES.index(start.mode)]))
     return float(det_sign(statics_matrix(machine, there.pose, there.q_m[:, :3]))[0])

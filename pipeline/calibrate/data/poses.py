@@ -38,6 +38,15 @@ class StaticPoses:
         """Pick rows."""
         return replace(self, q_m=self.q_m[rows], seen_m=self.seen_m[rows], place=lambda row: self.place(int(rows[row])))
 
+    def joined(self, other: "StaticPoses") -> "StaticPoses":
+        """Add the rows of another measurement with the same reflectors."""
+        own = len(self)
+        return StaticPoses(
+            np.concatenate([self.q_m, other.q_m]),
+            np.concatenate([self.seen_m, other.seen_m]),
+            lambda row: self.place(row) if row < own else other.place(row - own),
+        )
+
     def without(self, rejected: BoolArray) -> "StaticPoses":
         """Take points (n, reflectors) for not seen."""
         return replace(self, seen_m=np.where(rejected[..., None], np.nan, self.seen_m))

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.arrays import FloatArray
 from pipeline.calibrate.data.poses import StaticPoses
 from pipeline.errors import UsageError
-from pipeline.export.trajectory_columns import POSITIONS
+from pipeline.export.trajectory_columns import POSE, POSITIONS
 from pipeline.measured.reading import Account, read_table
 from pipeline.measured.reading.decoding import read_bytes
 
@@ -45,6 +46,21 @@ def read_poses(files: Sequence[Path], reflector_count: int) -> tuple[StaticPoses
 
     q, seen = (np.concatenate([getattr(poses, name) for poses, _ in read]) for name in ("q_m", "seen_m"))
     return StaticPoses(q, seen, place), [one for _, one in read]
+
+
+def read_places(file: Path) -> tuple[FloatArray, FloatArray]:
+    """Read what encoders show (n, 5), and poses x_m ... rz_rad (n, 6), of a table of poses to measure.
+
+    Raises
+    ------
+    UsageError
+        When anything else is in the file; names file, line and column.
+    OSError
+        When it cannot be read.
+    """
+    columns = read_table(read_bytes(file), str(file), [(*POSITIONS, *POSE)]).columns
+    q, pose = (np.column_stack([columns[name] for name in names]) for names in (POSITIONS, POSE))
+    return q, pose
 
 
 def _read(file: Path, count: int) -> tuple[StaticPoses, PosesFile]:

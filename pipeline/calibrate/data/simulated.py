@@ -1,6 +1,7 @@
 """Simulated measurements of static poses: a machine as real ones are, seen by a tracker somewhere in the room."""
 
 from dataclasses import dataclass
+from zlib import crc32
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,7 +12,7 @@ from pipeline.calibrate.data.design import MODERATE, random_poses
 from pipeline.calibrate.data.poses import StaticPoses
 from pipeline.calibrate.data.reading import reflector_columns
 from pipeline.calibrate.model import parameters as kinds
-from pipeline.calibrate.model.forward import close, positions
+from pipeline.calibrate.model.forward import Closed, close, positions
 from pipeline.calibrate.model.model import Model, configured_model
 from pipeline.calibrate.model.parameters import Kind
 from pipeline.config import Config
@@ -82,12 +83,29 @@ class SimulatedPoses:
         The machine that was measured, in the frame of the tracker.
     is_outlier : (n, reflectors)
         Points that are far off.
+    noise_m : float
+        Standard deviation of every measured coordinate.
     """
 
     poses: StaticPoses
     configured_pose: FloatArray
     truth: Model
     is_outlier: BoolArray
+    noise_m: float
+
+    def measure(self, q_m: FloatArray, near: FloatArray) -> StaticPoses:
+        """Measure the same machine with encoders (n, 5) at other poses, near those given (n, 6), without outliers.
+
+        The same encoders are measured with the same noise, others with other noise.
+
+        Raises
+        ------
+        NoSolutionError
+            When it cannot be assembled at one.
+        """
+        seen = positions(self.truth, _assembled(self.truth, q_m, near))
+        noise = np.random.default_rng(crc32(np.ascontiguousarray(q_m).tobytes()))
+        return StaticPoses(q_m, seen + noise.normal(0.0, self.noise_m, seen.shape))
 
 
 def simulate_static(config: Config, reflectors_m: FloatArray, setting: StaticSetting) -> SimulatedPoses:
@@ -105,16 +123,20 @@ def simulate_static(config: Config, reflectors_m: FloatArray, setting: StaticSet
     truth = model.moved(_deviations(model, setting, geometry)).with_frame(
         Rotation.random(random_state=geometry).as_matrix(), geometry.uniform(-_FARTHEST_M, _FARTHEST_M, 3)
     )
-    closed = close(truth, q, where.pose)
-    if (closed.miss_m > _CLOSED_M).any():
+    seen = positions(truth, _assembled(truth, q, where.pose))
+    seen, is_outlier = with_outliers(seen + noise.normal(0.0, setting.noise_m, seen.shape), setting.outliers, noise)
+    return SimulatedPoses(StaticPoses(q, seen), where.pose, truth, is_outlier, setting.noise_m)
+
+
+def _assembled(truth: Model, q_m: FloatArray, near: FloatArray) -> Closed:
+    closed = close(truth, q_m, near)
+    if not (closed.miss_m <= _CLOSED_M).all():
         raise NoSolutionError(
             "simulate-measurement",
-            f"the machine of seed {setting.seed} cannot be assembled at a pose that was to be measured",
+            "the machine that was drawn cannot be assembled at a pose that was to be measured",
             "Ask for smaller deviations (--geometry), or another seed.",
         )
-    seen = positions(truth, closed)
-    seen, is_outlier = with_outliers(seen + noise.normal(0.0, setting.noise_m, seen.shape), setting.outliers, noise)
-    return SimulatedPoses(StaticPoses(q, seen), where.pose, truth, is_outlier)
+    return closed
 
 
 def static_columns(poses: StaticPoses) -> dict[str, FloatArray]:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pipeline.cli.calibration.next_poses import begin, check_next, propose
+from pipeline.cli.calibration.pictures import check_pictures, draw_pictures, require_no_pictures
 from pipeline.cli.console import messages_console, results_console
 from pipeline.cli.motions.reflector_options import (
     FirstReflector,
@@ -14,14 +16,13 @@ from pipeline.cli.motions.reflector_options import (
     reflector_places,
 )
 from pipeline.cli.options import ConfigArgument
-from pipeline.cli.output import check_facts, check_output, refuse_same, text_table
+from pipeline.cli.output import check_facts, print_json, refuse_same, text_table
 from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pipeline.arrays import FloatArray
-    from pipeline.calibrate import Calibration, NextPoses, Setting, Verdict
+    from pipeline.calibrate import Calibration, Setting, Verdict
     from pipeline.config import Config
 
 _NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
@@ -80,6 +81,15 @@ def calibrate(
         Path | None,
         typer.Option("--next-output", metavar="FILE", readable=False, help="Where to write these poses to, as CSV."),
     ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            "--picture",
+            metavar="FILE",
+            readable=False,
+            help="Draw five figures beside that name, FILE-residuals and so on: .png, .pdf or .svg.",
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with everything, covariance included.")] = False,
 ) -> None:
     """Correct the configuration of a machine by what a tracker saw of it, and say how sure that is.
@@ -96,6 +106,11 @@ def calibrate(
     them; the reason says what does. Directions of rails are fitted if --fit
     says so, and written as slopes.
 
+    --picture cal.png draws residuals, changes of parameters, singular values,
+    errors over the workspace and by the number of poses: cal-residuals.png,
+    cal-parameters.png, cal-singular_values.png, cal-workspace.png and
+    cal-poses.png.
+
     --next 20 proposes poses that would add most to what is known; without a
     FILE a dozen moderate ones to begin with. --next-output has them as a
     table to be filled in: drive there, write down what the encoders show and
@@ -104,10 +119,12 @@ def calibrate(
     reflectors_m = reflector_places(first, second, third)
     setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
     beside = _check_files(output, [config_file, *(files or [])])
-    _check_next(next_file, following, [config_file, *(files or []), *([] if output is None else [output])])
+    check_next(next_file, following, [config_file, *(files or []), *([] if output is None else [output])])
+    check_pictures(picture, [config_file, *(files or []), *(one for one in (output, next_file) if one is not None)])
     config, text = _load(config_file)
     if not files:
-        _begin(config, reflectors_m, setting, (output, following, next_file), as_json)
+        require_no_pictures(picture)
+        begin(config, reflectors_m, setting, (output, following, next_file), as_json)
         return
     from pipeline.calibrate import calibrate as identify
     from pipeline.calibrate import calibrated_yaml, judge, next_poses, read_poses
@@ -123,11 +140,12 @@ def calibrate(
     # A pipe that the configuration goes into may be stdout: there it is alone.
     console = messages_console() if output is not None and beside is None else results_console()
     if as_json:
-        _print_json(data if proposed is None else {**data, "next": next_data(proposed)})
+        print_json(data if proposed is None else {**data, "next": next_data(proposed)})
     else:
         _show(calibration, verdict, console)
     if proposed is not None:
-        _propose(proposed, len(reflectors_m), next_file, None if as_json else console)
+        propose(proposed, len(reflectors_m), next_file, None if as_json else console)
+    draw_pictures(calibration, verdict, picture)
     if not verdict.accepted:
         reason, advice = "\n  ".join(verdict.reasons).rsplit("\n  What to change: ", 1)
         raise NoSolutionError("calibrate", reason, advice)
@@ -135,46 +153,6 @@ def calibrate(
         heading = f"Calibrated by gantry-tau from {', '.join(sorted({file.name for file in files}))}."
         new = calibrated_yaml(text, config, calibration.identification.model, heading)
         _write(new, output, beside, data)
-
-
-def _begin(
-    config: "Config",
-    reflectors_m: "FloatArray",
-    setting: "Setting",
-    wanted: tuple[Path | None, int, Path | None],
-    as_json: bool,
-) -> None:
-    """Propose the first poses, where nothing was measured yet."""
-    from pipeline.calibrate import first_poses
-    from pipeline.calibrate.report import next_data
-
-    output, count, next_file = wanted
-    if not count or output is not None:
-        raise UsageError("FILE is missing: give measured poses, or --next N (without --output) for poses to measure")
-    proposed = first_poses(config, reflectors_m, setting, count)
-    if as_json:
-        _print_json({"next": next_data(proposed)})
-    _propose(proposed, len(reflectors_m), next_file, None if as_json else results_console())
-
-
-def _propose(proposed: "NextPoses", reflector_count: int, next_file: Path | None, console: "Console | None") -> None:
-    """Show proposed poses, unless JSON has them, and write their table."""
-    from pipeline.artifacts.output import write_output
-    from pipeline.calibrate.report import NEXT_HEADER, next_cells, next_columns
-    from pipeline.export.csv import format_csv
-
-    if console is not None:
-        title = "poses to measure next, with the predicted error of a reflector anywhere"
-        console.print(text_table(title, NEXT_HEADER, next_cells(proposed), (0, 1)))
-    if next_file is not None:
-        write_output(next_file, format_csv(next_columns(proposed, reflector_count)).encode())
-        messages_console().print(f"{next_file}: {len(proposed.q_m)} poses to measure", soft_wrap=True)
-
-
-def _print_json(data: dict[str, Any]) -> None:
-    from pipeline.artifacts import json_bytes
-
-    typer.echo(json_bytes(data), nl=False)
 
 
 def _setting(
@@ -228,16 +206,6 @@ def _check_files(output: Path | None, read: list[Path]) -> Path | None:
     return beside
 
 
-def _check_next(next_file: Path | None, following: int, others: list[Path]) -> None:
-    if next_file is None:
-        return
-    if not following:
-        raise UsageError("--next-output goes with --next N")
-    check_output(next_file, option="--next-output")
-    for other in others:
-        refuse_same(next_file, other, "--next-output and another file")
-
-
 def _load(config_file: Path) -> "tuple[Config, str]":
     """Read a configuration, and its text: once, as it may be a pipe."""
     from pipeline.config.file import load_config
@@ -284,7 +252,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         calibrate,
         (
             "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --output real.yaml",
-            "gantry-tau calibrate cell.yaml day1.csv day2.csv --reflector-1 0 .1 .05 --robust --hold-out 0.2",
+            "gantry-tau calibrate cell.yaml day1.csv day2.csv --reflector-1 0 .1 .05 --robust --picture cal.png",
             "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --prior 0.0005 --prior scales=0.0002",
             "gantry-tau calibrate cell.yaml --reflector-1 0 .1 .05 --next 12 --next-output first.csv",
             "gantry-tau calibrate cell.yaml first.csv --reflector-1 0 .1 .05 --next 28 --next-output then.csv",

@@ -16,6 +16,8 @@ from pipeline.cli.motions.reflector_options import (
 )
 from pipeline.cli.motions.simulated_file import check_simulated, write_simulated, written_beside
 from pipeline.cli.options import ConfigArgument
+from pipeline.cli.output import refuse_same
+from pipeline.errors import UsageError
 
 
 def simulate_poses(
@@ -28,6 +30,14 @@ def simulate_poses(
         typer.Option("--output", metavar="FILE", readable=False, help="Where to write to. Default: stdout."),
     ] = None,
     poses: Annotated[int, typer.Option("--poses", metavar="N", min=1, max=10_000, help="Number of poses.")] = 40,
+    at: Annotated[
+        Path | None,
+        typer.Option(
+            "--at",
+            metavar="FILE",
+            help="Measure the poses of this table instead, as calibrate --next-output or tour writes it.",
+        ),
+    ] = None,
     noise_m: Annotated[
         float,
         typer.Option("--noise", metavar="M", min=0.0, max=0.1, help="Standard deviation of each coordinate in metres."),
@@ -52,17 +62,25 @@ def simulate_poses(
     working modes, with a kappa of at most 25, on the side of the Type-II
     singularities where the start of the task is. The file is one that
     `calibrate` reads.
+
+    --at FILE fills in a table of poses to measure. The same --seed and
+    --poses are the same machine and tracker, whatever table it is.
     """
     from pipeline.calibrate import StaticSetting, simulate_static
+    from pipeline.calibrate.data.reading import read_places
     from pipeline.calibrate.data.simulated import static_columns
     from pipeline.config.file import load_config
     from pipeline.export.csv import format_csv
 
     beside = None if output is None else check_simulated(output, config_file)
+    if at is not None and outliers:
+        raise UsageError("--outliers goes without --at: leave out one of the two")
+    refuse_same(output, at, "--output and --at")
     reflectors_m = reflector_places(first, second, third)
     setting = StaticSetting(poses, geometry_m, scales, rails_rad, noise_m, outliers, seed)
     simulated = simulate_static(load_config(config_file), reflectors_m, setting)
-    text = format_csv(static_columns(simulated.poses))
+    poses_seen = simulated.poses if at is None else simulated.measure(*read_places(at))
+    text = format_csv(static_columns(poses_seen))
     if output is None:
         typer.echo(text, nl=False)
         return
@@ -77,10 +95,10 @@ def simulate_poses(
             "setting": setting,
             "truth": dict(zip(truth.parameters.names, truth.values(), strict=True)),
             "tracker": {"rotation": truth.rotation, "translation_m": truth.translation_m},
-            "outliers": simulated.is_outlier,
+            "outliers": simulated.is_outlier if at is None else [],
         },
     )
-    what = f"{output}: {len(simulated.poses):,} poses of a simulated measurement"
+    what = f"{output}: {len(poses_seen):,} poses of a simulated measurement"
     messages_console().print(what + written_beside(beside), soft_wrap=True)
 
 
@@ -89,6 +107,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
         simulate_poses,
         (
             "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --output poses.csv",
+            "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --at tour/poses.csv",
             "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --outliers 0.02 --rails 0.0001 > poses.csv",
         ),
     ),

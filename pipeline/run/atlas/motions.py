@@ -10,9 +10,10 @@ from pipeline.atlas.record import MotionRecord
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.errors import ConfigError, NoSolutionError
-from pipeline.progress import Monitor, Progress
+from pipeline.progress import Monitor
 from pipeline.run.execute import run_pipeline
 from pipeline.run.options import RunOptions
+from pipeline.run.reporter import NamedReporter, failure_of
 from pipeline.run.stage_specs import Specs
 from pipeline.run.up_to_date.fingerprint import fingerprint
 from pipeline.stage import STAGES, Stage
@@ -61,11 +62,11 @@ class MotionMaker:
 
     def _make(self, name: str, config: Config, given: Mapping[Stage, Callable[[], Any]]) -> Motions:
         run = f"{ATLAS_RUNS}/{name}"
-        reporter = _Reporter(name, self._monitor.progress)
+        reporter = NamedReporter(name, self._monitor.progress)
         try:
             report = run_pipeline(config, self._folder / run, self._options, reporter, self._specs, given)
         except (ConfigError, NoSolutionError) as error:
-            stage, reason, advice = _failure(error)
+            stage, reason, advice = failure_of(error)
             failed = MotionRecord(status="failed", run=run, to=stage, reason=reason, advice=advice)
             return Motions(failed, failed.model_copy(update={"backwards": True}))
         made = _record(run, self._options.last, report.summary)
@@ -82,33 +83,6 @@ def motion_fingerprint(specs: Specs, config: Config, last: str) -> str:
     """
     stages = STAGES if last not in STAGES else (*Stage(last).earlier, Stage(last))
     return config_sha256({stage: fingerprint(specs, stage, config, {}) for stage in stages})
-
-
-class _Reporter:
-    """Passes on what the stages of a pair report, with its name."""
-
-    def __init__(self, name: str, progress: Progress) -> None:
-        self._name = name
-        self._progress = progress
-
-    def begin(self, stage: Stage) -> Progress:
-        """Note that a stage begins."""
-
-        def progress(message: str, fraction: float | None = None) -> None:
-            self._progress(f"{self._name}: {stage}: {message.removeprefix(f'{stage}: ')}", fraction)
-
-        progress("started")
-        return progress
-
-    def end(self, stage: Stage, outcome: str, seconds: float) -> None:
-        """Ignore the outcome: the record has it."""
-
-
-def _failure(error: ConfigError | NoSolutionError) -> tuple[str, str, str]:
-    """Say at which stage, why, and what to change."""
-    if isinstance(error, NoSolutionError):
-        return error.stage, error.reason, error.advice
-    return "", "; ".join(str(issue) for issue in error.issues), ""
 
 
 def _record(run: str, last: Stage, summary: dict[str, Any]) -> MotionRecord:

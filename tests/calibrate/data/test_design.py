@@ -8,8 +8,10 @@ import pytest
 from pipeline.calibrate.data.design import random_poses
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
+from pipeline.limits import admitted, pose_limits
 from pipeline.machine import Machine, condition_number, det_sign, link_distances, statics_matrix
 from pipeline.machine.kinematics import closure_residual
+from pipeline.machine.samples import PoseSamples
 from pipeline.machine.working_modes import mode_names, reach_along_rails, working_modes
 
 
@@ -42,3 +44,10 @@ def test_too_few_poses_are_reported(quick_config: Config):
     """No pose has a kappa of one."""
     with pytest.raises(NoSolutionError, match="have 0 that can be measured"):
         random_poses(quick_config, 1, np.random.default_rng(1), 1.0)
+
+
+def test_bodies_keep_their_distances(bodies_config: Config, bodies_machine: Machine):
+    """A machine with bodies, of which axes of links need not keep any, has poses, and keeps all its limits there."""
+    found = random_poses(bodies_config, 5, np.random.default_rng(0), 40.0)
+    samples = PoseSamples(bodies_machine, found.pose, found.q_m)
+    assert len(admitted(pose_limits(bodies_machine, 40.0), samples)[0]) == 5

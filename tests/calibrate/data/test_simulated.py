@@ -34,3 +34,23 @@ def test_the_machine_is_off_as_asked(see: Callable[..., Seen]):
     again = see(2, poses=5, geometry_std_m=1e-3, scale_std=1e-5, seed=9)
     np.testing.assert_array_equal(again.simulated.poses.seen_m, seen.simulated.poses.seen_m)
     assert parameters.of(DIRECTIONS, see(2, poses=5, direction_std_rad=1e-4).simulated.truth.values()).all()
+
+
+def test_the_same_machine_is_measured_elsewhere(see: Callable[..., Seen]):
+    """Where it is assembled near other poses, with noise that repeats for the same encoders only."""
+    simulated = see(2, poses=30).simulated
+    q, near = simulated.poses.q_m[:20] + 1e-4, simulated.configured_pose[:20]
+    again, other = simulated.measure(q, near), simulated.measure(q[::-1], near[::-1])
+    where = positions(simulated.truth, close(simulated.truth, q, near))
+    assert abs((again.seen_m - where).std() / simulated.noise_m - 1.0) < 0.25
+    np.testing.assert_array_equal(simulated.measure(q, near).seen_m, again.seen_m)
+    assert np.abs(other.seen_m[::-1] - again.seen_m).min() > 1e-12
+
+
+def test_measurements_are_joined(see: Callable[..., Seen]):
+    """Rows of both, each told as where it was."""
+    poses = see(2, poses=30).simulated.poses
+    one, other = poses.at(np.arange(3)), poses.at(np.arange(10, 14))
+    both = one.joined(other)
+    np.testing.assert_array_equal(both.q_m, poses.q_m[[0, 1, 2, 10, 11, 12, 13]])
+    assert [both.place(row) for row in (2, 3)] == [poses.place(2), poses.place(10)]

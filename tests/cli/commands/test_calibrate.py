@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import Result
 
+from pipeline.cli.calibration.pictures import NAMES
 from pipeline.config.file import load_config
 from tests.cli.calls import invoke as call
 from tests.cli.calls import subprocess_env
@@ -149,6 +150,38 @@ def test_nothing_to_calibrate_from(options: tuple[object, ...], message: str) ->
     """Poses are measured or asked for, and go to a file of their own."""
     result = call("calibrate", "cell.yaml", *REFLECTORS, *options)
     assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
+
+
+def test_a_table_to_be_filled_in_is_simulated() -> None:
+    """By the same machine as without it, but not with the same noise; what a table is for is what it gives."""
+    simulate("--poses", 20)
+    table = call("calibrate", "cell.yaml", *REFLECTORS, "--next", 12, "--next-output", "first.csv")
+    assert "gantry-tau tour" in table.stderr
+    at = ("simulate-poses", "cell.yaml", *REFLECTORS, "--poses", 20, "--at", "first.csv")
+    assert call(*at, "--output", "filled.csv").exit_code == 0
+    truths = [json.loads(Path(name).read_text())["truth"] for name in ("poses.json", "filled.json")]
+    assert truths[0] == truths[1]
+    result = call("calibrate", "cell.yaml", "poses.csv", "filled.csv", *REFLECTORS)
+    assert result.exit_code == 0, result.output
+    assert len(Path("filled.csv").read_text().splitlines()) == 13
+    assert call(*at, "--outliers", 0.1).exit_code == 2
+    assert call(*at, "--output", "first.csv").exit_code == 2
+
+
+def test_pictures_are_beside_their_name() -> None:
+    """A file per figure, also where the calibration is refused; before anything is measured there is none."""
+    simulate("--outliers", 0.05)
+    result = calibrate("--picture", "cal.svg")
+    assert result.exit_code == 1
+    written = {file.name for file in Path().glob("cal-*.svg")}
+    assert written == {f"cal-{name}.svg" for name in NAMES}
+    assert "cal-*.svg: 5 figures" in result.stderr
+    for options, message in (
+        (("poses.csv", "--picture", "cal.txt"), "must end in"),
+        (("--next", 3, "--picture", "cal.svg"), "give a FILE"),
+    ):
+        refused = call("calibrate", "cell.yaml", *options, *REFLECTORS)
+        assert (refused.exit_code, message in refused.stderr) == (2, True), refused.stderr
 
 
 def test_a_configuration_into_a_pipe_comes_alone() -> None:
