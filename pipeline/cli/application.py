@@ -15,6 +15,7 @@ from pipeline.cli.commands import (
     calibrate,
     certify,
     check,
+    correct,
     export,
     init,
     measured,
@@ -230,6 +231,7 @@ _GROUPS = (
     measured,
     simulate_poses,
     calibrate,
+    correct,
     simulate,
     tune,
 )
