@@ -11,7 +11,8 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.calibrate.calibration import Calibration, Setting
 from pipeline.calibrate.data.design import MODERATE, random_poses
-from pipeline.calibrate.model.forward import close, position_jacobian
+from pipeline.calibrate.elsewhere import CALIBRATED, predicted_error, seen_by_parameters
+from pipeline.calibrate.model.forward import close
 from pipeline.calibrate.model.model import Model, configured_model
 from pipeline.config import Config
 from pipeline.machine.geometry import build_machine
@@ -20,8 +21,6 @@ from pipeline.machine.working_modes import mode_names, reach_along_rails
 
 _CANDIDATES, _ELSEWHERE = 600, 200
 _SEED = 1
-_CALIBRATED = 40.0
-"""Largest kappa of poses once a machine is known to a few tenths of a millimetre."""
 _FRAME_STD = 10.0
 """Stands for knowing nothing of the tracker's frame, in metres and radians."""
 
@@ -75,7 +74,7 @@ def next_poses(calibration: Calibration, count: int) -> NextPoses:
         When the machine has too few such poses.
     """
     found, config = calibration.identification, calibration.config
-    wanted = count, min(_CALIBRATED, config.route.kappa_max)
+    wanted = count, min(CALIBRATED, config.route.kappa_max)
     return _greedy(config, found.model, found.covariance, calibration.setting.noise_m, wanted)
 
 
@@ -86,11 +85,11 @@ def _greedy(
     random, machine = np.random.default_rng(_SEED), build_machine(config.machine)
     where = random_poses(config, max(_CANDIDATES, 2 * count), random, kappa_max)
     q = model.to_encoders(where.q_m)
-    J = _seen(model, q, where.pose) / noise_m
+    J = seen_by_parameters(model, q, where.pose) / noise_m
     elsewhere = random_poses(config, _ELSEWHERE, random, kappa_max)
-    everywhere = _seen(model, model.to_encoders(elsewhere.q_m), elsewhere.pose)
+    everywhere = seen_by_parameters(model, model.to_encoders(elsewhere.q_m), elsewhere.pose)
     chosen: list[int] = []
-    errors = [_error(everywhere, covariance)]
+    errors = [predicted_error(everywhere, covariance)]
     free = np.ones(len(q), dtype=bool)
     for _ in range(count):
         gain = np.linalg.slogdet(np.eye(J.shape[1]) + J @ covariance @ np.swapaxes(J, 1, 2))[1]
@@ -98,7 +97,7 @@ def _greedy(
         free[best] = False
         chosen.append(best)
         covariance = _measured(covariance, J[best])
-        errors.append(_error(everywhere, covariance))
+        errors.append(predicted_error(everywhere, covariance))
     pose = where.pose[chosen]
     carts = where.q_m[chosen, :3]
     signs = np.sign(reach_along_rails(machine, pose, carts))
@@ -111,20 +110,8 @@ def _greedy(
     )
 
 
-def _seen(model: Model, q_m: FloatArray, pose: FloatArray) -> FloatArray:
-    """Differentiate all coordinates seen at every pose by all parameters. Shape (n, 3 reflectors, count)."""
-    J = position_jacobian(model, q_m, close(model, q_m, pose))
-    return J.reshape(len(J), -1, J.shape[-1])
-
-
 def _measured(covariance: FloatArray, J: FloatArray) -> FloatArray:
     """Give the covariance that is left when a pose with derivatives (m, count) is measured."""
     SJ = covariance @ J.T
     left = covariance - SJ @ np.linalg.solve(np.eye(len(J)) + J @ SJ, SJ.T)
     return np.asarray((left + left.T) / 2.0)
-
-
-def _error(J: FloatArray, covariance: FloatArray) -> float:
-    """Predict the error of a reflector, root mean square over poses. Three coordinates make one reflector."""
-    variance = np.einsum("nip,pk,nik->ni", J, covariance, J, optimize=True)
-    return float(np.sqrt(3.0 * variance.mean()))

@@ -1,24 +1,18 @@
 """A planned reconfiguration of the reference machine, and machines that are a little off."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline
 
 from pipeline.arrays import FloatArray
 from pipeline.correct import Correction, correct_path
-from pipeline.export.csv import read_csv
-from pipeline.export.trajectory_columns import POSE, POSITIONS
 from pipeline.machine import Machine, inverse_kinematics
 from pipeline.machine.geometry import MODES
 from pipeline.machine.pose import CONTROLLED
 from pipeline.measured.perturbed import perturbed
 from pipeline.refine.result import Path as PlannedPath
-from pipeline.refine.splines import DEGREE, clamped_knots, fit
-
-REFERENCE = Path(__file__).parents[2] / "results" / "reference" / "agder" / "trajectory.csv"
+from tests.reference import reference_path
 
 
 def ends_of(planned: PlannedPath, machine: Machine) -> tuple[FloatArray, FloatArray]:
@@ -30,13 +24,8 @@ def ends_of(planned: PlannedPath, machine: Machine) -> tuple[FloatArray, FloatAr
 
 @pytest.fixture(scope="session")
 def planned(machine: Machine) -> PlannedPath:
-    """Fit splines to the reference motion, which changes the mode of every arm; s is its length."""
-    table = read_csv(REFERENCE.read_text())
-    q, pose = (np.stack([table[name] for name in names], axis=1) for names in (POSITIONS, POSE))
-    length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1)))
-    rows = np.flatnonzero(np.diff(length, prepend=-1.0) > 1e-6)
-    s, knots = length[rows] / length[-1], clamped_knots(38)
-    return PlannedPath(machine, BSpline(knots, fit(knots, s, q[rows]), DEGREE), s, pose[rows])
+    """Give the reference motion as splines."""
+    return reference_path(machine)
 
 
 @pytest.fixture(scope="session")
