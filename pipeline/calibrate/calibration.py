@@ -8,12 +8,15 @@ import numpy as np
 from pipeline.arguments import require_number
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.calibrate.data.poses import StaticPoses
+from pipeline.calibrate.data.seen import close_at
+from pipeline.calibrate.elsewhere import Reach, predicted_reach
+from pipeline.calibrate.estimate.clocks import first_clocks
 from pipeline.calibrate.estimate.frame import fit_frame
 from pipeline.calibrate.estimate.start import start
 from pipeline.calibrate.identify import Identification, Problem, identify
-from pipeline.calibrate.model.forward import close, positions
+from pipeline.calibrate.model.forward import positions
 from pipeline.calibrate.model.model import Model, configured_model
-from pipeline.calibrate.model.parameters import USUAL
+from pipeline.calibrate.model.parameters import CLOCKS, USUAL
 from pipeline.calibrate.robust import identify_robustly, most_deviations
 from pipeline.config import Config
 from pipeline.errors import UsageError
@@ -99,6 +102,8 @@ class Calibration:
         Errors at these poses.
     held_out : Check or None
         Errors at the poses that took no part.
+    reach : Reach or None
+        Predicted errors along motions and elsewhere; None where there are no motions.
     """
 
     config: Config
@@ -107,6 +112,7 @@ class Calibration:
     rejected: BoolArray
     fitted: Check
     held_out: Check | None
+    reach: Reach | None = None
 
 
 def calibrate(config: Config, reflectors_m: FloatArray, poses: StaticPoses, setting: Setting) -> Calibration:
@@ -123,7 +129,9 @@ def calibrate(config: Config, reflectors_m: FloatArray, poses: StaticPoses, sett
             f"{len(poses)} poses with a reflector are too few: a calibration needs {_LEAST_POSES} for the frame of the "
             "tracker alone, and some 15 for a machine"
         )
-    model, guess = start(config, configured_model(config.machine, reflectors_m), poses)
+    configured = configured_model(config.machine, reflectors_m)
+    clocks_s = first_clocks(configured, poses) if CLOCKS.key in setting.fit else np.zeros(poses.motions)
+    model, guess = start(config, configured.with_clocks(clocks_s), poses)
     is_kept = _kept(len(poses), setting.hold_out)
     kept, held = np.flatnonzero(is_kept), np.flatnonzero(~is_kept)
     problem = build_problem(model, poses.at(kept), guess[kept], setting)
@@ -138,6 +146,7 @@ def calibrate(config: Config, reflectors_m: FloatArray, poses: StaticPoses, sett
         identification=found,
         rejected=rejected,
         fitted=_check_fitted(found, frame, int(rejected.sum())),
+        reach=predicted_reach(config, found) if poses.motions else None,
         held_out=_check_held_out(found, frame, poses.at(held), guess[held], setting.robust) if held.size else None,
     )
 
@@ -168,7 +177,7 @@ def _best_frame(found: Identification) -> Model:
     """Give the configured machine in the frame in which it fits the data best."""
     problem, seen = found.problem, found.problem.poses.is_seen
     own = problem.model.with_frame(np.eye(3), np.zeros(3))
-    points = positions(own, close(own, problem.poses.q_m, problem.guess))
+    points = positions(own, close_at(own, problem.poses, problem.guess))
     frame = fit_frame(points[seen], problem.poses.seen_m[seen])
     return own.with_frame(frame.rotation, frame.translation_m)
 
@@ -199,7 +208,7 @@ def _check_held_out(
 
 def _off(model: Model, poses: StaticPoses, guess: FloatArray) -> FloatArray:
     """Give the distances of points from where a machine has them; NaN where unseen. Shape (n, reflectors)."""
-    points = positions(model, close(model, poses.q_m, guess))
+    points = positions(model, close_at(model, poses, guess))
     return np.asarray(np.linalg.norm(poses.seen_m - points, axis=2))
 
 

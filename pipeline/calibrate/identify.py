@@ -16,13 +16,14 @@ from scipy.optimize import least_squares
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.calibrate.data.poses import StaticPoses
-from pipeline.calibrate.model.forward import close, position_jacobian, positions
+from pipeline.calibrate.data.seen import close_at, seen_jacobian
+from pipeline.calibrate.model.forward import positions
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.model.parameters import TRACKER
 from pipeline.errors import NoSolutionError
 
 _FRAME_STEP = 1e-3
-"""Size of a step of the tracker's frame, in metres and radians, for which there is no prior."""
+"""Size of a step of the tracker's frame and clock, in metres, radians and seconds, for which there is no prior."""
 _CLOSED_M = 1e-9
 _NOT_ASSEMBLED = 1e6
 """Residual, in deviations of noise, where a machine cannot be assembled: no step of the solver is taken there."""
@@ -44,7 +45,7 @@ class Problem:
     noise_m : float
         Standard deviation of every coordinate.
     prior_std : (count,)
-        Standard deviation of every parameter; infinite for the tracker's frame.
+        Standard deviation of every parameter; infinite for the tracker's frame and clock.
     is_fitted : (count,)
         Parameters that may change.
     weights : (n, reflectors)
@@ -67,9 +68,9 @@ class Problem:
 
     def data_jacobian(self, theta: FloatArray, pose: FloatArray) -> FloatArray:
         """Differentiate seen coordinates by fitted parameters, in their scales and that of noise. Shape (m, fitted)."""
-        seen, q, model = self.poses.is_seen, self.poses.q_m, self.model.moved(theta)
-        closed = close(model, q, pose)
-        J = position_jacobian(model, q, closed)
+        seen, model = self.poses.is_seen, self.model.moved(theta)
+        closed = close_at(model, self.poses, pose)
+        J = seen_jacobian(model, self.poses, closed)
         # Where a machine is not assembled, the solver is kept away by its residuals.
         J[~(closed.miss_m < _CLOSED_M)] = 0.0
         J = J[seen]
@@ -138,8 +139,8 @@ class Identification:
     @property
     def freedom(self) -> int:
         """Degrees of freedom of `chi2`."""
-        fitted_frame = np.count_nonzero(self.problem.is_fitted & ~np.isfinite(self.problem.prior_std))
-        return 3 * int(np.count_nonzero(self.problem.poses.is_seen)) - int(fitted_frame)
+        unknown = np.count_nonzero(self.problem.is_fitted & ~np.isfinite(self.problem.prior_std))
+        return 3 * int(np.count_nonzero(self.problem.poses.is_seen)) - int(unknown)
 
     @property
     def data_freedom(self) -> float:
@@ -151,7 +152,7 @@ class Identification:
 
     def predicted_covariance(self, poses: StaticPoses, guess: FloatArray) -> FloatArray:
         """Give the covariance of where reflectors are at other poses, noise left out. Shape (n, reflectors, 3, 3)."""
-        J = position_jacobian(self.model, poses.q_m, close(self.model, poses.q_m, guess))
+        J = seen_jacobian(self.model, poses, close_at(self.model, poses, guess))
         return np.asarray(J @ self.covariance @ np.swapaxes(J, -1, -2))
 
 
@@ -169,7 +170,7 @@ def identify(problem: Problem) -> Identification:
 
     def residual(x: FloatArray) -> FloatArray:
         model = problem.model.moved(problem.full(x))
-        closed = close(model, poses.q_m, problem.guess)
+        closed = close_at(model, poses, problem.guess)
         rows = root * (positions(model, closed) - poses.seen_m)[seen]
         rows[(np.broadcast_to(~(closed.miss_m[:, None] < _CLOSED_M), seen.shape))[seen]] = _NOT_ASSEMBLED
         return np.concatenate([rows.ravel(), prior * x])
@@ -190,7 +191,7 @@ def identify(problem: Problem) -> Identification:
     )
     theta = problem.full(found.x)
     model = problem.model.moved(theta)
-    closed = close(model, poses.q_m, problem.guess)
+    closed = close_at(model, poses, problem.guess)
     if (apart := ~(closed.miss_m < _CLOSED_M)).any():
         raise NoSolutionError(
             "calibrate",
@@ -215,7 +216,7 @@ def identify(problem: Problem) -> Identification:
 
 
 def _prior_rows(problem: Problem) -> FloatArray:
-    """Give the weight of what is known of each fitted parameter, in its scale: 1, or 0 for the tracker's frame."""
+    """Give the weight of what is known of each fitted parameter, in its scale: 1, or 0 for frames and clocks."""
     return np.isfinite(problem.prior_std[problem.is_fitted]).astype(float)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.calibrate.calibration import Calibration, Check
 from pipeline.calibrate.data.reading import PosesFile, reflector_columns
-from pipeline.calibrate.model.parameters import TRACKER
+from pipeline.calibrate.model.parameters import CLOCKS
 from pipeline.calibrate.next_poses import NextPoses
 from pipeline.calibrate.verdict import Verdict, measured_modes
 from pipeline.config.file import config_sha256
@@ -22,6 +22,7 @@ GAUGES = (
     "the configuration and of the reflectors. Deviations of single parameters contain this freedom."
 )
 NEXT_HEADER = ("pose", "mode", "x m", "y m", "z m", "rx deg", "rz deg", "kappa", "error then mm")
+_FAR_WORSE = 10.0
 _UNKNOWN_M = 0.1
 """Predicted errors above it only say that the tracker's frame is not known yet."""
 _MILLIONTHS = {"m": "um", "1": "ppm", "rad": "urad"}
@@ -62,16 +63,49 @@ class ParameterTable:
 
 
 def parameter_tables(calibration: Calibration) -> list[ParameterTable]:
-    """Format the parameters that were fitted, but the tracker's: a table per unit that there is."""
+    """Format the parameters that were fitted, but frame and clocks of the tracker: a table per unit that there is."""
     found = calibration.identification
     parameters, configured, origins = found.model.parameters, found.problem.model.values(), sources(calibration)
     rows: dict[str, list[tuple[str, ...]]] = {unit: [] for unit in _MILLIONTHS}
-    for k, name in enumerate(parameters.names[: parameters.slice(TRACKER).start]):
+    for k, name in enumerate(parameters.names[: parameters.slice(CLOCKS).start]):
         if found.problem.is_fitted[k]:
             deviations = (f"{1e6 * value:.1f}" for value in (found.std[k], found.problem.prior_std[k]))
             change = f"{1e6 * found.theta[k]:+.1f}"
             rows[parameters.units[k]].append((name, f"{configured[k]:.6f}", change, *deviations, origins[k]))
     return [ParameterTable(_TITLES[unit], _parameter_header(unit), cells) for unit, cells in rows.items() if cells]
+
+
+def motion_words(calibration: Calibration) -> list[str]:
+    """Say what motions tell: by how much clocks are late, and how sure the machine is along them, and elsewhere."""
+    found, reach = calibration.identification, calibration.reach
+    if reach is None:
+        return []
+    std = found.model.parameters.of(CLOCKS, found.std)
+    said = [
+        f"motion {number}: the clock of the tracker is late by {1e3 * late:+.4f} ms, within {1e3 * deviation:.4f} ms"
+        if deviation > 0.0
+        else f"motion {number}: the clocks were taken to agree, since --fit leaves clocks out"
+        for number, (late, deviation) in enumerate(zip(found.model.clocks_s, std, strict=True), 1)
+    ]
+    along, elsewhere = 1e3 * reach.along_m, 1e3 * reach.elsewhere_m
+    said.append(f"predicted error of a reflector: {along:.3f} mm along the motions, {elsewhere:.3f} mm elsewhere")
+    if elsewhere > _FAR_WORSE * along:
+        said.append("Good along the motions, and no calibration of the machine: for that, add static poses elsewhere.")
+    return said
+
+
+def _motion_data(calibration: Calibration) -> dict[str, Any]:
+    found, reach = calibration.identification, calibration.reach
+    if reach is None:
+        return {}
+    std = found.model.parameters.of(CLOCKS, found.std).tolist()
+    return {
+        "clocks": [
+            {"late_s": late, "std_s": deviation}
+            for late, deviation in zip(found.model.clocks_s.tolist(), std, strict=True)
+        ],
+        "predicted_m": {"along_motions": reach.along_m, "elsewhere": reach.elsewhere_m},
+    }
 
 
 def _parameter_header(unit: str) -> tuple[str, ...]:
@@ -119,6 +153,7 @@ def calibration_data(calibration: Calibration, verdict: Verdict, files: Sequence
         },
         "gauge_convention": GAUGES,
         "errors": {"fitted": _check_data(calibration.fitted), "held_out": _check_data(calibration.held_out)},
+        **_motion_data(calibration),
         "poses": len(problem.poses),
         "modes": measured_modes(found),
         "rejected": [

@@ -10,8 +10,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from pipeline.arrays import BoolArray, FloatArray
+from pipeline.calibrate.data.seen import close_at
 from pipeline.calibrate.identify import Identification, Problem, identify
-from pipeline.calibrate.model.forward import close, positions
+from pipeline.calibrate.model.forward import positions
 from pipeline.calibrate.model.model import Model
 
 _SCALE = 3.0
@@ -54,6 +55,6 @@ def _weights(problem: Problem, model: Model) -> FloatArray:
 
 def _errors(problem: Problem, model: Model) -> FloatArray:
     """Give the distances of points from where they are predicted, in deviations of noise; 0 where unseen. (n, r)."""
-    closed = close(model, problem.poses.q_m, problem.guess)
+    closed = close_at(model, problem.poses, problem.guess)
     off = np.linalg.norm(problem.poses.seen_m - positions(model, closed), axis=2)
     return np.asarray(np.nan_to_num(off) / problem.noise_m)

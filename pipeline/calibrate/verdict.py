@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from pipeline.calibrate.calibration import Calibration
 from pipeline.calibrate.identify import Identification, identify
 from pipeline.calibrate.model.gauges import fitted_gauges, rank
-from pipeline.calibrate.model.parameters import CHOICES, DIRECTIONS, Kind
+from pipeline.calibrate.model.parameters import CHOICES, CLOCKS, DIRECTIONS, Kind
 from pipeline.calibrate.robust import identify_robustly
 from pipeline.machine.geometry import PRIMARY, rotation
 from pipeline.machine.working_modes import mode_names
@@ -86,7 +86,7 @@ def measured_modes(found: Identification) -> dict[str, int]:
 
 def pose_modes(found: Identification) -> list[str]:
     """Name the working mode of every pose."""
-    joints = found.model.cart_joints(found.problem.poses.q_m)
+    joints = found.model.cart_joints(found.problem.poses.encoders(found.model.clocks_s))
     R = rotation(*found.pose[:, 3:].T)
     points = found.pose[:, None, :3] + found.model.platform_points_m @ np.swapaxes(R, 1, 2)
     modes = np.where(joints[:, PRIMARY, 0] < points[:, PRIMARY, 0], -1.0, 1.0)
@@ -122,6 +122,8 @@ def _unexplained(calibration: Calibration) -> str:
             return f"{said} {rejected.sum()} points are outliers ({shown}).\n  What to change: --robust rejects them."
     for kind in (one for one in CHOICES if one not in calibration.setting.fit):
         wider = replace(problem, is_fitted=problem.is_fitted | problem.model.parameters.is_fitted((kind,)))
+        if (wider.is_fitted == problem.is_fitted).all():
+            continue
         other = identify(wider)
         if _probability(other) > _UNLIKELY:
             return f"{said} {_explained_by(kind, other)}"
@@ -139,6 +141,12 @@ def _unexplained(calibration: Calibration) -> str:
 
 
 def _explained_by(key: str, found: Identification) -> str:
+    if key == CLOCKS.key:
+        late = ", ".join(f"{1e3 * late_s:+.3f} ms" for late_s in found.model.clocks_s)
+        return (
+            f"Clocks that differ do: the tracker's is late by {late}, within {1e3 * _std(found, CLOCKS):.3f} ms.\n"
+            "  What to change: add clocks to --fit; measure static poses, which need no clock."
+        )
     if key != DIRECTIONS.key:
         return f"With {key} fitted, one does.\n  What to change: add {key} to --fit."
     slopes = found.model.directions_rad

@@ -15,6 +15,7 @@ from pipeline.cli.commands import (
     calibrate,
     certify,
     check,
+    correct,
     export,
     init,
     measured,
@@ -231,6 +232,7 @@ _GROUPS = (
     simulate_poses,
     calibrate,
     tour,
+    correct,
     simulate,
     tune,
 )

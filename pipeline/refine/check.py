@@ -51,8 +51,17 @@ def find_violations(
     sample : callable
         Evaluates the path at s (n,).
     """
-    s = np.linspace(0.0, 1.0, config.refine.check_points + 1)
-    required = path_requirements(config, route, path, coarse)
+    return find_broken(path, path_requirements(config, route, path, coarse), config.refine.check_points, sample)
+
+
+def find_broken(
+    path: Path,
+    required: list[Requirement],
+    points: int,
+    sample: Callable[[Path, FloatArray], PathSamples] = sample_path,
+) -> list[Violation]:
+    """List what a path breaks of some requirements, sampled at as many points at least, and as densely as it takes."""
+    s = np.linspace(0.0, 1.0, points + 1)
     try:
         near = samples = sample(path, s)
         whole, added = np.ones(len(s) - 1, dtype=bool), []

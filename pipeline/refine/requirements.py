@@ -65,8 +65,18 @@ class Requirement:
 
 def path_requirements(config: Config, route: Route, path: Path, coarse: Path) -> list[Requirement]:
     """List everything that a path along a route has to keep, in the order in which it is reported."""
+    left_out = _events(
+        "an arm leaves out working modes of the route",
+        _MORE_NODES,
+        lambda samples: lost_modes(route, coarse, samples),
+    )
+    return [left_out, *own_requirements(config, path), *_of_the_route(config, route, path, coarse)]
+
+
+def own_requirements(config: Config, path: Path) -> list[Requirement]:
+    """List what a path has to keep whatever its route: its branch, the budget of working modes, and all limits."""
     limits = [_of_limit(path, limit) for limit in path_limits(config, path.machine)]
-    return [*_of_the_course(config, route, path, coarse), *limits, *_of_the_route(config, route, path, coarse)]
+    return [*_of_the_course(config, path), *limits]
 
 
 def _of_limit(path: Path, limit: Limit) -> Requirement:
@@ -81,16 +91,11 @@ def _of_limit(path: Path, limit: Limit) -> Requirement:
     )
 
 
-def _of_the_course(config: Config, route: Route, path: Path, coarse: Path) -> list[Requirement]:
+def _of_the_course(config: Config, path: Path) -> list[Requirement]:
     """List what a path breaks at single samples, with nothing to interpolate between them."""
     return [
         _events("det H changes sign", _MORE_NODES, lambda samples: sign_changes(samples.det_sign)),
         _events("the pose jumps", _MORE_NODES, lambda samples: jumps(path, samples)),
-        _events(
-            "an arm leaves out working modes of the route",
-            _MORE_NODES,
-            lambda samples: lost_modes(route, coarse, samples),
-        ),
         _events(
             "working modes change more often than task.budget.mode_changes allows",
             "Raise task.budget.mode_changes or refine.nodes.",

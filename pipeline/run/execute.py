@@ -23,9 +23,10 @@ from pipeline.run.product import Product
 from pipeline.run.reporter import Quiet, Reporter
 from pipeline.run.results import Results
 from pipeline.run.run_report import Outcome, RunReport
-from pipeline.run.stage_specs import SPECS, Specs, report_of, spec_of
+from pipeline.run.stage_specs import SPECS, Specs, report_of, spec_of, stages_up_to
 from pipeline.run.up_to_date.check import expected_fingerprint, matching_records, why_outdated
 from pipeline.stage import Stage
+from pipeline.summary.path import CORRECTION
 from pipeline.summary.section import failed_part
 from pipeline.summary.whole import summarise
 
@@ -74,12 +75,13 @@ def run_pipeline(
     _check_range(out, options.first, options.last)
     patterns = [pattern for spec in specs for pattern in spec.patterns]
     with open_run_folder(out, patterns) as folder, SecondProcess(out) as beside:
+        _refuse_corrected(folder, specs)
         recompute = Stage.REGIONS in options.forced
         results = Results(config, machine, out, specs, recompute, options.proof, beside, given or {})
         run = _Run(folder, results, options, reporter or Quiet())
         if options.first is not None:
             run.require_earlier(options.first)
-        outcomes = [run.run(stage) for stage in (*options.last.earlier, options.last)]
+        outcomes = [run.run(stage) for stage in stages_up_to(specs, options.last)]
         run.report_missing_part(outcomes[-1])
         summary = run.prune_outdated()
         return RunReport(out, tuple(outcomes), summary, folder.superseded)
@@ -92,6 +94,16 @@ def _check_range(out: Path, first: Stage | None, last: Stage) -> None:
         raise UsageError(
             f"--from {first} needs earlier results, and there are none in {out}.\n"
             "  What to change: omit --from, or give the folder of an earlier run with --out."
+        )
+
+
+def _refuse_corrected(folder: RunFolder, specs: Specs) -> None:
+    """Keep a corrected motion from being replaced, unasked, by one that is planned."""
+    record = folder.state.stages.get(Stage.REFINE)
+    if record is not None and CORRECTION in record.summary and spec_of(specs, Stage.REFINE).upstream:
+        raise UsageError(
+            f"{folder.path} has a motion that was corrected for another machine, which a run would replace by one that "
+            "it plans.\n  What to change: give another folder (--out); gantry-tau correct proves and times it again."
         )
 
 

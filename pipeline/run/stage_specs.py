@@ -12,6 +12,7 @@ from pipeline.artifacts.layout import (
     BACK_CSV,
     BACK_JSON,
     CERTIFICATE_JSON,
+    CORRECTION_CSV,
     FIGURE_PATTERNS,
     FIGURES,
     FOLLOWING_CSV,
@@ -181,7 +182,7 @@ SPECS: Specs = (
         make=Deferred("pipeline.run.makers.path", "make_path"),
         load=Deferred("pipeline.artifacts.results.path", "load_refinement"),
         result=PATH_NPZ,
-        files=(PATH_NPZ, PATH_CSV),
+        files=(PATH_NPZ, PATH_CSV, CORRECTION_CSV),
         section="path",
         words=Deferred("pipeline.summary.path", "path_words"),
         shown=((PATH_NPZ, "the path as splines"), (PATH_CSV, "the path, densely sampled")),
@@ -249,6 +250,15 @@ SPECS: Specs = (
 def spec_of(specs: Specs, stage: Stage) -> StageSpec:
     """Give the row of a stage."""
     return next(spec for spec in specs if spec.stage is stage)
+
+
+def stages_up_to(specs: Specs, last: Stage) -> tuple[Stage, ...]:
+    """Name the stages of a run that ends with one: it, and those that its result, or theirs, builds on or completes."""
+    wanted = {last}
+    for spec in reversed(specs):
+        if spec.stage in wanted:
+            wanted |= {*spec.upstream, *spec.completes}
+    return tuple(spec.stage for spec in specs if spec.stage in wanted)
 
 
 def report_of(specs: Specs) -> "Callable[[Results, State], bytes]":

@@ -8,6 +8,9 @@ if TYPE_CHECKING:
     from pipeline.refine.measure import PathFigures
     from pipeline.refine.result import Refinement
 
+CORRECTION = "correction"
+"""The key of what was corrected, where a path was corrected for another machine rather than refined from a route."""
+
 
 def path_section(refinement: "Refinement", refined: "PathFigures", coarse: "PathFigures") -> Section:
     """Give the figures of the refined path, and of the coarse one measured in the same way.

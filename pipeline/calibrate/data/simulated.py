@@ -1,6 +1,7 @@
-"""Simulated measurements of static poses: a machine as real ones are, seen by a tracker somewhere in the room."""
+"""Simulated measurements: static poses or a motion of a machine as real ones are, seen by a tracker in the room."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 from zlib import crc32
 
 import numpy as np
@@ -9,16 +10,20 @@ from scipy.spatial.transform import Rotation
 from pipeline.arguments import require_number, require_whole
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.calibrate.data.design import MODERATE, random_poses
-from pipeline.calibrate.data.poses import StaticPoses
+from pipeline.calibrate.data.motions import DrivenMotion
+from pipeline.calibrate.data.poses import StaticPoses, Timing
 from pipeline.calibrate.data.reading import reflector_columns
+from pipeline.calibrate.data.seen import close_at
 from pipeline.calibrate.model import parameters as kinds
-from pipeline.calibrate.model.forward import Closed, close, positions
+from pipeline.calibrate.model.forward import Closed, positions
 from pipeline.calibrate.model.model import Model, configured_model
 from pipeline.calibrate.model.parameters import Kind
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.export.trajectory_columns import POSITIONS
+from pipeline.machine.kinematics import InverseSolution
 from pipeline.measured.perturbed import generators
+from pipeline.measured.table import TIME
 from pipeline.measured.tracker import with_outliers
 
 _FARTHEST_M = 4.0
@@ -103,9 +108,10 @@ class SimulatedPoses:
         NoSolutionError
             When it cannot be assembled at one.
         """
-        seen = positions(self.truth, _assembled(self.truth, q_m, near))
+        poses = StaticPoses(q_m, np.full((len(q_m), *self.poses.seen_m.shape[1:]), np.nan))
+        seen = positions(self.truth, _assembled(self.truth, poses, near))
         noise = np.random.default_rng(crc32(np.ascontiguousarray(q_m).tobytes()))
-        return StaticPoses(q_m, seen + noise.normal(0.0, self.noise_m, seen.shape))
+        return replace(poses, seen_m=seen + noise.normal(0.0, self.noise_m, seen.shape))
 
 
 def simulate_static(config: Config, reflectors_m: FloatArray, setting: StaticSetting) -> SimulatedPoses:
@@ -116,20 +122,64 @@ def simulate_static(config: Config, reflectors_m: FloatArray, setting: StaticSet
     NoSolutionError
         When there are not enough such poses, or the machine that was drawn cannot be assembled at one.
     """
+    drawn = _draw(config, reflectors_m, setting)
+    unseen = np.full((setting.poses, len(reflectors_m), 3), np.nan)
+    poses = StaticPoses(drawn.configured.to_encoders(drawn.where.q_m), unseen)
+    return _measured(drawn, poses, drawn.where.pose, drawn.truth, setting)
+
+
+def simulate_motion(
+    config: Config, reflectors_m: FloatArray, driven: DrivenMotion, setting: StaticSetting, late_s: float = 0.0
+) -> SimulatedPoses:
+    """Measure a motion, once per period, of the machine that static poses of the same setting are of.
+
+    The clock of the tracker is late by `late_s`.
+
+    Raises
+    ------
+    NoSolutionError
+        When the machine that was drawn cannot be assembled somewhere along the motion.
+    """
+    drawn = _draw(config, reflectors_m, setting)
+    t = np.arange(0.0, driven.trajectory.duration_s + driven.period_s / 2.0, driven.period_s)
+    timing = Timing(driven, np.zeros(len(t), dtype=int), t)
+    seen = np.full((len(t), len(reflectors_m), 3), np.nan)
+    poses = StaticPoses(driven.encoders(t), seen, timing=timing)
+    late = np.array([late_s])
+    return _measured(drawn, poses, driven.pose(poses.times_s(late)), drawn.truth.with_clocks(late), setting)
+
+
+class _Drawn(NamedTuple):
+    """A machine that was drawn, in the frame of its tracker, where it is measured, and noise that is yet to be."""
+
+    configured: Model
+    truth: Model
+    where: InverseSolution
+    noise: np.random.Generator
+
+
+def _draw(config: Config, reflectors_m: FloatArray, setting: StaticSetting) -> _Drawn:
     geometry, noise = generators(setting.seed)
     model = configured_model(config.machine, reflectors_m)
     where = random_poses(config, setting.poses, geometry, MODERATE)
-    q = model.to_encoders(where.q_m)
     truth = model.moved(_deviations(model, setting, geometry)).with_frame(
         Rotation.random(random_state=geometry).as_matrix(), geometry.uniform(-_FARTHEST_M, _FARTHEST_M, 3)
     )
-    seen = positions(truth, _assembled(truth, q, where.pose))
-    seen, is_outlier = with_outliers(seen + noise.normal(0.0, setting.noise_m, seen.shape), setting.outliers, noise)
-    return SimulatedPoses(StaticPoses(q, seen), where.pose, truth, is_outlier, setting.noise_m)
+    return _Drawn(model, truth, where, noise)
 
 
-def _assembled(truth: Model, q_m: FloatArray, near: FloatArray) -> Closed:
-    closed = close(truth, q_m, near)
+def _measured(
+    drawn: _Drawn, poses: StaticPoses, guess: FloatArray, truth: Model, setting: StaticSetting
+) -> SimulatedPoses:
+    """See the reflectors of a machine at all rows, with noise and outliers."""
+    seen = positions(truth, _assembled(truth, poses, guess))
+    noise = drawn.noise.normal(0.0, setting.noise_m, seen.shape)
+    seen, is_outlier = with_outliers(seen + noise, setting.outliers, drawn.noise)
+    return SimulatedPoses(replace(poses, seen_m=seen), guess, truth, is_outlier, setting.noise_m)
+
+
+def _assembled(truth: Model, poses: StaticPoses, guess: FloatArray) -> Closed:
+    closed = close_at(truth, poses, guess)
     if not (closed.miss_m <= _CLOSED_M).all():
         raise NoSolutionError(
             "simulate-measurement",
@@ -140,8 +190,8 @@ def _assembled(truth: Model, q_m: FloatArray, near: FloatArray) -> Closed:
 
 
 def static_columns(poses: StaticPoses) -> dict[str, FloatArray]:
-    """Name the columns of static poses, as `read_poses` reads them."""
-    columns = dict(zip(POSITIONS, poses.q_m.T, strict=True))
+    """Name the columns of static poses, or of one motion, as `read_poses` reads them."""
+    columns = {TIME: poses.timing.t_s} if poses.timing is not None else dict(zip(POSITIONS, poses.q_m.T, strict=True))
     for number in range(poses.seen_m.shape[1]):
         columns |= dict(zip(reflector_columns(number + 1), poses.seen_m[:, number].T, strict=True))
     return columns

@@ -12,6 +12,7 @@ import numpy as np
 from pipeline.arrays import BoolArray, FloatArray, IntArray
 from pipeline.calibrate.data.poses import StaticPoses
 from pipeline.calibrate.estimate.assemblies import assemblies
+from pipeline.calibrate.estimate.clocks import planned_poses
 from pipeline.calibrate.estimate.frame import Frame, fit_frame_robustly
 from pipeline.calibrate.model.forward import close, positions
 from pipeline.calibrate.model.model import Model
@@ -30,6 +31,7 @@ _ROUNDING_M = 1e-12
 _LEAST_WIDTH_M = 0.01
 _CLEARLY = 3.0
 """How much better data have to fit as something else to be that."""
+_MOTIONS = "; that the motion is the one driven (--run, --speed, --period, --back)"
 _FARTHEST_M = 0.02
 """How far points may be off the configured machine in the median: farther off it is another one."""
 
@@ -44,7 +46,7 @@ def start(config: Config, model: Model, poses: StaticPoses) -> tuple[Model, Floa
         unit, of other reflectors, of a left-handed tracker, or of another machine: each is told as what it is.
     """
     _require_ranges(config, model, poses)
-    found = assemblies(config, model.actuators(poses.q_m))
+    found = _assemblies(config, model, poses)
     for row, some in enumerate(found):
         if len(some) == 0:
             raise UsageError(
@@ -61,11 +63,19 @@ def start(config: Config, model: Model, poses: StaticPoses) -> tuple[Model, Floa
         raise UsageError(
             f"the reflectors are {1e3 * frame.median_m:.0f} mm off the configured machine in the median, "
             "however the tracker stands.\n  What to change: check that file and configuration are of one machine, and "
-            "the places of the reflectors (--reflector-1 ...)."
+            f"the places of the reflectors (--reflector-1 ...){_MOTIONS if poses.motions else ''}."
         )
     _require_width(candidates.points_of(choice)[poses.is_seen])
     guess = np.array([some[index] for some, index in zip(found, choice, strict=True)])
     return model.with_frame(frame.rotation, frame.translation_m), guess
+
+
+def _assemblies(config: Config, model: Model, poses: StaticPoses) -> list[FloatArray]:
+    """Find poses (k, 6) that the machine may have at every row: along motions those that were planned."""
+    moving, q = poses.is_moving, poses.encoders(model.clocks_s)
+    still = iter(assemblies(config, model.actuators(q[~moving])) if not moving.all() else [])
+    planned = iter(list(planned_poses(model, poses)[:, None]) if moving.any() else [])
+    return [next(planned) if moves else next(still) for moves in moving.tolist()]
 
 
 class _Candidates:
@@ -76,7 +86,7 @@ class _Candidates:
         self.first = np.cumsum(self.counts) - self.counts
         self.rows = np.repeat(np.arange(len(found)), self.counts)
         pose = np.concatenate(found)
-        self.points_m = positions(model, close(model, poses.q_m[self.rows], pose))
+        self.points_m = positions(model, close(model, poses.encoders(model.clocks_s)[self.rows], pose))
         self.upright = self._least(np.abs(pose[:, [3, 5]]).max(axis=1))
         self.seen_m = poses.seen_m
 

@@ -1,6 +1,6 @@
 """A machine with reflectors as a tracker sees it: all numbers that a calibration may change."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -38,6 +38,8 @@ class Model:
         Orientation of the machine's frame in the tracker's.
     translation_m : (3,)
         Origin of the machine's frame in the tracker's.
+    clocks_s : (motions,)
+        By how much the clock of the tracker is late, for every motion that was measured.
     """
 
     platform_points_m: FloatArray
@@ -51,11 +53,12 @@ class Model:
     reflectors_m: FloatArray
     rotation: FloatArray
     translation_m: FloatArray
+    clocks_s: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def parameters(self) -> Parameters:
         """The parameters that change it."""
-        return Parameters(len(self.reflectors_m))
+        return Parameters(len(self.reflectors_m), len(self.clocks_s))
 
     def moved(self, theta: FloatArray) -> "Model":
         """Add deviations (count,) of all parameters."""
@@ -73,6 +76,7 @@ class Model:
             zeros_m=self.zeros_m + of(kinds.ZEROS, theta),
             scales=self.scales + of(kinds.SCALES, theta),
             reflectors_m=self.reflectors_m + of(kinds.REFLECTORS, theta).reshape(-1, 3),
+            clocks_s=self.clocks_s + of(kinds.CLOCKS, theta),
             rotation=Rotation.from_rotvec(turned).as_matrix() @ self.rotation,
             translation_m=self.translation_m + shifted,
         )
@@ -80,6 +84,10 @@ class Model:
     def with_frame(self, rotation: FloatArray, translation_m: FloatArray) -> "Model":
         """Give the same machine seen from another frame."""
         return replace(self, rotation=rotation, translation_m=translation_m)
+
+    def with_clocks(self, clocks_s: FloatArray) -> "Model":
+        """Give the same machine, seen by trackers whose clocks are late by (motions,)."""
+        return replace(self, clocks_s=clocks_s)
 
     def actuators(self, q_m: FloatArray) -> FloatArray:
         """Convert what encoders show (n, 5) to cart positions and telescope lengths (n, 5)."""
@@ -95,7 +103,7 @@ class Model:
             [
                 *(self.platform_points_m.ravel(), self.cart_offsets_m.ravel(), self.rails_m.ravel()),
                 *(self.lengths_m[FIXED], self.zeros_m, self.scales, self.directions_rad.ravel()),
-                *(self.reflectors_m.ravel(), np.zeros(len(kinds.TRACKER.names))),
+                *(self.reflectors_m.ravel(), self.clocks_s, np.zeros(len(kinds.TRACKER.names))),
             ]
         )
 

@@ -42,9 +42,11 @@ SCALES = Kind("scales", tuple(f"scale {name}" for name in ACTUATORS), "1", _SCAL
 DIRECTIONS = Kind("directions", _points("direction of rail", ("1", "2", "3"), "yz"), "rad", _ANGLE_STD_RAD)
 REFLECTORS = Kind("reflectors", (), "m", _LENGTH_STD_M)
 """x, y, z of as many reflectors as there are."""
+CLOCKS = Kind("clocks", (), "s", np.inf)
+"""Clock offsets of as many motions as there are; nothing is known of them."""
 TRACKER = Kind("tracker", (*_points("tracker turned about", ("",)), *_points("tracker moved along", ("",))), "", np.inf)
 """Rotation vector and translation of the tracker's frame, of which nothing is known."""
-KINDS = (PLATFORM, OFFSETS, RAILS, LENGTHS, ZEROS, SCALES, DIRECTIONS, REFLECTORS, TRACKER)
+KINDS = (PLATFORM, OFFSETS, RAILS, LENGTHS, ZEROS, SCALES, DIRECTIONS, REFLECTORS, CLOCKS, TRACKER)
 CHOICES = tuple(kind.key for kind in KINDS if kind is not TRACKER)
 """Words for what can be fitted; the tracker's frame always is."""
 USUAL = tuple(key for key in CHOICES if key != DIRECTIONS.key)
@@ -59,9 +61,12 @@ class Parameters:
     ----------
     reflector_count : int
         Number of reflectors on the platform.
+    motion_count : int
+        Number of motions with a clock offset: one more parameter each.
     """
 
     reflector_count: int
+    motion_count: int = 0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -103,6 +108,8 @@ class Parameters:
         return [kind for kind in KINDS for _ in self._names(kind)]
 
     def _names(self, kind: Kind) -> tuple[str, ...]:
+        if kind is CLOCKS:
+            return tuple(f"clock offset {number + 1}" for number in range(self.motion_count))
         if kind is not REFLECTORS:
             return kind.names
         return _points("reflector", tuple(str(number + 1) for number in range(self.reflector_count)))

@@ -11,14 +11,12 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.calibrate.calibration import Setting
 from pipeline.calibrate.data.design import random_poses
-from pipeline.calibrate.model.forward import close, position_jacobian
+from pipeline.calibrate.elsewhere import CALIBRATED, predicted_error, seen_by_parameters
 from pipeline.calibrate.model.model import Model
 from pipeline.config import Config
 
 _CANDIDATES, _ELSEWHERE = 600, 200
 _SEED = 1
-_CALIBRATED = 40.0
-"""Largest kappa of poses once a machine is known to a few tenths of a millimetre."""
 _FRAME_STD = 10.0
 """Stands for knowing nothing of the tracker's frame, in metres and radians."""
 
@@ -49,8 +47,7 @@ class Candidates:
 
     def error_m(self, covariance: FloatArray) -> float:
         """Predict the error of a reflector anywhere, root mean square. Three coordinates make one reflector."""
-        J = self.elsewhere_m.reshape(-1, self.elsewhere_m.shape[-1])
-        return float(np.sqrt(3.0 * np.sum((J @ covariance) * J) / len(J)))
+        return predicted_error(self.elsewhere_m, covariance)
 
 
 def draw_candidates(config: Config, model: Model, noise_m: float, wanted: tuple[int, float]) -> Candidates:
@@ -70,14 +67,14 @@ def draw_candidates(config: Config, model: Model, noise_m: float, wanted: tuple[
         q_m=q,
         pose=where.pose,
         carts_m=where.q_m[:, :3],
-        seen=derivatives(model, q, where.pose) / noise_m,
-        elsewhere_m=derivatives(model, model.to_encoders(elsewhere.q_m), elsewhere.pose),
+        seen=seen_by_parameters(model, q, where.pose) / noise_m,
+        elsewhere_m=seen_by_parameters(model, model.to_encoders(elsewhere.q_m), elsewhere.pose),
     )
 
 
 def largest_kappa(config: Config) -> float:
     """Give the largest kappa of poses to measure once a machine is calibrated."""
-    return min(_CALIBRATED, config.route.kappa_max)
+    return min(CALIBRATED, config.route.kappa_max)
 
 
 def known_beforehand(model: Model, setting: Setting) -> FloatArray:
@@ -99,12 +96,6 @@ def choose(among: Candidates, covariance: FloatArray, count: int) -> tuple[IntAr
         covariance = measured(covariance, J[best])
         errors.append(among.error_m(covariance))
     return np.array(chosen, dtype=int), np.array(errors)
-
-
-def derivatives(model: Model, q_m: FloatArray, pose: FloatArray) -> FloatArray:
-    """Differentiate all coordinates seen at every pose by all parameters. Shape (n, 3 reflectors, count)."""
-    J = position_jacobian(model, q_m, close(model, q_m, pose))
-    return J.reshape(len(J), -1, J.shape[-1])
 
 
 def measured(covariance: FloatArray, J: FloatArray) -> FloatArray:

@@ -6,10 +6,10 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.calibrate.calibration import Calibration
+from pipeline.calibrate.data.seen import close_at, seen_jacobian
 from pipeline.calibrate.predict.candidates import (
     Candidates,
     choose,
-    derivatives,
     draw_candidates,
     known_beforehand,
     largest_kappa,
@@ -56,11 +56,11 @@ def learning_curves(calibration: Calibration, further: int = 20) -> Learning:
     among = draw_candidates(calibration.config, model, noise_m, (total, largest_kappa(calibration.config)))
     beforehand = known_beforehand(model, calibration.setting)
     seen = np.repeat(poses.is_seen, 3, axis=1)
-    J = derivatives(model, poses.q_m, found.pose) / noise_m
+    J = seen_jacobian(model, poses, close_at(model, poses, found.pose)).reshape(len(poses), -1, model.parameters.count)
     random = np.random.default_rng(_SEED)
     draws = [random.choice(len(among.seen), total, replace=False) for _ in range(_DRAWS)]
     return Learning(
-        measured_m=_errors(among, beforehand, [rows[known] for rows, known in zip(J, seen, strict=True)]),
+        measured_m=_errors(among, beforehand, [rows[known] / noise_m for rows, known in zip(J, seen, strict=True)]),
         further_m=choose(among, found.covariance, further)[1],
         best_m=choose(among, beforehand, total)[1],
         random_m=np.array([_errors(among, beforehand, list(among.seen[rows])) for rows in draws]),

@@ -7,11 +7,11 @@ import numpy as np
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.calibrate.calibration import Calibration
 from pipeline.calibrate.data.design import sign_at_start
+from pipeline.calibrate.elsewhere import seen_by_parameters
 from pipeline.calibrate.estimate.frame import fit_frame
 from pipeline.calibrate.identify import Identification
 from pipeline.calibrate.model.forward import close, positions
 from pipeline.calibrate.model.model import Model
-from pipeline.calibrate.predict.candidates import derivatives
 from pipeline.calibrate.verdict import pose_modes
 from pipeline.config import Config
 from pipeline.limits import admitted, pose_limits
@@ -81,7 +81,7 @@ def error_maps(calibration: Calibration) -> ErrorMaps:
 
 def _configured(found: Identification) -> Model:
     """Give the configured machine in the frame in which it is nearest to the calibrated one at the measured poses."""
-    q, own = found.problem.poses.q_m, found.problem.model.with_frame(np.eye(3), np.zeros(3))
+    q, own = found.problem.poses.encoders(found.model.clocks_s), found.problem.model.with_frame(np.eye(3), np.zeros(3))
     points, target = (positions(model, close(model, q, found.pose)) for model in (own, found.model))
     frame = fit_frame(points.reshape(-1, 3), target.reshape(-1, 3))
     return own.with_frame(frame.rotation, frame.translation_m)
@@ -97,7 +97,7 @@ def _moved(before: Model, after: Model, q_m: FloatArray, pose: FloatArray) -> Fl
 
 def _predicted(found: Identification, q_m: FloatArray, pose: FloatArray) -> FloatArray:
     """Predict the error of reflectors, root mean square over them. Shape (n,)."""
-    J = derivatives(found.model, q_m, pose)
+    J = seen_by_parameters(found.model, q_m, pose)
     variance = np.sum((J @ found.covariance) * J, axis=2)
     return np.asarray(np.sqrt(3.0 * variance.mean(axis=1)))
 

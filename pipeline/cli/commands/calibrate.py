@@ -9,6 +9,8 @@ import typer
 from pipeline.cli.calibration.next_poses import begin, check_next, propose
 from pipeline.cli.calibration.pictures import check_pictures, draw_pictures, require_no_pictures
 from pipeline.cli.console import messages_console, results_console
+from pipeline.cli.motions.calibration_setting import fitted_kinds, prior_deviations
+from pipeline.cli.motions.driven import DrivenBack, DrivenPeriod, DrivenSpeed, driven_motion
 from pipeline.cli.motions.reflector_options import (
     FirstReflector,
     SecondReflector,
@@ -17,22 +19,19 @@ from pipeline.cli.motions.reflector_options import (
 )
 from pipeline.cli.options import ConfigArgument
 from pipeline.cli.output import check_facts, print_json, refuse_same, text_table
-from pipeline.errors import NoSolutionError, UsageError
+from pipeline.errors import NoSolutionError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pipeline.calibrate import Calibration, Setting, Verdict
+    from pipeline.calibrate import Calibration, Verdict
     from pipeline.config import Config
-
-_NUMBERS = ("platform", "offsets", "rails", "lengths", "zeros", "reflectors")
-"""Kinds of parameters that a prior deviation without a kind is for: lengths."""
 
 
 def calibrate(
     config_file: ConfigArgument,
     files: Annotated[
-        list[Path] | None, typer.Argument(metavar="FILE", help="CSV files with measured static poses.")
+        list[Path] | None, typer.Argument(metavar="FILE", help="CSV files with measured poses or motions.")
     ] = None,
     first: FirstReflector = None,
     second: SecondReflector = None,
@@ -90,6 +89,13 @@ def calibrate(
             help="Draw five figures beside that name, FILE-residuals and so on: .png, .pdf or .svg.",
         ),
     ] = None,
+    run: Annotated[
+        Path | None,
+        typer.Option("--run", metavar="RUN", help="The run that was driven in files of motions, with times t_s."),
+    ] = None,
+    speed: DrivenSpeed = None,
+    period_s: DrivenPeriod = None,
+    back: DrivenBack = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with everything, covariance included.")] = False,
 ) -> None:
     """Correct the configuration of a machine by what a tracker saw of it, and say how sure that is.
@@ -98,7 +104,12 @@ def calibrate(
     encoders showed (q1_m to q5_m), and where reflectors on the platform were
     seen (x1_m, y1_m, z1_m; x2_m ...), empty where one was not, in whatever
     frame the tracker has. Kinds of parameters are platform, offsets, rails,
-    lengths, zeros, scales, directions, reflectors.
+    lengths, zeros, scales, directions, reflectors, clocks.
+
+    Files with times t_s instead of encoders are of the motion of --run, as
+    it was driven (--speed, --period, --back); by how much the clock of the
+    tracker is late is fitted for each, up to 2 s. What drives are off their
+    commands is not known there: static poses are better.
 
     --output gets the configuration with all else, comments included, as it
     is, and beside it a file .json with everything. Exits with 1, and writes
@@ -117,7 +128,10 @@ def calibrate(
     where reflectors are seen.
     """
     reflectors_m = reflector_places(first, second, third)
-    setting = _setting(noise_m, _priors(prior, reflector_std_m), _kinds(fit), robust, hold_out)
+    from pipeline.calibrate import Setting
+
+    priors = prior_deviations(prior, reflector_std_m)
+    setting = Setting(noise_m, fitted_kinds(fit), priors, robust, hold_out)
     beside = _check_files(output, [config_file, *(files or [])])
     check_next(next_file, following, [config_file, *(files or []), *([] if output is None else [output])])
     check_pictures(picture, [config_file, *(files or []), *(one for one in (output, next_file) if one is not None)])
@@ -130,7 +144,8 @@ def calibrate(
     from pipeline.calibrate import calibrated_yaml, judge, next_poses, read_poses
     from pipeline.calibrate.report import calibration_data, next_data
 
-    poses, read = read_poses(files, len(reflectors_m))
+    motion = None if run is None else driven_motion(run, speed, period_s, back)
+    poses, read = read_poses(files, len(reflectors_m), motion)
     for one in read:
         messages_console().print(one.account.message(), soft_wrap=True)
     calibration = identify(config, reflectors_m, poses, setting)
@@ -153,46 +168,6 @@ def calibrate(
         heading = f"Calibrated by gantry-tau from {', '.join(sorted({file.name for file in files}))}."
         new = calibrated_yaml(text, config, calibration.identification.model, heading)
         _write(new, output, beside, data)
-
-
-def _setting(
-    noise_m: float, prior: dict[str, float], fit: tuple[str, ...] | None, robust: bool, hold_out: float
-) -> "Setting":
-    from pipeline.calibrate import Setting
-    from pipeline.calibrate.model.parameters import USUAL
-
-    return Setting(noise_m, USUAL if fit is None else fit, prior, robust, hold_out)
-
-
-def _kinds(text: str | None) -> tuple[str, ...] | None:
-    from pipeline.calibrate.model.parameters import CHOICES
-
-    if text is None:
-        return None
-    kinds = tuple(part.strip() for part in text.split(",") if part.strip())
-    if unknown := [kind for kind in kinds if kind not in CHOICES]:
-        raise UsageError(f"--fit: there is no {', '.join(unknown)}; choose from {', '.join(CHOICES)}")
-    if not kinds:
-        raise UsageError(f"--fit names nothing; choose from {', '.join(CHOICES)}")
-    return kinds
-
-
-def _priors(given: list[str] | None, reflector_std_m: float | None) -> dict[str, float]:
-    from pipeline.calibrate.model.parameters import CHOICES
-
-    found: dict[str, float] = {}
-    for text in sorted(given or [], key=lambda one: "=" in one):
-        kind, _, number = text.rpartition("=")
-        try:
-            std = float(number)
-        except ValueError:
-            std = 0.0
-        if not 1e-9 <= std <= 0.1 or (kind and kind not in CHOICES):
-            raise UsageError(
-                f"--prior {text}: expected a number from 1e-9 to 0.1, or KIND=NUMBER, KIND one of {', '.join(CHOICES)}"
-            )
-        found |= dict.fromkeys([kind] if kind else _NUMBERS, std)
-    return found if reflector_std_m is None else {**found, "reflectors": reflector_std_m}
 
 
 def _check_files(output: Path | None, read: list[Path]) -> Path | None:
@@ -222,7 +197,7 @@ def _load(config_file: Path) -> "tuple[Config, str]":
 
 
 def _show(calibration: "Calibration", verdict: "Verdict", console: "Console") -> None:
-    from pipeline.calibrate.report import ERROR_HEADER, error_cells, parameter_tables
+    from pipeline.calibrate.report import ERROR_HEADER, error_cells, motion_words, parameter_tables
 
     for table in parameter_tables(calibration):
         console.print(text_table(table.title, table.header, table.rows, (0, 5)))
@@ -232,6 +207,8 @@ def _show(calibration: "Calibration", verdict: "Verdict", console: "Console") ->
         f"directions {verdict.gauges} change nothing that is seen, and {verdict.from_data} are from the data",
         soft_wrap=True,
     )
+    for said in motion_words(calibration):
+        console.print(said, soft_wrap=True)
 
 
 def _write(text: str, output: Path, beside: Path | None, data: dict[str, Any]) -> None:
@@ -254,6 +231,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --output real.yaml",
             "gantry-tau calibrate cell.yaml day1.csv day2.csv --reflector-1 0 .1 .05 --robust --picture cal.png",
             "gantry-tau calibrate cell.yaml poses.csv --reflector-1 0 .1 .05 --prior 0.0005 --prior scales=0.0002",
+            "gantry-tau calibrate cell.yaml poses.csv motion.csv --run results/cell --reflector-1 0 .1 .05",
             "gantry-tau calibrate cell.yaml --reflector-1 0 .1 .05 --next 12 --next-output first.csv",
             "gantry-tau calibrate cell.yaml first.csv --reflector-1 0 .1 .05 --next 28 --next-output then.csv",
         ),

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from pipeline.cli.console import messages_console
-from pipeline.cli.motions.driven import GeometryOption
+from pipeline.cli.motions.driven import DrivenBack, DrivenPeriod, DrivenSpeed, GeometryOption, driven_motion
 from pipeline.cli.motions.reflector_options import (
     FirstReflector,
     SecondReflector,
@@ -54,6 +54,19 @@ def simulate_poses(
         float, typer.Option("--outliers", metavar="PART", min=0.0, max=0.5, help="Part of the points 50 mm off.")
     ] = 0.0,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the random numbers.")] = 0,
+    run: Annotated[
+        Path | None,
+        typer.Option("--run", metavar="RUN", help="Measure the motion of this run instead, once per period."),
+    ] = None,
+    clock_s: Annotated[
+        float,
+        typer.Option(
+            "--clock", metavar="S", min=-2.0, max=2.0, help="With --run: by how much the clock of the tracker is late."
+        ),
+    ] = 0.0,
+    speed: DrivenSpeed = None,
+    period_s: DrivenPeriod = None,
+    back: DrivenBack = False,
 ) -> None:
     """Simulate what a tracker sees of a slightly inaccurate machine that stands still at many poses.
 
@@ -65,8 +78,12 @@ def simulate_poses(
 
     --at FILE fills in a table of poses to measure. The same --seed and
     --poses are the same machine and tracker, whatever table it is.
+
+    With --run the machine is measured while it drives the motion of a run;
+    its actuators are exactly where they are commanded. It is the machine that
+    static poses with the same seed and number of poses are of.
     """
-    from pipeline.calibrate import StaticSetting, simulate_static
+    from pipeline.calibrate import StaticSetting, simulate_motion, simulate_static
     from pipeline.calibrate.data.reading import read_places
     from pipeline.calibrate.data.simulated import static_columns
     from pipeline.config.file import load_config
@@ -75,10 +92,17 @@ def simulate_poses(
     beside = None if output is None else check_simulated(output, config_file)
     if at is not None and outliers:
         raise UsageError("--outliers goes without --at: leave out one of the two")
+    if at is not None and run is not None:
+        raise UsageError("--run goes without --at: leave out one of the two")
     refuse_same(output, at, "--output and --at")
     reflectors_m = reflector_places(first, second, third)
     setting = StaticSetting(poses, geometry_m, scales, rails_rad, noise_m, outliers, seed)
-    simulated = simulate_static(load_config(config_file), reflectors_m, setting)
+    config = load_config(config_file)
+    if run is None:
+        simulated = simulate_static(config, reflectors_m, setting)
+    else:
+        motion = driven_motion(run, speed, period_s, back)
+        simulated = simulate_motion(config, reflectors_m, motion, setting, clock_s)
     poses_seen = simulated.poses if at is None else simulated.measure(*read_places(at))
     text = format_csv(static_columns(poses_seen))
     if output is None:
@@ -96,9 +120,11 @@ def simulate_poses(
             "truth": dict(zip(truth.parameters.names, truth.values(), strict=True)),
             "tracker": {"rotation": truth.rotation, "translation_m": truth.translation_m},
             "outliers": simulated.is_outlier if at is None else [],
+            **({} if run is None else {"run": str(run), "clock_s": clock_s}),
         },
     )
-    what = f"{output}: {len(poses_seen):,} poses of a simulated measurement"
+    kind = "poses" if run is None else "rows of a motion"
+    what = f"{output}: {len(poses_seen):,} {kind} of a simulated measurement"
     messages_console().print(what + written_beside(beside), soft_wrap=True)
 
 
@@ -109,6 +135,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --output poses.csv",
             "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --reflector-2 0 .4 .05 --at tour/poses.csv",
             "gantry-tau simulate-poses cell.yaml --reflector-1 0 .1 .05 --outliers 0.02 --rails 0.0001 > poses.csv",
+            "gantry-tau simulate-poses cell.yaml --run results/cell --clock 0.05 --reflector-1 0 .1 .05 --output m.csv",
         ),
     ),
 )

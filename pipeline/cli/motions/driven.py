@@ -8,6 +8,7 @@ import typer
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
+    from pipeline.calibrate import DrivenMotion
     from pipeline.config import Config
     from pipeline.retime import Trajectory
     from pipeline.simulate import Motion
@@ -49,6 +50,15 @@ def driven(run: Path, speed: float | None, period_s: float | None, back: bool) -
     there = slowed(results.trajectory, 1.0 if speed is None else config.retime.speed)
     trajectory = way_back(config, there) if back else whole_periods(there, config.retime.period_s)
     return trajectory, config
+
+
+def driven_motion(run: Path, speed: float | None, period_s: float | None, back: bool) -> "DrivenMotion":
+    """Give what encoders showed while it was driven, in the units of its controller."""
+    from pipeline.calibrate import DrivenMotion
+    from pipeline.machine.actuator_space.controller_units import controller_units
+
+    trajectory, config = driven(run, speed, period_s, back)
+    return DrivenMotion(trajectory, controller_units(config.machine), config.retime.period_s)
 
 
 def planned(trajectory: "Trajectory", config: "Config", period_s: float | None) -> "Motion":

@@ -39,7 +39,7 @@ def report_page(results: "Results", state: State) -> bytes:
         bounds=results.certificate.bounds if proven else None,
         profile=results.derive(proven_profile) if proven else None,
         trajectory=results.trajectory if Stage.RETIME in done else None,
-        coarse=results.derive(coarse_motion) if {Stage.REFINE, Stage.RETIME} <= done else None,
+        coarse=results.derive(coarse_motion) if {Stage.ROUTE, Stage.REFINE, Stage.RETIME} <= done else None,
         workspace=results.derive(workspace),
         pose_error=_pose_error(results) if proven else None,
         reach=_reach(results, state),

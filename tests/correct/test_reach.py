@@ -1,0 +1,29 @@
+"""By how much planned poses miss the changes of mode of another machine."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.correct import reach_gaps
+from pipeline.machine import Machine
+from pipeline.refine.result import Path
+
+S = np.linspace(0.0, 1.0, 2_001)
+
+
+def test_the_planned_machine_misses_none(planned: Path, machine: Machine) -> None:
+    """A planned path passes every change of mode at the boundary of the arm's reach."""
+    gaps = reach_gaps(planned, machine, S, planned.pose(S))
+    assert [gap.arm for gap in gaps] == [2, 1, 3]
+    assert np.array([gap.gap_m for gap in gaps]) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("longer_m", [2e-4, -2e-4])
+def test_a_link_of_another_length_misses_by_the_difference(planned: Path, machine: Machine, longer_m: float) -> None:
+    """With a longer first link poses stay inside its reach by as much; with a shorter one they are beyond it."""
+    lengths = machine.lengths_m.copy()
+    lengths[0] += longer_m
+    gaps = reach_gaps(planned, replace(machine, lengths_m=lengths), S, planned.pose(S))
+    by_arm = {gap.arm: gap.gap_m for gap in gaps}
+    assert by_arm == pytest.approx({1: longer_m, 2: 0.0, 3: 0.0}, abs=1e-6)
