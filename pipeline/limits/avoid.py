@@ -137,7 +137,7 @@ class AvoidedBox:
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound how far outside the poses of a proven box are from below, shape (1, 2)."""
-        from pipeline.inclusion.avoidance import least_outside
+        from pipeline.inclusion.distances.avoidance import least_outside
 
         return np.array([[least_outside(box, self.box.low, self.box.high) - PROOF_SLACK, np.inf]])
 

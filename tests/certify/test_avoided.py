@@ -19,8 +19,8 @@ from pipeline.certify.recheck.claims import errors
 from pipeline.certify.recheck.claims.controlled.avoided import measure
 from pipeline.certify.result import proven_chain
 from pipeline.config import BoxConfig, Config
-from pipeline.inclusion.avoidance import least_outside
 from pipeline.inclusion.closure import working_precision
+from pipeline.inclusion.distances.avoidance import least_outside
 from pipeline.inclusion.proven_box import ProvenBox
 from pipeline.inclusion.uncertainty import CERTAIN, of_actuators
 from pipeline.limits import error_proven_limits
