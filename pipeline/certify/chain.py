@@ -23,7 +23,7 @@ from pipeline.certify.reasons import (
     ProofFailure,
     Reason,
 )
-from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion
+from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion, Piecewise
 from pipeline.inclusion.matrices import added, ball_matrix, magnitudes, times, upper_vector
 from pipeline.inclusion.pieces import Piece, exact, middle
 from pipeline.inclusion.proven_box import ProvenBox
@@ -136,7 +136,7 @@ def bears(problem: ProofProblem, piece: Piece, s: float, examine: Examiner) -> b
     found = prove_box(problem, piece, (s, s))
     if isinstance(found, Reason):
         return False
-    return not isinstance(examine(ProvenBox(problem.machine, problem.balls, piece, *found)), Reason)
+    return not isinstance(examine(_proven(problem, piece, found)), Reason)
 
 
 def join_chains(problem: ProofProblem, parts: Sequence[tuple[Piece, Chain]]) -> Chain:
@@ -175,7 +175,7 @@ def _prove_link(
     found = prove_box(problem, piece, interval, _INFLATION * upper_vector(before.image))
     if isinstance(found, Reason):
         return found
-    series, inclusion = found
+    _, inclusion = found
     if not holds(inclusion, before):
         return JUMP
     # What holds over the interval holds at its end, too.
@@ -184,8 +184,12 @@ def _prove_link(
         return joint
     if not holds(inclusion, joint):
         return JUMP
-    bounds = examine(ProvenBox(problem.machine, problem.balls, piece, series, inclusion))
+    bounds = examine(_proven(problem, piece, found))
     return bounds if isinstance(bounds, Reason) else _Link(inclusion, bounds, joint)
+
+
+def _proven(problem: ProofProblem, piece: Piece, found: tuple[Piecewise, Inclusion]) -> ProvenBox:
+    return ProvenBox(problem.machine, problem.balls, piece, *found, ellipsoid=problem.uncertainty.ellipsoid)
 
 
 def prove_joint(problem: ProofProblem, piece: Piece, s: float, likely: FloatArray | None = None) -> Inclusion | Reason:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from pipeline.config import Config
+from pipeline.summary.machines import machines_part, machines_words
 from pipeline.summary.pose_error import pose_error_part, pose_error_words
 from pipeline.summary.section import SKIPPED, Section
 from pipeline.summary.versions import versions
@@ -34,6 +35,7 @@ def certificate_section(certificate: "Certificate") -> Section:
         "coordinates_tolerance_fails_m": None if coordinates is None else coordinates.fails_m,
         **_body_part(bounds),
         **_following_part(certificate),
+        **machines_part(None),
         **pose_error_part(None),
         "least_kappa": None,
         "least_kappa_boxes": None,
@@ -136,4 +138,5 @@ def certificate_words(section: Section) -> str:
     }
     apart = "".join(f", {text.format(least)}" for text, least in distances.items() if least is not None)
     bounds = f"kappa at most {section['kappa_bound']:.2f}{apart}"
-    return f"{section['verdict']} by {section['boxes']:,} boxes: {bounds}{found}{pose_error_words(section)}"
+    found += machines_words(section) + pose_error_words(section)
+    return f"{section['verdict']} by {section['boxes']:,} boxes: {bounds}{found}"

@@ -15,7 +15,7 @@ from flint import arb, arb_mat, arb_series
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.bounds import actuator_ranges
 from pipeline.inclusion.closure import Closure
-from pipeline.inclusion.condition import above, norm, skew
+from pipeline.inclusion.condition import above, skew
 from pipeline.inclusion.distances.hulls import LOST, Directions, MovingHulls, separated, separating_directions
 from pipeline.inclusion.following import Erring, joint_moves
 from pipeline.inclusion.krawczyk import Piecewise
@@ -56,17 +56,22 @@ class _Reach:
     ----------
     shift, turn : float
         Bounds of how far the pose is off: its place, and the sum of its angles.
-    arms : (6,)
-        Bounds of how far the platform joints are from the TCP.
+    platform, carts : (6,)
+        Bounds of how far platform joints and cart joints are off.
+    origins, rails : (3,)
+        The same of the points of the rails that carts are at, and of rails.
     lengths : (6, 2)
-        Least and largest length of each link, with the errors of the actuators.
+        Least and largest length of each link, with all errors.
     errors_m : (5,)
         Bounds of the errors of the actuators.
     """
 
     shift: float
     turn: float
-    arms: FloatArray
+    platform: FloatArray
+    carts: FloatArray
+    origins: FloatArray
+    rails: FloatArray
     lengths: FloatArray
     errors_m: FloatArray
 
@@ -149,8 +154,8 @@ def _points(frames: _Frames, reach: _Reach, moves: _Moves | None, hull: SweptHul
         part = _parts(hull, reach.lengths[hull.number])
         middle, radius = _on_link(frames.carts, frames.platform, hull.number, part)
         moved = _still(given) if moves is None else _on_link(moves.carts, moves.platform, hull.number, part)
-        off = reach.shift + float(reach.arms[hull.number]) * reach.turn
-        return middle, radius, float(part.max()) * off, *moved
+        ends = np.abs(1.0 - part) * reach.carts[hull.number] + np.abs(part) * reach.platform[hull.number]
+        return middle, radius, float(ends.max()), *moved
     middle, radius = np.zeros((2, _ORDERS, *given.shape))
     moved = np.zeros((2, 0 if moves is None else len(ACTUATORS), *given.shape))
     if hull.kind == FrameKind.CART:
@@ -158,7 +163,14 @@ def _points(frames: _Frames, reach: _Reach, moves: _Moves | None, hull: SweptHul
         radius += frames.origins[1][:, hull.number, None]
         moved[0, hull.number : hull.number + 1, :, 0] = 1.0
     middle[0] += given
-    return middle, radius, 0.0, *moved
+    return middle, radius, _off(reach, hull), *moved
+
+
+def _off(reach: _Reach, hull: SweptHull) -> float:
+    """Bound how far a hull on a cart, or one that is fixed, on a rail perhaps, may be off."""
+    if hull.kind == FrameKind.CART:
+        return float(reach.origins[hull.number])
+    return float(reach.rails[hull.number - 1]) if hull.number else 0.0
 
 
 def _still(given: FloatArray) -> FloatArray:
@@ -199,16 +211,22 @@ def _frames(box: ProvenBox) -> _Frames:
 
 
 def _reach(box: ProvenBox) -> _Reach:
-    errors, deviation = upper_vector(box.inclusion.following.errors), box.deviation
+    errors, off = upper_vector(box.inclusion.following.errors), box.displacement
     lengths = np.repeat(np.asarray(box.machine.lengths_m)[:, None], 2, axis=1)
     lengths[TELESCOPES] = actuator_ranges(box)[3:]
     if box.inclusion.following.any:
-        off = errors[3:, None] * [-1.0, 1.0]
-        lengths[TELESCOPES] = np.nextafter(lengths[TELESCOPES] + off, [-np.inf, np.inf])
+        spread = errors[3:, None] * [-1.0, 1.0]
+        lengths[TELESCOPES] = np.nextafter(lengths[TELESCOPES] + spread, [-np.inf, np.inf])
+    if box.ellipsoid is not None:
+        spread = np.array([above(longer) for longer in off.lengths])[:, None] * [-1.0, 1.0]
+        lengths = np.nextafter(lengths + spread, [-np.inf, np.inf])
     return _Reach(
-        shift=above(norm(deviation[:3])),
-        turn=above(sum((d.abs_upper() for d in deviation[3:]), arb(0))),
-        arms=np.array([above(norm(point)) for point in box.balls.points]),
+        shift=above(off.shift),
+        turn=above(off.turn),
+        platform=np.array([above(one) for one in off.platform]),
+        carts=np.array([above(one) for one in off.carts]),
+        origins=np.array([above(one) for one in off.origins]),
+        rails=np.array([above(one) for one in off.rails]),
         lengths=lengths,
         errors_m=errors if box.inclusion.following.any else np.zeros(len(ACTUATORS)),
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
+from pipeline.certify.recheck.arithmetic.calibrated import closures
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, times, total, within
 from pipeline.certify.recheck.arithmetic.following import (
     Following,
@@ -210,6 +211,8 @@ def _residual_change(over: Motion, uncertainty: Uncertainty, off: FloatArray) ->
     lengths = over.lengths[0].magnitude
     if not uncertainty.calibration:
         return np.zeros_like(lengths)
+    if uncertainty.ellipsoid is not None:
+        return closures.residual_change(over, uncertainty.ellipsoid)
     lengths = total(lengths, off[None])
     v = over.vectors[0]
     v = Enclosure(v.mid, v.rad.copy())
@@ -223,6 +226,8 @@ def _residual_change(over: Motion, uncertainty: Uncertainty, off: FloatArray) ->
 
 def _jacobian_change(machine: Machine, hull: Motion, uncertainty: Uncertainty, off: FloatArray) -> FloatArray:
     """Bound D, shape (6, 6, n), where actuators are off by up to (n,)."""
+    if uncertainty.ellipsoid is not None:
+        return closures.jacobian_change(machine, hull, uncertainty.ellipsoid)
     v = hull.vectors[0].magnitude
     D = np.zeros((6, 6, v.shape[-1]))
     eta = np.array(uncertainty.coordinate_m)
