@@ -120,7 +120,7 @@ def certify_machines(folder: Path, file: Path, sigma: float | None, probability:
     from pipeline.cli.reporter import make_reporter
     from pipeline.progress import Monitor
     from pipeline.run.added.calibrated import Wanted, certify_calibrated
-    from pipeline.summary.machines import proof_words
+    from pipeline.summary.certificate import proof_words
 
     stored = read_calibration(file)
     wanted = Wanted(sigma if sigma is not None or probability is not None else 3.0, probability)

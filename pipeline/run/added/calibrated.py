@@ -23,7 +23,7 @@ from pipeline.run.reading import open_results
 from pipeline.run.results import Results
 from pipeline.run.stage_specs import SPECS
 from pipeline.stage import Stage
-from pipeline.summary.machines import machines_part
+from pipeline.summary.certificate import machines_part
 from pipeline.summary.whole import summarise
 
 
