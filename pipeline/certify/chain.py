@@ -213,7 +213,7 @@ def holds(inclusion: Inclusion, joint: Inclusion) -> bool:
     reach = added(added(apart, joint.image), inclusion.following.change(offset, joint.following))
     if any(e > 0 for e in joint.residual_change):
         reach = added(reach, times(magnitudes(C - ball_matrix(joint.inverse[0])), joint.residual_change))
-        reach = added(reach, times(magnitudes(C), times(inclusion.jacobian_change, apart)))
+        reach = added(reach, times(inclusion.jacobian_change, apart))
     return all(far < arb(r) * SLACK for far, r in zip(reach, inclusion.box.radius.tolist(), strict=True))
 
 

@@ -30,6 +30,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
+from pipeline.inclusion.calibrated.closures import preconditioned_change
 from pipeline.inclusion.closure import (
     TERMS,
     Closure,
@@ -101,7 +102,7 @@ class Inclusion:
     residual_change : (6,) balls
         E.
     jacobian_change : 6 x 6 balls
-        D, over all of the box.
+        |C| D, or for the machines of an ellipsoid a bound of |C dJ| that is smaller.
     following : Following
         P and A.
     """
@@ -189,7 +190,7 @@ def include(
         radius = [arb(value) for value in box.radius]
         reach = added(moved, radius)
         hull = _hull(machine, series, reach)
-        D = jacobian_change(machine, hull, uncertainty)
+        D = _preconditioned(machine, hull, C_over, uncertainty)
         image = _image(C_over, hull, (miss, rest, E, moved, D), following, radius)
         if all(k < r * slack for k, r in zip(image, radius, strict=True)):
             return Inclusion(box, inverse, image, E, D, following)
@@ -203,6 +204,14 @@ def include(
         inflation = _CAREFULLY if following.any else _INFLATION
         box = Box(box.first, box.last, box.pose, np.maximum(wider, box.radius))
     return None
+
+
+def _preconditioned(machine: Geometry, hull: Closure[arb], C: arb_mat, uncertainty: Uncertainty) -> list[list[arb]]:
+    """Bound |C dJ| over all poses of a box. 6 x 6 bounds."""
+    if uncertainty.ellipsoid is not None:
+        return preconditioned_change(hull, C, uncertainty.ellipsoid)
+    D = [list(column) for column in zip(*jacobian_change(machine, hull, uncertainty), strict=True)]
+    return [list(row) for row in zip(*(times(magnitudes(C), column) for column in D), strict=True)]
 
 
 def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:
@@ -238,10 +247,10 @@ def _image(
     spread = _bounds(G) @ r
     k = rest + miss @ r
     if uncertain := any(not e.is_zero() for e in known[2]):
-        GC, CT, C_abs = G * C, C.transpose(), upper_bounds(C)
+        GC, CT = G * C, C.transpose()
         spread += _bounds(GC) @ E
         k += np.array([E @ upper_bounds(CT * part) @ E for part in _parts(GC)]) / 2.0
-        k += C_abs @ (D @ (moved + r))
+        k += D @ (moved + r)
     if following.any:
         A = upper_vector(following.errors)
         K = following.slopes(C, hull)

@@ -115,8 +115,6 @@ def jacobian_change(machine: Geometry, hull: Closure[arb], uncertainty: Uncertai
 
     The derivative by the TCP changes by w, that by an angle by (axis x A') . w + (v + w) . (axis x R a).
     """
-    if uncertainty.ellipsoid is not None:
-        return closures.jacobian_change(machine, hull, uncertainty.ellipsoid)
     eta = arb(uncertainty.coordinate_m)
     if uncertainty.coordinate_m == 0.0:
         return [[arb(0)] * 6] * 6

@@ -5,7 +5,7 @@ all linear in u. With w_l = R da_l - dC_l, f_l changes by
 
     v_l . w_l - len_l dlen_l + |w_l|^2 / 2 - dlen_l^2 / 2 = V_l u + q_l,
 
-of which the first part is at most k |V_l|, and the derivative by an angle by (axis x A') . w + (v + w) . (axis x R da).
+of which the first part is at most k |V_l|.
 """
 
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from flint import arb, arb_mat, arb_series
 
 from pipeline.inclusion.calibrated.ellipsoid import Ellipsoid
-from pipeline.inclusion.closure import Closure, Geometry
-from pipeline.inclusion.matrices import magnitudes
+from pipeline.inclusion.closure import Closure, cross
+from pipeline.inclusion.matrices import magnitudes, times
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES
 
 _LINKS = 6
@@ -88,17 +88,31 @@ def residual_change(over: Closure[arb_series], ellipsoid: Ellipsoid) -> list[arb
     return [k * size + more for size, more in zip(row_norms(first_order(over, changes)), second, strict=True)]
 
 
-def jacobian_change(machine: Geometry, hull: Closure[arb], ellipsoid: Ellipsoid) -> list[list[arb]]:
-    """Bound D, the change of f_l' over all poses of a box. 6 x 6 bounds."""
+def preconditioned_change(hull: Closure[arb], C: arb_mat, ellipsoid: Ellipsoid) -> list[list[arb]]:
+    """Bound |C dJ|, with dJ the change of f_l' over all poses of a box. 6 x 6 bounds.
+
+    All links together: what changes several rows of J alike may hardly change C J. By a coordinate of the TCP f_l'
+    changes by w, by the angle about an axis by (axis x A') . w + (v x axis) . R da, both linear in u, and by
+    w . (axis x R da).
+    """
     changes, k, R = link_changes(ellipsoid, hull.q), arb(ellipsoid.sigma), arb_mat(hull.rotation)
-    rows = []
-    for link in range(_LINKS):
-        w = k * norm_of(R * changes.points[link] - changes.joints[link])
-        turned = k * norm_of(changes.points[link])
-        arm, size = (length_of(vector[link]) for vector in (machine.points, hull.vectors))
-        by_angle = arm * w + (size + w) * turned
-        rows.append([w] * 3 + [by_angle] * 3)
-    return rows
+    turned = [R * point for point in changes.points]
+    w = [point - joint for point, joint in zip(turned, changes.joints, strict=True)]
+    tables = [part.table() for part in w]
+    columns = [arb_mat([table[axis] for table in tables]) for axis in range(3)]
+    for axis in hull.axes:
+        rows = [
+            arb_mat([cross(axis, hull.arms[link])]) * w[link]
+            + arb_mat([cross(hull.vectors[link], axis)]) * turned[link]
+            for link in range(_LINKS)
+        ]
+        columns.append(arb_mat([row.entries() for row in rows]))
+    second = times(
+        magnitudes(C), [k * norm_of(one) * k * norm_of(other) for one, other in zip(w, changes.points, strict=True)]
+    )
+    found = [[k * size for size in row_norms(C * column)] for column in columns]
+    angles = [[size + more for size, more in zip(column, second, strict=True)] for column in found[3:]]
+    return [list(row) for row in zip(*found[:3], *angles, strict=True)]
 
 
 def norm_of(matrix: arb_mat) -> arb:

@@ -64,13 +64,13 @@ def test_the_proof_is_in_the_certificate_and_verified(proven: CalibratedRun) -> 
 
 def test_another_proof_takes_the_place_of_the_first(proven_copy: CalibratedRun) -> None:
     """By a probability of all parameters together."""
-    result = _call(proven_copy.folder, "--calibration", proven_copy.calibration, "--probability", 1e-3)
+    result = _call(proven_copy.folder, "--calibration", proven_copy.calibration, "--probability", 0.9973)
     assert result.exit_code == 0, result.output
     stated = read_certificate(proven_copy.folder / CERTIFICATE_JSON)
     assert stated.machines is not None
     assert len(stated.chains) == 2
-    assert stated.machines.sigma > 4.0
-    np.testing.assert_allclose(stated.machines.probability, 1e-3, rtol=1e-9)
+    assert stated.machines.sigma > 8.0
+    np.testing.assert_allclose(stated.machines.probability, 0.9973, rtol=1e-9)
     assert check(proven_copy.folder).exit_code == 0
 
 

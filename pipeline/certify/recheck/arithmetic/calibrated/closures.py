@@ -5,11 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, root, times, total
+from pipeline.certify.recheck.arithmetic.enclosure import (
+    Enclosure,
+    bound,
+    contract,
+    cross,
+    exactly,
+    root,
+    times,
+    total,
+)
 from pipeline.certify.recheck.arithmetic.motion import Motion
-from pipeline.certify.recheck.arithmetic.norms import arm_lengths, norm
 from pipeline.inclusion.calibrated.ellipsoid import FIXED, LENGTHS, OFFSETS, PLATFORM, RAILS, SCALES, ZEROS, Ellipsoid
-from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
+from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES
 
 _LINKS, _ARMS = 6, 3
 
@@ -79,14 +87,26 @@ def residual_change(over: Motion, ellipsoid: Ellipsoid) -> FloatArray:
     return total(first, second_order(over, changes, ellipsoid.sigma))
 
 
-def jacobian_change(machine: Machine, hull: Motion, ellipsoid: Ellipsoid) -> FloatArray:
-    """Bound D, (6, 6, n)."""
-    changes, sigma = link_changes(ellipsoid, hull.q[0]), np.array(ellipsoid.sigma)
-    w = times(operator_norms(turned_points(hull.rotation[0], changes) - changes.joints), sigma)
-    turned = times(operator_norms(changes.points), sigma)
-    size = norm(np.moveaxis(hull.vectors[0].magnitude, 1, 0))
-    by_angle = total(times(arm_lengths(machine)[:, None], w), times(total(size, w), turned))
-    return np.concatenate([np.repeat(w[:, None], 3, axis=1), np.repeat(by_angle[:, None], 3, axis=1)], axis=1)
+def preconditioned_change(hull: Motion, C: Enclosure, ellipsoid: Ellipsoid) -> FloatArray:
+    """Bound |C dJ|, (6, 6, n), for C (6, 6, n)."""
+    changes, k = link_changes(ellipsoid, hull.q[0]), np.array(ellipsoid.sigma)
+    turned = turned_points(hull.rotation[0], changes)
+    w = turned - changes.joints
+    axes, arms, vectors = hull.axes[0], hull.arms[0], hull.vectors[0]
+    first = cross(_spread(axes, 0), _spread(arms, 1), axis=2)
+    second = cross(_spread(vectors, 1), _spread(axes, 0), axis=2)
+    by_angle = contract("lacn,lcmn->lamn", first, w, 3) + contract("lacn,lcmn->lamn", second, turned, 3)
+    rows = Enclosure(np.concatenate([w.mid, by_angle.mid], 1), np.concatenate([w.rad, by_angle.rad], 1))
+    moved = contract("iln,lcmn->icmn", C, rows, 6)
+    size = moved.magnitude
+    linear = times(root(bound("icmn,icmn->icn", size, size, size.shape[2])), k)
+    bent = times(operator_norms(w), k, times(operator_norms(changes.points), k))
+    rest = bound("iln,ln->in", C.magnitude, bent, terms=6)
+    return np.concatenate([linear[:, :3], total(linear[:, 3:], np.repeat(rest[:, None], 3, axis=1))], axis=1)
+
+
+def _spread(values: Enclosure, axis: int) -> Enclosure:
+    return Enclosure(np.expand_dims(values.mid, axis), np.expand_dims(values.rad, axis))
 
 
 def operator_norms(M: Enclosure) -> FloatArray:
