@@ -3,8 +3,9 @@
 Its covariance contains what no reflector can tell. As far as that is a mere choice of frames, of the machine against
 the tracker and of the platform against the reflectors, it says nothing of the machine, and is settled by definition:
 each machine is written down in those frames in which its closures along the path differ least from those of the
-calibrated one. With theta all parameters but the tracker's, columns N for changes of frames, and rows F of the closures
-|p + R a_l - C_l| - len_l = 0 along the path, differentiated by theta, that is
+calibrated one, in the mean of squares, and its parameters differ least as far as these cannot tell. With theta all
+parameters but the tracker's in units of what was known beforehand, columns N for changes of frames, and rows F of the
+closures |p + R a_l - C_l| - len_l = 0 along the path, differentiated by theta, and of 3 um times theta, that is
 
     theta - N y,  y = argmin |F (theta - N y)|,  so that S becomes P S P',  P = 1 - N (N' F' F N)^-1 N' F' F,
 
@@ -28,6 +29,8 @@ from pipeline.refine.result import Path
 _RANK = 1e-9
 """Deviations below this part of the largest, in units of what was known beforehand, are zero."""
 _SAMPLES = 101
+_WEIGHT_M = 3e-6
+"""What a parameter that differs by as much as was known beforehand counts like, as a closure."""
 
 
 def possible_machines(stored: StoredCalibration, machine: MachineConfig, path: Path, sigma: float) -> Ellipsoid:
@@ -53,6 +56,7 @@ def machine_covariance(stored: StoredCalibration, model: Model, path: Path) -> F
     s = np.linspace(0.0, 1.0, _SAMPLES)
     q_m = model.to_encoders(path.q(s))
     F = by_parameters(model, q_m, close(model, q_m, path.pose(s)))[..., kept].reshape(-1, len(units)) * units
+    F = np.vstack([F / np.sqrt(len(F)), _WEIGHT_M * np.eye(len(units))])
     N = (fitted_frames(model, stored.is_fitted)[:, kept] / units).T
     project = np.eye(len(units)) - N @ np.linalg.lstsq(F @ N, F)[0]
     S = stored.covariance[np.ix_(kept, kept)] / np.outer(units, units)
