@@ -62,7 +62,7 @@ def true_run(tmp_path_factory: pytest.TempPathFactory, quick_config: Config) -> 
     task = config.task.model_copy(update={"start": start, "goal": goal})
     config = config.model_copy(update={"task": task})
     machine = build_machine(config.machine)
-    path = pose_path(machine, np.linspace(START, GOAL, 8), 0, nodes=8)
+    path = pose_path(machine, np.linspace(START, GOAL, 7), 0, nodes=7)
     folder = tmp_path_factory.mktemp("calibrated")
     write(folder / "run", config, path)
     (folder / "real.json").write_bytes(json_bytes(calibration_data(found, judge(found))))

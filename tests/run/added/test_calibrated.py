@@ -204,6 +204,7 @@ def test_too_many_deviations_are_refused(calibrated_run: CalibratedRun) -> None:
         (("--sigma", "3"), "go with --calibration"),
         (("--calibration", "real.json", "--sigma", "3", "--probability", "0.9"), "--sigma or --probability alone"),
         (("--calibration", "real.json", "--force"), "goes with a run folder"),
+        (("--calibration", "nowhere.json"), "nowhere.json cannot be read"),
     ],
 )
 def test_options_that_do_not_go_together_are_refused(options: tuple[str, ...], said: str) -> None:
