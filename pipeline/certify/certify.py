@@ -10,12 +10,12 @@ from pipeline.certify.chain import close_chain
 from pipeline.certify.endpoints import check_ends
 from pipeline.certify.examiner import build_examiner
 from pipeline.certify.following.tolerances import search_following, searching_within_limits
+from pipeline.certify.machines.tolerance import search_problem, search_tolerances
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.problem import build_problem
 from pipeline.certify.reasons import ProofFailure
 from pipeline.certify.recheck import verifies
 from pipeline.certify.result import Certificate, path_sha256, proven_chain
-from pipeline.certify.tolerance import search_problem, search_tolerances
 from pipeline.config import Config
 from pipeline.config.choices import Proof
 from pipeline.errors import ForwardKinematicsError, NoSolutionError

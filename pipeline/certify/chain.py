@@ -24,7 +24,7 @@ from pipeline.certify.reasons import (
     ProofFailure,
     Reason,
 )
-from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion
+from pipeline.inclusion.krawczyk import SLACK, Box, Inclusion, Piecewise
 from pipeline.inclusion.matrices import added, ball_matrix, magnitudes, times, upper_vector
 from pipeline.inclusion.pieces import Piece, exact, middle
 from pipeline.inclusion.proven_box import ProvenBox
@@ -155,7 +155,7 @@ def what_fails_at(problem: ProofProblem, piece: Piece, s: float, examine: Examin
             return None
     found = prove_box(problem, piece, (s, s))
     if not isinstance(found, Reason):
-        bounds = examine(ProvenBox(problem.machine, problem.balls, piece, *found))
+        bounds = examine(_proven(problem, piece, found))
         if not isinstance(bounds, Reason):
             if memory is not None:
                 memory.proven[key] = errors, None
@@ -202,11 +202,11 @@ def _prove_link(
     found = prove_box(problem, piece, interval, _INFLATION * upper_vector(before.image))
     if isinstance(found, Reason):
         return found
-    series, inclusion = found
+    _, inclusion = found
     if not holds(inclusion, before):
         return JUMP
     # With errors, limits refuse more boxes than joints do.
-    box = ProvenBox(problem.machine, problem.balls, piece, series, inclusion)
+    box = _proven(problem, piece, found)
     bounds = examine(box) if inclusion.following.any else None
     if isinstance(bounds, Reason):
         return bounds
@@ -218,6 +218,10 @@ def _prove_link(
         return JUMP
     bounds = examine(box) if bounds is None else bounds
     return bounds if isinstance(bounds, Reason) else _Link(inclusion, bounds, joint)
+
+
+def _proven(problem: ProofProblem, piece: Piece, found: tuple[Piecewise, Inclusion]) -> ProvenBox:
+    return ProvenBox(problem.machine, problem.balls, piece, *found, ellipsoid=problem.uncertainty.ellipsoid)
 
 
 def prove_joint(problem: ProofProblem, piece: Piece, s: float, likely: FloatArray | None = None) -> Inclusion | Reason:
@@ -241,7 +245,7 @@ def holds(inclusion: Inclusion, joint: Inclusion) -> bool:
     reach = added(added(apart, joint.image), inclusion.following.change(offset, joint.following))
     if any(e > 0 for e in joint.residual_change):
         reach = added(reach, times(magnitudes(C - ball_matrix(joint.inverse[0])), joint.residual_change))
-        reach = added(reach, times(magnitudes(C), times(inclusion.jacobian_change, apart)))
+        reach = added(reach, times(inclusion.jacobian_change, apart))
     return all(far < arb(r) * SLACK for far, r in zip(reach, inclusion.box.radius.tolist(), strict=True))
 
 

@@ -91,13 +91,15 @@ def _by_errors(errors: Erring | None, cone: JointCone) -> arb:
 
 
 def _moved(box: ProvenBox, cone: JointCone) -> arb:
-    """Bound how far poses within the deviation move the cosine: |dv| + |d(R e)| |v|, per length."""
-    deviation, over, errors = box.deviation, box.series.over, box.erring
+    """Bound how far displacements move the cosine: |dv| + |d(R e)| |v| + |v| |dlen| / len, per length."""
+    off, over, errors = box.displacement, box.series.over, box.erring
     vector, length = [entry[0] for entry in over.vectors[cone.link]], over.lengths[cone.link][0]
     if errors is not None:
         vector, length = errors.hull.vectors[cone.link], errors.hull.lengths[cone.link]
-    turn = sum((d.abs_upper() for d in deviation[3:]), arb(0))
-    moved = norm(deviation[:3]) + norm(box.balls.points[cone.link]) * turn
+    moved, size, longer = off.vectors[cone.link], norm(vector), off.lengths[cone.link]
     if cone.at_platform:
-        moved += turn * (norm(vector) + moved)
-    return (moved / length.abs_lower()).abs_upper()
+        moved += off.turn * (size + moved)
+    if longer > 0:
+        moved += size * longer / length.abs_lower()
+    left = length.abs_lower() - longer
+    return (moved / left).abs_upper() if left > 0 else arb("inf")

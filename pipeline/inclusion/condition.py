@@ -11,6 +11,7 @@ from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.closure import Geometry, cross
+from pipeline.inclusion.displacement import Displacement
 from pipeline.inclusion.following import CARTS, TELESCOPE, Erring
 from pipeline.inclusion.krawczyk import Piecewise, linear_inverse, residual_of_inverse
 from pipeline.inclusion.matrices import ball_matrix, floats, inner, magnitudes, matrices
@@ -37,8 +38,8 @@ class _Statics:
     miss: arb
 
 
-def kappa_bound(machine: Geometry, series: Piecewise, deviation: list[arb], errors: Erring | None = None) -> KappaBound:
-    """Bound kappa over a box whose pose is within `deviation` (6,) of x(t), or of x(t) + P a for all errors a."""
+def kappa_bound(machine: Geometry, series: Piecewise, off: Displacement, errors: Erring | None = None) -> KappaBound:
+    """Bound kappa over a box whose joints are `off` those of x(t), or of x(t) + P a for all errors a."""
     if (along := series.derive(_statics, lambda: _statics(series))) is None:
         return NO_BOUND
     by_H, by_YH, over = arb(0), arb(0), series.over
@@ -46,12 +47,12 @@ def kappa_bound(machine: Geometry, series: Piecewise, deviation: list[arb], erro
     if errors is not None:
         by_H, by_YH = _change_by_errors(machine, errors, along.Y[0] + along.Y[1] * arb(0, series.half))
         links = errors.hull.vectors, errors.hull.lengths
-    off = statics_change(machine, links, deviation)
-    miss = along.miss + along.norm_of_inverse * off + by_YH
+    change = statics_change(machine, links, off)
+    miss = along.miss + along.norm_of_inverse * change + by_YH
     if not miss < 1:
         return NO_BOUND
     det = along.Y[0].det()
-    kappa = ((along.norm_of_h + off + by_H) * along.norm_of_inverse / (1 - miss)).abs_upper()
+    kappa = ((along.norm_of_h + change + by_H) * along.norm_of_inverse / (1 - miss)).abs_upper()
     return KappaBound(above(kappa), int(det > 0) - int(det < 0))
 
 
@@ -159,20 +160,22 @@ def spectral_norm(M: FloatArray) -> arb:
     return (_row_sum(MV.transpose() * MV) / (1 - loss)).sqrt().abs_upper()
 
 
-def statics_change(machine: Geometry, links: tuple[list[list[arb]], list[arb]], deviation: list[arb]) -> arb:
-    """Bound the change of H in the Frobenius norm as the pose deviates by up to `deviation` (6,), metres and radians.
+def statics_change(machine: Geometry, links: tuple[list[list[arb]], list[arb]], off: Displacement) -> arb:
+    """Bound the change of H in the Frobenius norm with joints and lengths.
 
-    No Euler angle moves a joint farther than its distance from the TCP times the angle. `links` are the vectors
-    (6 x 3) and lengths (6,) of the links before.
+    `links` are the vectors (6 x 3) and lengths (6,) of the links before. Row l is [v ; m / L] / len, with |m| at most
+    the distance of the joint from the TCP times |v|.
     """
-    shift, turn = norm(deviation[:3]), sum((d.abs_upper() for d in deviation[3:]), arb(0))
-    total = arb(0)
-    for point, vector, length in zip(machine.points, *links, strict=True):
-        arm = norm(point)
-        by_vector = shift + arm * turn
-        size = norm(vector)
-        by_moment = (arm * by_vector + arm * turn * (size + by_vector)) / machine.characteristic_length
-        total += (by_vector**2 + by_moment**2) / length.abs_lower() ** 2
+    total, L = arb(0), machine.characteristic_length
+    changes = zip(off.vectors, off.arms, off.lengths, strict=True)
+    for point, vector, length, (by_vector, by_arm, longer) in zip(machine.points, *links, changes, strict=True):
+        arm, size = norm(point), norm(vector)
+        by_moment = (arm * by_vector + by_arm * (size + by_vector)) / L
+        change = (by_vector**2 + by_moment**2).sqrt()
+        if longer > 0:
+            change += size * (1 + (arm / L) ** 2).sqrt() * longer / length.abs_lower()
+        left = length.abs_lower() - longer
+        total += (change / left) ** 2 if left > 0 else arb("inf")
     return total.sqrt().abs_upper()
 
 

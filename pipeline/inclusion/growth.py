@@ -71,7 +71,10 @@ class Growth:
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What bounds of an image need beside the hull: |I - C J|, what k is made of without radii, E, |x - x(t)| and D."""
+    """What bounds of an image need beside the hull.
+
+    |I - C J|, what k is made of without radii, E, |x - x(t)|, and |C dJ|.
+    """
 
     miss: list[list[arb]]
     rest: list[arb]
@@ -89,7 +92,7 @@ def growth(C: arb_mat, hull: Closure[arb], known: Known, following: Following, r
         GC, CT = G * C, C.transpose()
         linear = linear + _bounds(GC) @ E
         constant = constant + np.array([E @ upper_bounds(CT * part) @ E for part in _parts(GC)]) / 2.0
-        constant += upper_bounds(C) @ (D @ (moved + radius))
+        constant += D @ (moved + radius)
     if following.any:
         A, K, GP = upper_vector(following.errors), slopes(C, hull), G * following.over
         bent = GP + K
@@ -153,9 +156,9 @@ def _bounds(stacked: arb_mat) -> FloatArray:
 
 
 _Grow = Callable[[FloatArray], tuple[Growth, list[list[arb]]]]
-"""Gives how k grows up to some radii (6,), and D."""
+"""Gives how k grows up to some radii (6,), and |C dJ|."""
 _Found = tuple[FloatArray, list[arb], list[list[arb]]]
-"""Radii (6,) that suffice, the image k, and D."""
+"""Radii (6,) that suffice, the image k, and |C dJ|."""
 
 
 def enlarge(radius: FloatArray, grow: _Grow, slack: arb, attempts: int) -> _Found | None:

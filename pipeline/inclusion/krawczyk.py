@@ -30,6 +30,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
+from pipeline.inclusion.calibrated.closures import preconditioned_change
 from pipeline.inclusion.closure import (
     TERMS,
     Closure,
@@ -87,7 +88,7 @@ class Inclusion:
     residual_change : (6,) balls
         E.
     jacobian_change : 6 x 6 balls
-        D, over all of the box.
+        |C| D, or for the machines of an ellipsoid a bound of |C dJ| that is smaller.
     following : Following
         P and A.
     widening : float
@@ -185,7 +186,7 @@ def include(
 
     def grow(radius: FloatArray) -> tuple[Growth, list[list[arb]]]:
         hull = _hull(machine, series, added(moved, [arb(value) for value in radius.tolist()]))
-        D = jacobian_change(machine, hull, uncertainty)
+        D = _preconditioned(machine, hull, C_over, uncertainty)
         return growth(C_over, hull, Known(miss, rest, E, moved, D), following, radius), D
 
     def without_hull() -> Outline:
@@ -207,6 +208,14 @@ def include(
     radius, image, D = found
     box = Box(box.first, box.last, box.pose, radius)
     return Inclusion(box, inverse, image, E, D, following, widening)
+
+
+def _preconditioned(machine: Geometry, hull: Closure[arb], C: arb_mat, uncertainty: Uncertainty) -> list[list[arb]]:
+    """Bound |C dJ| over all poses of a box. 6 x 6 bounds."""
+    if uncertainty.ellipsoid is not None:
+        return preconditioned_change(hull, C, uncertainty.ellipsoid)
+    D = [list(column) for column in zip(*jacobian_change(machine, hull, uncertainty), strict=True)]
+    return [list(row) for row in zip(*(times(magnitudes(C), column) for column in D), strict=True)]
 
 
 def _residual(C: list[arb_mat], series: Piecewise, h: arb) -> list[arb]:

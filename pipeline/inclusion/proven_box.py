@@ -5,7 +5,9 @@ from functools import cached_property
 
 from flint import arb
 
+from pipeline.inclusion.calibrated.ellipsoid import Ellipsoid
 from pipeline.inclusion.closure import Geometry
+from pipeline.inclusion.displacement import Displacement, of_machines, of_pose
 from pipeline.inclusion.following import Erring, erring
 from pipeline.inclusion.krawczyk import Inclusion, Piecewise
 from pipeline.inclusion.pieces import Piece
@@ -28,6 +30,8 @@ class ProvenBox:
         The closures along the box.
     inclusion : Inclusion
         The proof of the box.
+    ellipsoid : Ellipsoid or None
+        The machines that it is proven for, if these are others than the configured one.
     """
 
     machine: Machine
@@ -35,6 +39,7 @@ class ProvenBox:
     piece: Piece
     series: Piecewise
     inclusion: Inclusion
+    ellipsoid: Ellipsoid | None = None
 
     @cached_property
     def erring(self) -> Erring | None:
@@ -49,3 +54,10 @@ class ProvenBox:
         """
         inclusion = self.inclusion
         return [arb(r) for r in inclusion.box.radius.tolist()] if inclusion.following.any else inclusion.image
+
+    @cached_property
+    def displacement(self) -> Displacement:
+        """How far joints and lengths may be from those along x(t), or for errors of actuators from those of P a."""
+        if self.ellipsoid is None:
+            return of_pose(self.balls, self.deviation)
+        return of_machines(self.balls, self.series, self.inclusion, self.ellipsoid)

@@ -1,4 +1,4 @@
-"""Errors of the machine: of link lengths, of every coordinate, of actuators; and what calibration does to the closures.
+"""Errors of the machine: of lengths, of coordinates, of actuators, of a calibration; and what they do to the closures.
 
 Constant errors a of a platform point, b of a cart's joint, g of a rail and d of a length change f_l by
 v . w + |w|^2 / 2 - len d - d^2 / 2 with w = R a - b - g. Along the rail g is zero: b covers that error.
@@ -11,6 +11,8 @@ from math import inf
 from flint import arb, arb_series
 
 from pipeline.arrays import FloatArray
+from pipeline.inclusion.calibrated import closures
+from pipeline.inclusion.calibrated.ellipsoid import Ellipsoid
 from pipeline.inclusion.closure import Closure, Geometry
 from pipeline.machine.geometry import ACTUATORS
 
@@ -27,16 +29,19 @@ class Uncertainty:
         Every coordinate of every platform point and cart offset, and y and z of every rail.
     actuator_m : tuple of 5
         Every actuator's distance from where it is commanded; it may vary with time.
+    ellipsoid : Ellipsoid or None
+        The machines that a calibration leaves possible, in place of all other errors.
 
     Raises
     ------
     ValueError
-        If one of them is negative or not finite.
+        If one of them is negative or not finite, or there are other errors beside an ellipsoid.
     """
 
     length_m: float = 0.0
     coordinate_m: float = 0.0
     actuator_m: tuple[float, ...] = (0.0,) * len(ACTUATORS)
+    ellipsoid: Ellipsoid | None = None
 
     def __post_init__(self) -> None:
         if len(self.actuator_m) != len(ACTUATORS):
@@ -44,6 +49,8 @@ class Uncertainty:
         for eps in (self.length_m, self.coordinate_m, *self.actuator_m):
             if not 0.0 <= eps < inf:
                 raise ValueError(f"an uncertainty has to be finite and not negative, not {eps} m")
+        if self.ellipsoid is not None and any((self.length_m, self.coordinate_m, *self.actuator_m)):
+            raise ValueError("an uncertainty is of an ellipsoid, or of other errors, not of both")
 
     @property
     def any(self) -> bool:
@@ -58,7 +65,7 @@ class Uncertainty:
     @property
     def calibration(self) -> bool:
         """Whether lengths or coordinates are uncertain."""
-        return self.length_m > 0.0 or self.coordinate_m > 0.0
+        return self.length_m > 0.0 or self.coordinate_m > 0.0 or self.ellipsoid is not None
 
 
 CERTAIN = Uncertainty()
@@ -87,6 +94,8 @@ def residual_change(machine: Geometry, over: Closure[arb_series], uncertainty: U
     """
     if not uncertainty.calibration:
         return [arb(0)] * 6
+    if uncertainty.ellipsoid is not None:
+        return closures.residual_change(over, uncertainty.ellipsoid)
     eps, eta = arb(uncertainty.length_m), arb(uncertainty.coordinate_m)
     columns = [[row[j][0] for row in over.rotation] for j in range(3)]
     bounds, off = [], arb(max(uncertainty.actuator_m))

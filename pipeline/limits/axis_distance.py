@@ -115,7 +115,7 @@ class AxisDistance:
         from pipeline.inclusion.distances.axes import AxisPairs, distance_bounds
 
         pairs = AxisPairs.of(self.pairs, self.from_rail, box.machine)
-        least = distance_bounds(box.balls, pairs, box.series, box.deviation, box.erring)
+        least = distance_bounds(pairs, box.series, box.displacement, box.erring)
         return np.column_stack([np.maximum(least - PROOF_SLACK_M, 0.0), np.full(len(least), np.inf)])
 
     def unproven(self, bounds: FloatArray) -> str:

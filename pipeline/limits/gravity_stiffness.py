@@ -125,7 +125,7 @@ class GravityStiffness:
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound the least eigenvalue over a proven box from below, shape (1, 2)."""
-        from pipeline.inclusion.stiffness import least_stiffness_bound
+        from pipeline.inclusion.gravity.stiffness import least_stiffness_bound
 
         least, rest = least_stiffness_bound(box, self.masses)
         return np.array([[least - PROOF_SLACK * abs(least) - _REST_SLACK * rest, np.inf]])

@@ -194,7 +194,7 @@ class HoldingForce:
 
     def bound(self, box: "ProvenBox") -> FloatArray:
         """Bound all forces over a proven box from below and above, shape (11, 2)."""
-        from pipeline.inclusion.forces import holding_force_ranges
+        from pipeline.inclusion.gravity.forces import holding_force_ranges
 
         least, largest = holding_force_ranges(box, self.masses).T
         slack = PROOF_SLACK * (np.maximum(np.abs(least), np.abs(largest)) + 5.0 * (largest - least))

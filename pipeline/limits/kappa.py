@@ -98,8 +98,8 @@ class KappaCap:
         """Bound kappa and the sign of det H over a proven box, shape (2, 2)."""
         from pipeline.inclusion.condition import kappa_bound
 
-        found = kappa_bound(box.balls, box.series, box.deviation, box.erring)
-        margin = PROOF_MARGIN if box.erring is None else PROOF_MARGIN_WITH_ERRORS
+        found = kappa_bound(box.balls, box.series, box.displacement, box.erring)
+        margin = PROOF_MARGIN if box.erring is None and box.ellipsoid is None else PROOF_MARGIN_WITH_ERRORS
         return np.array([[-np.inf, found.kappa * (1.0 + margin)], [found.det_sign, found.det_sign]])
 
     def unproven(self, bounds: FloatArray) -> str:

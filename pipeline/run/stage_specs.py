@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pipeline.artifacts.layout import (
     BACK_CSV,
     BACK_JSON,
+    CALIBRATION_JSON,
     CERTIFICATE_JSON,
     CORRECTION_CSV,
     FIGURE_PATTERNS,
@@ -195,7 +196,7 @@ SPECS: Specs = (
         make=Deferred("pipeline.run.makers.certificate", "make_certificate"),
         load=Deferred("pipeline.artifacts.results.certificate.stored", "load_certificate"),
         result=CERTIFICATE_JSON,
-        files=(CERTIFICATE_JSON, FOLLOWING_CSV, POSE_ERROR_CSV, POSE_ERROR_NPZ),
+        files=(CERTIFICATE_JSON, CALIBRATION_JSON, FOLLOWING_CSV, POSE_ERROR_CSV, POSE_ERROR_NPZ),
         section="certificate",
         words=Deferred("pipeline.summary.certificate", "certificate_words"),
         shown=(

@@ -7,6 +7,7 @@ import pytest
 from flint import arb
 
 from pipeline.certify.guess import guess_box
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import of_pose
 from pipeline.certify.recheck.arithmetic.inclusion import build_boxes
 from pipeline.certify.recheck.claims.joints.angles import joint_cosines
 from pipeline.inclusion.bounds import joint_cosine
@@ -43,7 +44,7 @@ class Bent:
             proven = ProvenBox(machine, balls, self.piece, along(balls, self.piece, self.box), inclusion)
             found, *_ = joint_cosine(proven, one)
         single = with_cones(machine, one)
-        ((again,),) = joint_cosines(single, build_boxes(single, self.path, (self.box,)), off[:, None])
+        ((again,),) = joint_cosines(single, build_boxes(single, self.path, (self.box,)), of_pose(single, off[:, None]))
         return found, float(again)
 
     def cosines(self, one: JointCone, off: np.ndarray) -> np.ndarray:

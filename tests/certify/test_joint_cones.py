@@ -51,7 +51,7 @@ def _proven(certificate: Certificate) -> np.ndarray:
 def evidence_of(config: Config, machine: Machine, path: Path, certificate: Certificate) -> Evidence:
     """Evaluate the boxes of a path again."""
     (segment,) = evaluate_chain(machine, path, certificate.chain)
-    cosines = joint_cosines(machine, segment.boxes, segment.inclusions.image)
+    cosines = joint_cosines(machine, segment.boxes, segment.displacement(machine))
     return Evidence(config, machine, upper_bounds(angles_above_deg(cosines.min(axis=1))))
 
 

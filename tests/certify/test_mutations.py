@@ -21,6 +21,7 @@ from pipeline.certify.result import proven_chain
 from pipeline.config.file import load_config
 from pipeline.inclusion import bounds, condition, krawczyk
 from pipeline.inclusion.closure import geometry, pose_series, shifted, working_precision
+from pipeline.inclusion.displacement import of_pose
 from pipeline.inclusion.distances import axes
 from pipeline.inclusion.krawczyk import Box, Inclusion, Piecewise, along, include
 from pipeline.inclusion.pieces import Piece, pieces
@@ -80,17 +81,17 @@ def witness_uncertainty(path: Path) -> None:
 
 def witness_kappa(path: Path) -> None:
     """The bound of kappa is above every sample of a box."""
-    box, series = _whole(path)
-    bound = condition.kappa_bound(geometry(path.machine), series, [arb(1e-9)] * 6)
+    (box, series), balls = _whole(path), geometry(path.machine)
+    bound = condition.kappa_bound(balls, series, of_pose(balls, [arb(1e-9)] * 6))
     s = samples_in(box)
     assert bound.kappa >= condition_number(statics_matrix(path.machine, path.pose(s), path.q(s)[:, :3])).max()
 
 
 def witness_deviation(path: Path) -> None:
     """Kappa at a pose a centimetre off is within the bound for poses that may be that far off."""
-    box, series = _whole(path)
+    (box, series), balls = _whole(path), geometry(path.machine)
     off = 0.01
-    bound = condition.kappa_bound(geometry(path.machine), series, [arb(off)] * 6)
+    bound = condition.kappa_bound(balls, series, of_pose(balls, [arb(off)] * 6))
     s, worst = samples_in(box), 0.0
     for signs in np.array(np.meshgrid(*[[-1.0, 1.0]] * 6)).reshape(6, -1).T:
         pose = path.pose(s) + off * signs
@@ -102,7 +103,7 @@ def witness_distance(path: Path) -> None:
     """Bounds of distances are below every sample of a box."""
     box, series = _whole(path)
     pairs = axes.AxisPairs.of(link_pairs(path.machine), False, path.machine)
-    least = axes.distance_bounds(geometry(path.machine), pairs, series, [arb(1e-9)] * 6)
+    least = axes.distance_bounds(pairs, series, of_pose(geometry(path.machine), [arb(1e-9)] * 6))
     s = samples_in(box)
     assert (least <= link_distances(path.machine, path.pose(s), path.q(s)[:, :3]).min(axis=0) + ROUNDING).all()
 

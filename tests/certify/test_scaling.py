@@ -25,7 +25,7 @@ def test_certificates_are_the_same(wide: Config):
             certificate = prove_path(config, machine, path, ends_of(machine, path, (0, 0)))
         assert certificate.verdict == "certified"
         (chain,) = evaluate_chain(machine, path, certificate.chain)
-        kappa, sign = kappa_bounds(machine, chain.boxes, chain.inclusions.image)
+        kappa, sign = kappa_bounds(machine, chain.boxes, chain.displacement(machine))
         assert (sign == certificate.bounds.det_sign).all()
         forces = certificate.bounds.ranges["holding_force_n"].values
         bounds.append((certificate.bounds.kappa, float(kappa.max()), forces))

@@ -8,6 +8,7 @@ import pytest
 
 from pipeline.certify.guess import guess_box
 from pipeline.certify.recheck.arithmetic import inclusion as again
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import of_pose
 from pipeline.certify.recheck.arithmetic.erring import erring
 from pipeline.certify.recheck.claims.distances.axis_distances import distance_bounds as distances_again
 from pipeline.certify.recheck.claims.kappa import kappa_bounds as kappa_again
@@ -57,14 +58,14 @@ def _bounded(machine: Machine, path: Path, eps: float, *, from_rail: bool = Fals
     pairs = AxisPairs.of(rail_pairs(machine) if from_rail else link_pairs(machine), from_rail, machine)
     with working_precision(64):
         box = _prove(machine, path, eps)
-        kappa = kappa_bound(box.balls, box.series, box.deviation, box.erring)
-        least = distance_bounds(box.balls, pairs, box.series, box.deviation, box.erring)
+        kappa = kappa_bound(box.balls, box.series, box.displacement, box.erring)
+        least = distance_bounds(pairs, box.series, box.displacement, box.erring)
     assert kappa.det_sign == 1
     boxes = again.build_boxes(machine, path, (box.inclusion.box,))
     found = again.include(machine, boxes, of_actuators(np.ones(5))(eps))
     assert found.proven.all()
     errors = erring(machine, boxes, found)
-    other, signs = kappa_again(machine, boxes, found.image, errors)
+    other, signs = kappa_again(machine, boxes, of_pose(machine, found.image), errors)
     assert signs.tolist() == [1.0]
     samples = _samples(machine, path, box, eps)
     return Found(
@@ -73,7 +74,7 @@ def _bounded(machine: Machine, path: Path, eps: float, *, from_rail: bool = Fals
         least,
         (link_rail_distances if from_rail else link_distances)(machine, samples.pose, samples.carts_m).min(axis=0),
         float(other[0]),
-        distances_again(machine, pairs, boxes, (found.image, errors))[:, 0],
+        distances_again(machine, pairs, boxes, (of_pose(machine, found.image), errors))[:, 0],
     )
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from pipeline.certify.guess import guess_box
 from pipeline.certify.recheck.arithmetic import inclusion as again
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import of_pose
 from pipeline.certify.recheck.arithmetic.erring import erring
 from pipeline.certify.recheck.claims.distances.body_distances import body_distance_bounds as bodies_again
 from pipeline.certify.recheck.claims.joints.angles import joint_cosines as cosines_again
@@ -89,7 +90,7 @@ def bounded(case: Case, weights: np.ndarray, eps: float) -> Found:
     boxes = again.build_boxes(machine, path, (inclusion.box,))
     found = again.include(machine, boxes, kind)
     assert found.proven.all()
-    off = found.image, erring(machine, boxes, found)
+    off = of_pose(machine, found.image), erring(machine, boxes, found)
     samples = _samples(case, (inclusion.box.first, inclusion.box.last), eps * weights)
     return Found(
         np.concatenate(distances),

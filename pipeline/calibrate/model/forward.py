@@ -105,11 +105,11 @@ def position_jacobian(model: Model, q_m: FloatArray, closed: Closed) -> FloatArr
 
 def pose_rates(model: Model, q_m: FloatArray, closed: Closed) -> tuple[FloatArray, FloatArray]:
     """Differentiate the platform's place and orientation (a rotation vector) by all parameters. Two (n, 3, count)."""
-    rates: FloatArray = -np.linalg.solve(by_pose(closed), _by_parameters(model, q_m, closed)).astype(float, copy=False)
+    rates: FloatArray = -np.linalg.solve(by_pose(closed), by_parameters(model, q_m, closed)).astype(float, copy=False)
     return rates[:, :3], rotation_axes(closed.pose) @ rates[:, 3:]
 
 
-def _by_parameters(model: Model, q_m: FloatArray, closed: Closed) -> FloatArray:
+def by_parameters(model: Model, q_m: FloatArray, closed: Closed) -> FloatArray:
     """Differentiate the closures by all parameters. Shape (n, 6, count)."""
     u, parameters = closed.directions, model.parameters
     F = np.zeros((len(q_m), 6, parameters.count))

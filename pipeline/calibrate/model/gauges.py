@@ -34,7 +34,19 @@ def gauges(model: Model) -> FloatArray:
 
 def fitted_gauges(model: Model, is_fitted: BoolArray) -> FloatArray:
     """Combine those changes that leave what is not fitted as it is. Shape (gauges, count), orthonormal rows."""
-    rows = gauges(model)
+    return _leaving(gauges(model), is_fitted)
+
+
+def fitted_frames(model: Model, is_fitted: BoolArray) -> FloatArray:
+    """Combine those of the gauges that merely choose frames, for the machine and its platform. (frames, count).
+
+    They turn and shift all that is on the machine, rails and joints alike, so that nothing changes but the numbers.
+    """
+    return _leaving(np.array([*_frame_of_the_machine(model), *_of_the_platform(model)]), is_fitted)
+
+
+def _leaving(rows: FloatArray, is_fitted: BoolArray) -> FloatArray:
+    """Combine changes (n, count) to those that leave what is not fitted as it is, with orthonormal rows."""
     fixed = rows[:, ~is_fitted]
     if fixed.size:
         U, s, _ = np.linalg.svd(fixed)
@@ -77,6 +89,27 @@ def _of_the_machine(model: Model) -> Iterator[FloatArray]:
         row.directions[:] = moved[:, 1:] - moved[:, :1] * model.directions_rad
         row.zeros[:3] = moved[:, 0] * model.zeros_m[:3]
         row.scales[:3] = moved[:, 0] * model.scales[:3]
+        row.tracker[:3] = -model.rotation @ turn
+        yield row.theta
+
+
+def _frame_of_the_machine(model: Model) -> Iterator[FloatArray]:
+    origins = np.column_stack([model.middles_m[:3], model.rails_m])
+    for axis in range(3):
+        row = _Row(model)
+        if axis:
+            row.rails[:, axis - 1] = 1.0
+        else:
+            row.zeros[:3] = 1.0
+            row.rails[:] = -model.directions_rad
+        row.tracker[3:] = -model.rotation[:, axis]
+        yield row.theta
+    for axis in range(3):
+        row, turn = _Row(model), np.eye(3)[axis]
+        moved = np.cross(turn, origins)
+        row.zeros[:3], row.rails[:] = moved[:, 0], moved[:, 1:] - moved[:, :1] * model.directions_rad
+        row.offsets[:] = np.cross(turn, model.cart_offsets_m)
+        row.directions[:] = np.cross(turn, [1.0, 0.0, 0.0])[1:]
         row.tracker[:3] = -model.rotation @ turn
         yield row.theta
 

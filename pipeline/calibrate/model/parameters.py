@@ -42,6 +42,7 @@ SCALES = Kind("scales", tuple(f"scale {name}" for name in ACTUATORS), "1", _SCAL
 DIRECTIONS = Kind("directions", _points("direction of rail", ("1", "2", "3"), "yz"), "rad", _ANGLE_STD_RAD)
 REFLECTORS = Kind("reflectors", (), "m", _LENGTH_STD_M)
 """x, y, z of as many reflectors as there are."""
+CLOCK = "clock offset"
 CLOCKS = Kind("clocks", (), "s", np.inf)
 """Clock offsets of as many motions as there are; nothing is known of them."""
 TRACKER = Kind("tracker", (*_points("tracker turned about", ("",)), *_points("tracker moved along", ("",))), "", np.inf)
@@ -109,7 +110,7 @@ class Parameters:
 
     def _names(self, kind: Kind) -> tuple[str, ...]:
         if kind is CLOCKS:
-            return tuple(f"clock offset {number + 1}" for number in range(self.motion_count))
+            return tuple(f"{CLOCK} {number + 1}" for number in range(self.motion_count))
         if kind is not REFLECTORS:
             return kind.names
         return _points("reflector", tuple(str(number + 1) for number in range(self.reflector_count)))

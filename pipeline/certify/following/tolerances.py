@@ -13,11 +13,11 @@ from pipeline.certify.following.broken_limits import Broken, breaking_errors
 from pipeline.certify.following.profile import prove_profile
 from pipeline.certify.following.second_process import Call, begun
 from pipeline.certify.following.weights import BY_VELOCITY, COMMON, following_weights
+from pipeline.certify.machines.tolerance import critical_s, search_problem
 from pipeline.certify.monte_carlo import failing_eps
 from pipeline.certify.problem import ProofProblem
 from pipeline.certify.result import FollowingTolerances, ProvenChain, Tolerance, proven_chain
 from pipeline.certify.search import Search, largest_error, new_search
-from pipeline.certify.tolerance import critical_s, search_problem
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import Uncertainty, of_actuators

@@ -6,7 +6,13 @@ are, and directions between axes.
 
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.profile import KappaProfile, kappa_profile
-from pipeline.certify.recheck.statement import StatedCalibrated, StatedFollowing, StatedTolerance, Statement
+from pipeline.certify.recheck.statement import (
+    StatedCalibrated,
+    StatedFollowing,
+    StatedMachines,
+    StatedTolerance,
+    Statement,
+)
 from pipeline.certify.recheck.verdict import MANDATORY, verifies, verify
 
 __all__ = [
@@ -15,6 +21,7 @@ __all__ = [
     "KappaProfile",
     "StatedCalibrated",
     "StatedFollowing",
+    "StatedMachines",
     "StatedTolerance",
     "Statement",
     "kappa_profile",

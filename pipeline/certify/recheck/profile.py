@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import of_pose
 from pipeline.certify.recheck.arithmetic.chain import SEGMENT
 from pipeline.certify.recheck.arithmetic.inclusion import build_boxes, include
 from pipeline.certify.recheck.claims.kappa import kappa_bounds
@@ -30,6 +31,6 @@ def kappa_profile(machine: Machine, path: Path, chain: ProvenChain) -> KappaProf
         for part in blocks(len(chain.boxes), SEGMENT):
             boxes = build_boxes(machine, path, chain.boxes[part])
             found = include(machine, boxes, chain.uncertainty)
-            kappa.append(np.where(found.proven, kappa_bounds(machine, boxes, found.image)[0], np.inf))
+            kappa.append(np.where(found.proven, kappa_bounds(machine, boxes, of_pose(machine, found.image))[0], np.inf))
     edges = np.array([chain.boxes[0].first, *(box.last for box in chain.boxes)])
     return KappaProfile(edges, np.concatenate(kappa))

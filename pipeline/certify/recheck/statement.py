@@ -38,6 +38,44 @@ class StatedFollowing:
     calibrated: StatedCalibrated | None = None
 
 
+@dataclass(frozen=True)
+class StatedMachines:
+    """What is stated of all machines that a calibration leaves possible.
+
+    Attributes
+    ----------
+    sigma : float
+        k: standard deviations of every combination of parameters.
+    dimensions : int
+        In how many directions the machines differ.
+    probability : float
+        How probable it is that all parameters together are within the ellipsoid.
+    boxes : int
+        Number of boxes of the proof.
+    within_limits : bool
+        Whether limits are kept; otherwise the motion is merely regular and on one branch.
+    calibration_sha256 : str
+        Hash of the calibration's file.
+    parameters : tuple of 56
+        Their names.
+    tilt_reserve_deg, actuator_reserve_m : tuples of 2 and 5
+        How far machines may be off the path: rx and rz, carts and telescopes.
+    ranges_kept : bool
+        Whether tilts, travel and strokes stay within their limits with that, too.
+    """
+
+    sigma: float
+    dimensions: int
+    probability: float
+    boxes: int
+    within_limits: bool
+    calibration_sha256: str
+    parameters: tuple[str, ...]
+    tilt_reserve_deg: tuple[float, ...]
+    actuator_reserve_m: tuple[float, ...]
+    ranges_kept: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Statement:
     """What a certificate states.
@@ -54,6 +92,8 @@ class Statement:
         Calibration tolerances; None if not stated.
     following : StatedFollowing
         Tolerances of following errors; none if not stated.
+    machines : StatedMachines or None
+        All machines that a calibration leaves possible; None if not stated.
     chains : tuple of ProvenChain
         The proofs, that of the machine as configured first.
     """
@@ -66,3 +106,4 @@ class Statement:
     coordinates: StatedTolerance | None
     chains: tuple[ProvenChain, ...]
     following: StatedFollowing = field(default_factory=StatedFollowing)
+    machines: StatedMachines | None = None

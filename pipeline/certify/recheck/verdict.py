@@ -8,11 +8,11 @@ import numpy as np
 from pipeline.arrays import FloatArray
 from pipeline.certify.premises import premises_sha256
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain, evaluate_chain, evaluate_ends
-from pipeline.certify.recheck.claims import chain, checks, endpoints, errors, inventory
+from pipeline.certify.recheck.claims import chain, checks, endpoints, errors, inventory, machines
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.poses import POSES, pose_claim
 from pipeline.certify.recheck.claims.splines import SPLINES, spline_claim
-from pipeline.certify.recheck.statement import Statement
+from pipeline.certify.recheck.statement import StatedMachines, Statement
 from pipeline.certify.result import ProvenChain, path_sha256
 from pipeline.config import Config
 from pipeline.machine.geometry import ACTUATORS, Machine
@@ -46,6 +46,7 @@ def verify(
         Claim(PREMISES, stated.premises_sha256 == premises_hash, premises_hash[:12]),
         splines,
         *inventory.inventory_claims(machine, stated),
+        *machines.range_claims(config, machine, stated),
     ]
 
     def measured(segment: EvaluatedChain, before: list[FloatArray] | None) -> list[FloatArray]:
@@ -61,7 +62,7 @@ def verify(
     # Boxes say nothing about splines that are not a function.
     if splines.verified:
         for proven, reserve in zip(stated.chains, inventory.stated_reserves(stated), strict=True):
-            asked = _Asked(measured, bounds_of, ends_of, *_under_error(config, machine), reserve)
+            asked = _Asked(measured, bounds_of, ends_of, *_under_error(config, machine), reserve, stated.machines)
             claims += _chain_claims(machine, path, proven, asked, refused=_any_refused(claims))
     known = {claim.what for claim in claims}
     absent = "missing, or not evaluated for what else is wrong" if _any_refused(claims) else "missing"
@@ -70,24 +71,28 @@ def verify(
 
 def verifies(config: Config, machine: Machine, path: Path, proven: ProvenChain) -> bool:
     """Return whether a chain of an uncertain machine closes, and keeps the limits if it says so."""
-    asked = _Asked(lambda *_: [], lambda _: [], lambda _: [], *_under_error(config, machine), None)
+    asked = _Asked(lambda *_: [], lambda _: [], lambda _: [], *_under_error(config, machine), None, None)
     return not _any_refused(_chain_claims(machine, path, proven, asked, refused=False))
 
 
 _Erring = Callable[[EvaluatedChain, errors.Evidence | None], errors.Evidence]
 _Limits = Callable[[str, errors.Evidence], Claim]
+_OffPath = Callable[[EvaluatedChain], FloatArray]
 
 
-def _under_error(config: Config, machine: Machine) -> tuple[_Erring, _Limits]:
-    """Give what measures limits under error, and claims that they are kept."""
+def _under_error(config: Config, machine: Machine) -> tuple[_Erring, _Limits, _OffPath]:
+    """Give what measures limits under error, claims that they are kept, and what measures how far machines are off."""
 
     def erring(segment: EvaluatedChain, before: errors.Evidence | None) -> errors.Evidence:
         return errors.measure(config, machine, segment, before)
 
+    def off_path(segment: EvaluatedChain) -> FloatArray:
+        return machines.off_path(machine, segment)
+
     def limits_of(of: str, found: errors.Evidence) -> Claim:
         return errors.limit_claim(of, config, machine, found)
 
-    return erring, limits_of
+    return erring, limits_of, off_path
 
 
 @dataclass(frozen=True)
@@ -99,7 +104,9 @@ class _Asked:
     ends_of: Callable[[ProvenChain], Iterable[Claim]]
     erring: _Erring
     limits_of: _Limits
+    off_path: _OffPath
     reserve_deg: tuple[float, float] | None
+    machines: StatedMachines | None
 
 
 class _Bounds:
@@ -109,7 +116,7 @@ class _Bounds:
         self._of, self._proven, self._asked = of, proven, asked
         self._configured: list[FloatArray] | None = None
         self._erring: errors.Evidence | None = None
-        self._tilts = np.zeros(2)
+        self._tilts, self._off = np.zeros(2), np.zeros(7)
         self.claims: list[Claim] = []
 
     def add(self, segment: EvaluatedChain) -> None:
@@ -121,6 +128,10 @@ class _Bounds:
         if self._proven.within_limits:
             self._erring = self._asked.erring(segment, self._erring)
             self.claims.append(self._asked.limits_of(self._of, self._erring))
+        if segment.ellipsoid is not None:
+            self._off = np.maximum(self._off, self._asked.off_path(segment))
+            self.claims.append(machines.reserve_claim(self._of, self._off, self._asked.machines))
+            return
         self._tilts = np.maximum(self._tilts, errors.tilts_off_deg(segment))
         self.claims += errors.reserve_claims(self._of, self._tilts, self._asked.reserve_deg)
 
@@ -163,12 +174,13 @@ def _any_refused(claims: list[Claim]) -> bool:
 def _name(proven: ProvenChain) -> str:
     if _is_configured(proven):
         return _CONFIGURED
-    uncertainty, profile = proven.uncertainty, proven.profile_m
+    uncertainty, profile, kept = proven.uncertainty, proven.profile_m, ", limits kept" if proven.within_limits else ""
+    if uncertainty.ellipsoid is not None:
+        return f"machines within {uncertainty.ellipsoid.sigma:g} deviations of the calibration{kept}"
     lengths, coordinates = 1e3 * uncertainty.length_m, 1e3 * uncertainty.coordinate_m
     parts = [f"lengths ± {lengths:.4g}, coordinates ± {coordinates:.4g}"] if uncertainty.calibration else []
     if profile is not None:
         parts.append(f"all actuators ± {1e3 * min(profile):.4g} to {1e3 * max(profile):.4g} over s")
     elif any(off := uncertainty.actuator_m):
         parts.append(f"{', '.join(ACTUATORS)} ± {', '.join(f'{1e3 * error:.4g}' for error in off)}")
-    kept = ", limits kept" if proven.within_limits else ""
     return f"{'; '.join(parts)} mm{kept}"

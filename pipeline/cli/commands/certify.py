@@ -16,7 +16,7 @@ from pipeline.regular_file import open_regular_file
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
-    from pipeline.certify.recheck import Claim
+    from pipeline.certify.recheck import Claim, Statement
     from pipeline.certify.recheck.time_law import StatedMotion
     from pipeline.run.results import Results
 
@@ -27,7 +27,8 @@ _NAMED = 5
 def certify(
     context: typer.Context,
     config: Annotated[
-        Path | None, typer.Argument(metavar="CONFIG", help="The YAML file with machine, task and options.")
+        Path | None,
+        typer.Argument(metavar="CONFIG", help="The YAML file with machine, task and options; or a run, --calibration."),
     ] = None,
     out: OutOption = None,
     force: ForceOption = False,
@@ -44,6 +45,24 @@ def certify(
             help="Also search by how much drives may be off: within limits, and on the branch; and these tolerances.",
         ),
     ] = False,
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            "--calibration", metavar="FILE", help="Prove a finished run for every machine that a calibration allows."
+        ),
+    ] = None,
+    sigma: Annotated[
+        float | None,
+        typer.Option(
+            "--sigma", metavar="K", min=1e-3, max=1e3, help="Standard deviations of every combination. Default: 3."
+        ),
+    ] = None,
+    probability: Annotated[
+        float | None,
+        typer.Option(
+            "--probability", metavar="P", min=1e-6, max=1.0 - 1e-12, help="Of all parameters together, for K."
+        ),
+    ] = None,
     check: Annotated[
         Path | None,
         typer.Option("--check", metavar="FILE", help="Verify a certificate, or that of a run, again; prove nothing."),
@@ -56,20 +75,68 @@ def certify(
     arithmetic; the run's config.yaml and path.npz must be beside it.
     Tolerances once found are kept as long as the path is; with
     certify.what: tolerances (or following) in CONFIG every run searches them.
+
+    --calibration adds to the certificate of a run, planned with a calibrated
+    machine, the proof for every machine within K standard deviations of it:
+    of every combination of its parameters, so that all of them together are
+    within with the probability that is shown. FILE is what calibrate wrote
+    beside its --output. Exits with 1 if even the branch is not proven.
     """
+    others = config is not None or out is not None or force or tolerance or following or unproven
     if check is not None:
-        if config is not None or out is not None or force or tolerance or following or unproven:
+        if others or any(one is not None for one in (calibration, sigma, probability)):
             raise UsageError("--check FILE excludes other options: the configuration is the one beside the certificate")
         verify_file(check)
         return
     if config is None:
         raise UsageError("certify needs a CONFIG, or --check FILE")
+    if calibration is not None:
+        if out is not None or force or tolerance or following or unproven or None not in (sigma, probability):
+            raise UsageError("--calibration goes with a run folder, and with --sigma or --probability alone")
+        certify_machines(config, calibration, sigma, probability)
+        return
+    if sigma is not None or probability is not None:
+        raise UsageError("--sigma and --probability go with --calibration FILE")
     from pipeline.config.choices import Proof
     from pipeline.run import RunOptions
 
     proof = Proof.FOLLOWING if following else Proof.TOLERANCES if tolerance else None
     options = RunOptions(last=Stage.CERTIFY, force=force, verbose=verbose, unproven=unproven, proof=proof)
     run_stages(config, load_task(config), out, options, specs_of(context))
+
+
+def certify_machines(folder: Path, file: Path, sigma: float | None, probability: float | None) -> None:
+    """Prove a run for every machine that a calibration leaves possible, and show what was proven.
+
+    Raises
+    ------
+    UsageError
+        When the run or the calibration cannot be read, or the machine of the run is not the calibrated one.
+    NoSolutionError
+        When not even the branch is proven.
+    """
+    from pipeline.calibrate.stored import read_calibration
+    from pipeline.cli.console import messages_console
+    from pipeline.cli.reporter import make_reporter
+    from pipeline.progress import Monitor
+    from pipeline.run.added.calibrated import Wanted, certify_calibrated
+    from pipeline.summary.certificate import proof_words
+
+    stored = read_calibration(file)
+    wanted = Wanted(sigma if sigma is not None or probability is not None else 3.0, probability)
+    with make_reporter(messages_console(), verbose=False) as reporter:
+        monitor, began = Monitor(reporter.begin(Stage.CERTIFY)), time.perf_counter()
+        try:
+            added = certify_calibrated(folder, stored, wanted, monitor)
+        except NoSolutionError:
+            reporter.end(Stage.CERTIFY, "failed", time.perf_counter() - began)
+            raise
+        reporter.end(Stage.CERTIFY, "done", time.perf_counter() - began)
+    broken = added.proof.broken
+    results_console().print(
+        proof_words(added.stated, None if broken is None else f"s = {broken.s:.4f}: {broken.reason.text}"),
+        soft_wrap=True,
+    )
 
 
 def verify_file(file: Path) -> None:
@@ -104,6 +171,7 @@ def verify_file(file: Path) -> None:
     trajectory = results.trajectory if (results.folder / TRAJECTORY_NPZ).exists() else None
     claims += table_claims(file.parent, stated.chains, trajectory)
     claims += _motion_claims(results)
+    claims += _machines_claims(results, stated)
     seconds = time.perf_counter() - began
     # What fails comes last: it is what a reader has to see.
     in_order = sorted(claims, key=lambda claim: not claim.verified)
@@ -141,6 +209,16 @@ def _pose_error_claims(results: "Results") -> "list[Claim]":
     claims = verify_pose_error(results.machine, results.refinement.path, stated, uncertainty_of(asked))
     table = load_pose_error(results)
     return claims if table is None else [*claims, amplification_claim(results.refinement.path, stated.chain, table)]
+
+
+def _machines_claims(results: "Results", stated: "Statement") -> "list[Claim]":
+    """Verify that machines which a calibration leaves possible are those of its file, which the run keeps."""
+    from pipeline.artifacts.layout import CALIBRATION_JSON
+    from pipeline.calibrate.recheck import machines_claims
+
+    if stated.machines is None:
+        return []
+    return machines_claims(results.folder / CALIBRATION_JSON, results.config.machine, results.refinement.path, stated)
 
 
 def _motion_claims(results: "Results") -> "list[Claim]":
@@ -199,6 +277,7 @@ COMMANDS: tuple[tuple[Callable[..., None], tuple[str, ...]], ...] = (
             "gantry-tau certify configs/agder.yaml",
             "gantry-tau certify configs/agder.yaml --tolerance    (a minute more)",
             "gantry-tau certify configs/agder.yaml --following    (another minute)",
+            "gantry-tau certify results/real --calibration real.json --sigma 3",
             "gantry-tau certify --check results/agder/certificate.json",
         ),
     ),

@@ -54,7 +54,7 @@ def least_outside(box: ProvenBox, low: FloatArray, high: FloatArray) -> float:
 def _sides(box: ProvenBox, low: FloatArray, high: FloatArray) -> list[_Side]:
     moved, found = box.inclusion.following.moved, list[_Side]()
     for column, *ends in zip(CONTROLLED.tolist(), low.tolist(), high.tolist(), strict=True):
-        reach = (box.deviation[column].abs_upper() + moved[column].abs_upper()).upper()
+        reach = (box.displacement.pose[column].abs_upper() + moved[column].abs_upper()).upper()
         for end, sign in zip(ends, (-1, 1), strict=True):
             if np.isfinite(end):
                 first, *others = [arb(value) for value in box.inclusion.box.pose[:, column].tolist()]

@@ -12,8 +12,8 @@ import numpy as np
 from flint import arb, arb_mat
 
 from pipeline.arrays import FloatArray, IntArray
-from pipeline.inclusion.closure import Geometry
 from pipeline.inclusion.condition import above, below, norm
+from pipeline.inclusion.displacement import Displacement
 from pipeline.inclusion.following import CARTS, Erring, joint_moves
 from pipeline.inclusion.krawczyk import Piecewise
 from pipeline.inclusion.matrices import ball_matrix, enlarged, floats, inner, upper_bounds, upper_vector
@@ -80,14 +80,16 @@ class _Gaps:
 
 
 def distance_bounds(
-    machine: Geometry, pairs: AxisPairs, series: Piecewise, deviation: list[arb], errors: Erring | None = None
+    pairs: AxisPairs, series: Piecewise, displacement: Displacement, errors: Erring | None = None
 ) -> FloatArray:
-    """Bound the distances of all pairs from below for poses within `deviation` of x(t), or of x(t) + P a for all a.
+    """Bound the distances of all pairs from below for joints displaced from x(t), or from x(t) + P a for all a.
 
     Shape (pairs,).
     """
     gaps = series.derive((pairs.from_rail, pairs.first.tobytes()), lambda: _along(pairs, series))
-    off, (least, sizes) = _joint_deviation(machine, deviation), (gaps.least, gaps.sizes)
+    off, (least, sizes) = displacement.rest, (gaps.least, gaps.sizes)
+    if displacement.moves:
+        least = _with_moves(pairs, gaps, gaps.N[0] + gaps.N[1] * arb(0, series.half), displacement.moves)
     if errors is not None:
         least, sizes = _with_errors(pairs, gaps, gaps.N[0] + gaps.N[1] * arb(0, series.half), errors)
     return np.array([_pair_bound(pairs, pair, gap, off) for pair, gap in enumerate(zip(least, sizes, strict=True))])
@@ -161,17 +163,32 @@ def _across(pairs: AxisPairs, directions: arb_mat) -> arb_mat:
     return directions
 
 
+def _with_moves(pairs: AxisPairs, gaps: _Gaps, N: arb_mat, moves: list[arb_mat]) -> list[list[arb]]:
+    """Bound n . (P - Q) from below where end points P move by M_P v, |v| <= 1: it changes by up to |n' (M_P - M_Q)|."""
+    along, found = [N * move for move in moves], []
+    for pair, bounds in enumerate(gaps.least):
+        lost = [
+            norm([a - b for a, b in zip(_row(along[p], pair), _row(along[q], pair), strict=True)])
+            for p, q in _ends(pairs, pair)
+        ]
+        found.append([bound - by for bound, by in zip(bounds, lost, strict=True)])
+    return found
+
+
+def _row(matrix: arb_mat, row: int) -> list[arb]:
+    return [matrix[row, column] for column in range(matrix.ncols())]
+
+
 def _pair_bound(pairs: AxisPairs, pair: int, gap: tuple[list[arb], arb], off: list[arb]) -> float:
-    """Bound the distance of a pair by the gaps of its end points, and |n|; joints are `off` by up to as much."""
+    """Bound the distance of a pair by the gaps of its end points, and |n|; end points (15,) are `off` by as much."""
     (bounds, size), least = gap, arb("inf")
     for bound in bounds:
         least = least.min(bound.lower())
     if not size > 0:
         return 0.0
-    by_pose = sum(
-        (off[p - _LINKS] for p in (*pairs.first[pair], *pairs.second[pair]) if _LINKS <= p < 2 * _LINKS), arb(0)
-    )
-    return max(0.0, below(least / size - by_pose))
+    # No point between two ends moves farther than the end that moves farther.
+    moved = [off[p].max(off[q]) for p, q in (pairs.first[pair].tolist(), pairs.second[pair].tolist())]
+    return max(0.0, below(least / size - moved[0] - moved[1]))
 
 
 def _end_points(pairs: AxisPairs, series: Piecewise) -> list[arb_mat]:
@@ -188,12 +205,6 @@ def _end_points(pairs: AxisPairs, series: Piecewise) -> list[arb_mat]:
         columns += [[arb(0), arb(float(y)) * scale, arb(float(z)) * scale] for y, z in pairs.rails_m]
         tables.append(arb_mat(columns).transpose())
     return tables
-
-
-def _joint_deviation(machine: Geometry, deviation: list[arb]) -> list[arb]:
-    """Bound how far each platform joint is from its position at x(t)."""
-    shift, turn = norm(deviation[:3]), sum((d.abs_upper() for d in deviation[3:]), arb(0))
-    return [shift + norm(point) * turn for point in machine.points]
 
 
 def separating_directions(pairs: AxisPairs, points: FloatArray) -> FloatArray:

@@ -7,89 +7,18 @@ Where a link is cut short, or a tube ends, by metres along its axis, its length 
 where that is at most: the hull is taken between these points.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from flint import arb, arb_mat, arb_series
 
 from pipeline.arrays import FloatArray
-from pipeline.inclusion.bounds import actuator_ranges
-from pipeline.inclusion.closure import Closure
-from pipeline.inclusion.condition import above, norm, skew
+from pipeline.inclusion.condition import above
+from pipeline.inclusion.distances.frames import Frames, Moves, Reach, frames_along, moves_by_errors, reach_of
 from pipeline.inclusion.distances.hulls import LOST, Directions, MovingHulls, separated, separating_directions
-from pipeline.inclusion.following import Erring, joint_moves
 from pipeline.inclusion.krawczyk import Piecewise
-from pipeline.inclusion.matrices import upper_vector
 from pipeline.inclusion.proven_box import ProvenBox
-from pipeline.machine.geometry import ACTUATORS, ARM_OF_LINK, TELESCOPES
+from pipeline.machine.geometry import ACTUATORS
 from pipeline.machine.shapes.model import Bodies, FrameKind, SweptHull
 
 _ORDERS = 3
-
-
-@dataclass(frozen=True, eq=False)
-class _Frames:
-    """The frames that hulls move with, as balls: middles and radii of their coefficients of order 0, 1 and 2 in t.
-
-    Attributes
-    ----------
-    tcp, rotation : (2, orders, 3), (2, orders, 3, 3)
-        TCP and R.
-    origins : (2, orders, 3, 3)
-        The points of the rails that the carts are at.
-    rails : (3, 3)
-        Directions of the rails.
-    carts, platform : (2, orders, 6, 3)
-        Cart joints and platform joints.
-    """
-
-    tcp: FloatArray
-    rotation: FloatArray
-    origins: FloatArray
-    rails: FloatArray
-    carts: FloatArray
-    platform: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class _Reach:
-    """How far the machine may be off its series.
-
-    Attributes
-    ----------
-    shift, turn : float
-        Bounds of how far the pose is off: its place, and the sum of its angles.
-    arms : (6,)
-        Bounds of how far the platform joints are from the TCP.
-    lengths : (6, 2)
-        Least and largest length of each link, with the errors of the actuators.
-    errors_m : (5,)
-        Bounds of the errors of the actuators.
-    """
-
-    shift: float
-    turn: float
-    arms: FloatArray
-    lengths: FloatArray
-    errors_m: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class _Moves:
-    """How frames move with the error of each actuator, as balls: middles and radii.
-
-    Attributes
-    ----------
-    tcp, turning : (2, 5, 3), (2, 5, 3, 3)
-        dp/de, and dR/de.
-    carts, platform : (2, 5, 6, 3)
-        The same of cart joints and platform joints.
-    """
-
-    tcp: FloatArray
-    turning: FloatArray
-    carts: FloatArray
-    platform: FloatArray
 
 
 _Points = tuple[FloatArray, FloatArray, float, FloatArray, FloatArray]
@@ -103,8 +32,8 @@ def body_distance_bounds(box: ProvenBox, bodies: Bodies, enough_m: float = np.in
     bound is no sharper.
     """
     series, half = box.series, above(box.series.half)
-    frames = series.derive(_Frames, lambda: _frames(box))
-    reach, moves = _reach(box), None if box.erring is None else _moves(box.erring)
+    frames = series.derive(Frames, lambda: frames_along(box))
+    reach, moves = reach_of(box), None if box.erring is None else moves_by_errors(box.erring)
     placed = [_points(frames, reach, moves, hull) for hull in bodies.hulls]
     bounds = np.full(len(bodies.pairs), -np.inf)
     if np.isfinite(enough_m):
@@ -161,7 +90,7 @@ def _directions(
     return series.derive(key, lambda: separating_directions(first, second, above(series.half)))
 
 
-def _points(frames: _Frames, reach: _Reach, moves: _Moves | None, hull: SweptHull) -> _Points:
+def _points(frames: Frames, reach: Reach, moves: Moves | None, hull: SweptHull) -> _Points:
     """Give the coefficients of a hull's points, how far points may be off, and how they move with errors."""
     given = hull.points_m
     if hull.kind == FrameKind.PLATFORM:
@@ -173,8 +102,8 @@ def _points(frames: _Frames, reach: _Reach, moves: _Moves | None, hull: SweptHul
         part = _parts(hull, reach.lengths[hull.number])
         middle, radius = _on_link(frames.carts, frames.platform, hull.number, part)
         moved = _still(given) if moves is None else _on_link(moves.carts, moves.platform, hull.number, part)
-        off = reach.shift + float(reach.arms[hull.number]) * reach.turn
-        return middle, radius, float(part.max()) * off, *moved
+        ends = np.abs(1.0 - part) * reach.carts[hull.number] + np.abs(part) * reach.platform[hull.number]
+        return middle, radius, float(ends.max()), *moved
     middle, radius = np.zeros((2, _ORDERS, *given.shape))
     moved = np.zeros((2, 0 if moves is None else len(ACTUATORS), *given.shape))
     if hull.kind == FrameKind.CART:
@@ -182,7 +111,14 @@ def _points(frames: _Frames, reach: _Reach, moves: _Moves | None, hull: SweptHul
         radius += frames.origins[1][:, hull.number, None]
         moved[0, hull.number : hull.number + 1] = frames.rails[hull.number]
     middle[0] += given
-    return middle, radius, 0.0, *moved
+    return middle, radius, _off(reach, hull), *moved
+
+
+def _off(reach: Reach, hull: SweptHull) -> float:
+    """Bound how far a hull on a cart, or one that is fixed, on a rail perhaps, may be off."""
+    if hull.kind == FrameKind.CART:
+        return float(reach.origins[hull.number])
+    return float(reach.rails[hull.number - 1]) if hull.number else 0.0
 
 
 def _still(given: FloatArray) -> FloatArray:
@@ -209,76 +145,3 @@ def _parts(hull: SweptHull, lengths: FloatArray) -> FloatArray:
     """Give both ends of a hull on a link as parts of its length, as far apart as any length in a range makes them."""
     parts = hull.points_m[:, 0] + hull.points_m[:, 1] / lengths[:, None]
     return np.array([parts[:, 0].min(), parts[:, 1].max()])
-
-
-def _frames(box: ProvenBox) -> _Frames:
-    closures = (box.series.at, box.series.at, box.series.over)
-    return _Frames(
-        tcp=_balls([[x[k] for x in one.pose[:3]] for k, one in enumerate(closures)]),
-        rotation=_balls([[[x[k] for x in row] for row in one.rotation] for k, one in enumerate(closures)]),
-        origins=_balls([_origins(box, one, k) for k, one in enumerate(closures)]),
-        rails=box.machine.rail_directions,
-        carts=_balls([_cart_joints(box, one, k) for k, one in enumerate(closures)]),
-        platform=_balls([_platform_joints(one, k) for k, one in enumerate(closures)]),
-    )
-
-
-def _reach(box: ProvenBox) -> _Reach:
-    errors, deviation = upper_vector(box.inclusion.following.errors), box.deviation
-    lengths = np.repeat(np.asarray(box.machine.lengths_m)[:, None], 2, axis=1)
-    lengths[TELESCOPES] = actuator_ranges(box)[3:]
-    if box.inclusion.following.any:
-        off = errors[3:, None] * [-1.0, 1.0]
-        lengths[TELESCOPES] = np.nextafter(lengths[TELESCOPES] + off, [-np.inf, np.inf])
-    return _Reach(
-        shift=above(norm(deviation[:3])),
-        turn=above(sum((d.abs_upper() for d in deviation[3:]), arb(0))),
-        arms=np.array([above(norm(point)) for point in box.balls.points]),
-        lengths=lengths,
-        errors_m=errors if box.inclusion.following.any else np.zeros(len(ACTUATORS)),
-    )
-
-
-def _moves(errors: Erring) -> _Moves:
-    """Enclose how frames move: with the axes E of the angles, dR/de = (E P_angles) x R."""
-    P, hull = errors.following.over, errors.hull
-    shift, turn = (np.array(P.table(), dtype=object)[rows] for rows in (slice(0, 3), slice(3, 6)))
-    spins = (arb_mat(hull.axes).transpose() * arb_mat(turn.tolist())).transpose().table()
-    R, joints = arb_mat(hull.rotation), _balls([move.transpose().table() for move in joint_moves(errors)])
-    links = len(hull.arms)
-    return _Moves(
-        tcp=_balls(shift.T.tolist()),
-        turning=_balls([(skew(spin) * R).table() for spin in spins]),
-        carts=joints[:, :, :links],
-        platform=joints[:, :, links : 2 * links],
-    )
-
-
-def _origins(box: ProvenBox, closure: Closure[arb_series], order: int) -> list[list[arb]]:
-    constant = arb(int(order == 0))
-    return [
-        [closure.q[arm][order] * along + arb(c) * constant for along, c in zip(rail, (0.0, *place), strict=True)]
-        for arm, (rail, place) in enumerate(zip(box.balls.rails, box.machine.rails_m.tolist(), strict=True))
-    ]
-
-
-def _cart_joints(box: ProvenBox, closure: Closure[arb_series], order: int) -> list[list[arb]]:
-    constant = arb(int(order == 0))
-    return [
-        [closure.q[arm][order] * along + c * constant for along, c in zip(box.balls.rails[arm], anchor, strict=True)]
-        for arm, anchor in zip(ARM_OF_LINK, box.balls.anchors, strict=True)
-    ]
-
-
-def _platform_joints(closure: Closure[arb_series], order: int) -> list[list[arb]]:
-    return [[p[order] + a[order] for p, a in zip(closure.pose, arm, strict=False)] for arm in closure.arms]
-
-
-def _balls(table: object) -> FloatArray:
-    """Turn nested lists of balls into middles and radii, stacked; radii include what the middles are rounded by."""
-    entries = np.array(table, dtype=object)
-    middle = np.array([float(entry.mid()) for entry in entries.ravel()])
-    radius = np.array(
-        [above((entry - arb(value)).abs_upper()) for entry, value in zip(entries.ravel(), middle.tolist(), strict=True)]
-    )
-    return np.stack([middle.reshape(entries.shape), radius.reshape(entries.shape)])

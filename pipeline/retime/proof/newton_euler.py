@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from flint import arb, arb_series
 
 from pipeline.inclusion.closure import TERMS, Closure, Geometry, Vector, cross, dot
-from pipeline.inclusion.forces import cart_weights
+from pipeline.inclusion.gravity.forces import cart_weights
 from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, Machine
 from pipeline.machine.masses import lumped_platform

@@ -11,11 +11,11 @@ from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following.broken_limits import breaking_errors
 from pipeline.certify.following.profile import prove_profile
 from pipeline.certify.following.tolerances import search_following, searching_within_limits, tilt_reserve_deg
+from pipeline.certify.machines.tolerance import search_problem
 from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck import verifies
 from pipeline.certify.result import FollowingTolerances, ProvenChain
 from pipeline.certify.search import Search, largest_error, new_search
-from pipeline.certify.tolerance import search_problem
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import CERTAIN, of_actuators

@@ -9,10 +9,10 @@ import pytest
 
 from pipeline.certify.examiner import build_error_examiner
 from pipeline.certify.following.profile import prove_profile
+from pipeline.certify.machines.tolerance import search_problem
 from pipeline.certify.recheck import verifies
 from pipeline.certify.result import ProvenChain, proven_chain
 from pipeline.certify.search import Search, largest_error, new_search
-from pipeline.certify.tolerance import search_problem
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.inclusion.uncertainty import Uncertainty, of_actuators, of_everything

@@ -6,6 +6,7 @@ from flint import arb
 
 from pipeline.certify.guess import guess_box
 from pipeline.inclusion.closure import geometry, working_precision
+from pipeline.inclusion.displacement import of_pose
 from pipeline.inclusion.distances import axes
 from pipeline.inclusion.distances.axes import AxisPairs, distance_bounds, separating_directions
 from pipeline.inclusion.krawczyk import along
@@ -24,7 +25,7 @@ def bounds_and_samples(path: Path, from_rail: bool) -> tuple[np.ndarray, np.ndar
     pairs = AxisPairs.of(rail_pairs(machine) if from_rail else link_pairs(machine), from_rail, machine)
     with working_precision(64):
         balls = geometry(machine)
-        bounds = distance_bounds(balls, pairs, along(balls, piece, box), [arb(1e-9)] * 6)
+        bounds = distance_bounds(pairs, along(balls, piece, box), of_pose(balls, [arb(1e-9)] * 6))
     s = samples_in(box)
     sampled = (link_rail_distances if from_rail else link_distances)(machine, path.pose(s), path.q(s)[:, :3])
     return bounds, sampled.min(axis=0)

@@ -8,6 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, FailFast, Field, cr
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from pipeline.config.messages import key_path
+from pipeline.inclusion.calibrated.ellipsoid import PARAMETERS
 from pipeline.limits import CertificateKey, Side
 
 FORMAT = 3
@@ -29,6 +30,9 @@ _Count = Annotated[int, Field(ge=0)]
 _Six = Annotated[list[float], FailFast(), Field(min_length=6, max_length=6)]
 _Radius = Annotated[list[_Number], FailFast(), Field(min_length=6, max_length=6)]
 _Cubic = Annotated[list[_Six], FailFast(), Field(min_length=4, max_length=4)]
+_Five = Annotated[list[float], Field(min_length=5, max_length=5)]
+_Positive = Annotated[float, Field(gt=0.0)]
+_Row = Annotated[list[float], FailFast(), Field(min_length=1, max_length=PARAMETERS)]
 _Range = Annotated[list[float], Field(min_length=2, max_length=2)]
 _Hash = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
@@ -39,12 +43,34 @@ class _Part(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, frozen=True)
 
 
+class EllipsoidShape(_Part):
+    """The machines that a calibration leaves possible: a row of the factor for each parameter."""
+
+    factor: Annotated[list[_Row], FailFast(), Field(min_length=PARAMETERS, max_length=PARAMETERS)]
+    sigma: _Positive
+    zero_at_m: _Five
+    scale: Annotated[list[_Positive], Field(min_length=5, max_length=5)]
+
+    @model_validator(mode="after")
+    def _rows_agree(self) -> Self:
+        if len({len(row) for row in self.factor}) != 1:
+            raise _wrong("factor", "has rows of different lengths")
+        return self
+
+
 class UncertaintyShape(_Part):
     """The uncertainty of the machine of a chain."""
 
     length_m: _Number
     coordinate_m: _Number
     actuator_m: Annotated[list[_Number], Field(min_length=5, max_length=5)] = [0.0] * 5
+    ellipsoid: EllipsoidShape | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if self.ellipsoid is not None and any((self.length_m, self.coordinate_m, *self.actuator_m)):
+            raise _wrong("ellipsoid", "is beside other errors")
+        return self
 
 
 class ChainShape(_Part):
@@ -101,6 +127,21 @@ class CalibratedShape(ToleranceShape):
     coordinate_m: _Number
 
 
+class MachinesShape(_Part):
+    """What is proven of all machines that a calibration leaves possible."""
+
+    sigma: _Positive
+    dimensions: _Count
+    probability: _PartOfPath
+    boxes: _Count
+    within_limits: bool
+    calibration_sha256: _Hash
+    parameters: Annotated[list[str], Field(min_length=PARAMETERS, max_length=PARAMETERS)]
+    tilt_reserve_deg: Annotated[list[_Number], Field(min_length=2, max_length=2)]
+    actuator_reserve_m: Annotated[list[_Number], Field(min_length=5, max_length=5)]
+    ranges_kept: bool
+
+
 class TolerancesShape(_Part):
     """Both calibration tolerances, and those of following errors: within limits, and merely on the branch."""
 
@@ -109,6 +150,7 @@ class TolerancesShape(_Part):
     following_within_limits: dict[str, ToleranceShape] = {}
     following_on_branch: dict[str, ToleranceShape] = {}
     following_calibrated: CalibratedShape | None = None
+    machines: MachinesShape | None = None
 
 
 class CertificateShape(_Part):
@@ -202,6 +244,7 @@ _WANTED = {
     "model_type": "a section",
     "none_required": "null",
     "finite_number": "a finite number",
+    "greater_than": "a number above {gt}",
     "greater_than_equal": "a number of at least {ge}",
     "less_than_equal": "a number of at most {le}",
     "literal_error": "{expected}",

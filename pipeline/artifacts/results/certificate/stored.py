@@ -3,7 +3,7 @@
 import json
 import pathlib
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 import numpy as np
@@ -17,15 +17,18 @@ from pipeline.artifacts.results.certificate.shape import (
     FORMAT,
     CalibratedShape,
     ChainShape,
+    MachinesShape,
     ToleranceShape,
+    UncertaintyShape,
     certificate_shape,
     explain,
 )
 from pipeline.artifacts.results.saved import SavedRun
 from pipeline.certify.guess import point_box
-from pipeline.certify.recheck import StatedCalibrated, StatedFollowing, StatedTolerance, Statement
+from pipeline.certify.recheck import StatedCalibrated, StatedFollowing, StatedMachines, StatedTolerance, Statement
 from pipeline.certify.result import NOT_CERTIFIED, Certificate, FollowingTolerances, ProvenChain, Tolerance
 from pipeline.errors import UsageError
+from pipeline.inclusion.calibrated.ellipsoid import Ellipsoid
 from pipeline.inclusion.krawczyk import Box
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty
 from pipeline.limits import certificate_keys
@@ -46,7 +49,18 @@ def load_certificate(run: SavedRun) -> Statement:
 
 def certificate_bytes(certificate: Certificate, facts: Mapping[str, Any]) -> bytes:
     """Write a certificate: the facts a line each, every chain on one line."""
-    value = jsonable(certificate_dict(certificate, facts))
+    return _text(certificate_dict(certificate, facts))
+
+
+def with_machines(data: Mapping[str, Any], stated: StatedMachines, chain: ProvenChain) -> bytes:
+    """Write a certificate as it was read, with what is proven of all machines that a calibration leaves possible."""
+    others = [one for one in data["chains"] if "ellipsoid" not in one["uncertainty"]]
+    tolerances = {**data["tolerances"], "machines": asdict(stated)}
+    return _text({**data, "tolerances": tolerances, "chains": [*others, _chain_dict(chain)]})
+
+
+def _text(data: Mapping[str, Any]) -> bytes:
+    value = jsonable(data)
     proofs = ",\n    ".join(json.dumps(chain, allow_nan=False) for chain in value.pop("chains"))
     head = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False).removesuffix("\n}")
     return f'{head},\n  "chains": [\n    {proofs}\n  ]\n}}\n'.encode()
@@ -125,6 +139,7 @@ def read_certificate(file: pathlib.Path) -> Statement:
             on_branch={name: _read(one) for name, one in shape.tolerances.following_on_branch.items()},
             calibrated=_calibrated(shape.tolerances.following_calibrated),
         ),
+        machines=_machines(shape.tolerances.machines),
     )
 
 
@@ -153,13 +168,30 @@ def _chain(shape: ChainShape) -> ProvenChain:
     columns = zip(shape.s[:-1], shape.s[1:], shape.pose, shape.radius, strict=True)
     points = zip(shape.s, shape.joint_pose, shape.joint_radius, strict=True)
     return ProvenChain(
-        uncertainty=Uncertainty(
-            shape.uncertainty.length_m, shape.uncertainty.coordinate_m, tuple(shape.uncertainty.actuator_m)
-        ),
+        uncertainty=_uncertainty(shape.uncertainty),
         boxes=tuple(Box(first, last, np.array(x), np.array(r)) for first, last, x, r in columns),
         joints=tuple(point_box(s, np.array(x), np.array(r)) for s, x, r in points),
         within_limits=shape.within_limits,
         profile_m=None if shape.profile_m is None else tuple(shape.profile_m),
+    )
+
+
+def _machines(shape: MachinesShape | None) -> StatedMachines | None:
+    if shape is None:
+        return None
+    stated: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in shape.model_dump().items()
+    }
+    return StatedMachines(**stated)
+
+
+def _uncertainty(shape: UncertaintyShape) -> Uncertainty:
+    found = Uncertainty(shape.length_m, shape.coordinate_m, tuple(shape.actuator_m))
+    if (one := shape.ellipsoid) is None:
+        return found
+    return replace(
+        found,
+        ellipsoid=Ellipsoid(np.array(one.factor), one.sigma, np.array(one.zero_at_m), np.array(one.scale)),
     )
 
 
@@ -191,9 +223,13 @@ def _following_dict(following: FollowingTolerances) -> dict[str, Any]:
 
 
 def _uncertainty_dict(uncertainty: Uncertainty) -> dict[str, Any]:
-    """Arrange an uncertainty; errors of the actuators only where there are any."""
-    errors = asdict(uncertainty)
-    return errors if any(uncertainty.actuator_m) else {key: errors[key] for key in ("length_m", "coordinate_m")}
+    """Arrange an uncertainty; errors of actuators, and machines of a calibration, only where there are any."""
+    errors: dict[str, Any] = {"length_m": uncertainty.length_m, "coordinate_m": uncertainty.coordinate_m}
+    if any(uncertainty.actuator_m):
+        errors["actuator_m"] = list(uncertainty.actuator_m)
+    if (one := uncertainty.ellipsoid) is not None:
+        errors["ellipsoid"] = {field.name: getattr(one, field.name) for field in fields(one)}
+    return errors
 
 
 def _chain_dict(chain: ProvenChain) -> dict[str, Any]:

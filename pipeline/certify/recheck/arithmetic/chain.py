@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import Displacement, of_machines, of_pose
 from pipeline.certify.recheck.arithmetic.erring import Erring, erring
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, Inclusions, build_boxes, include
 from pipeline.certify.result import ProvenChain
+from pipeline.inclusion.calibrated.ellipsoid import Ellipsoid
 from pipeline.machine.geometry import ACTUATORS, Machine
 from pipeline.parallel import blocks
 from pipeline.refine.result import Path
@@ -19,16 +21,23 @@ SEGMENT = 1_024
 
 @dataclass(frozen=True, eq=False)
 class EvaluatedChain:
-    """The n boxes of a segment of a chain and its n + 1 joints, and the inclusions of both."""
+    """The n boxes of a segment of a chain and its n + 1 joints, the inclusions of both, and machines they hold for."""
 
     boxes: Boxes
     inclusions: Inclusions
     joints: Boxes
     joint_inclusions: Inclusions
+    ellipsoid: Ellipsoid | None = None
 
     def erring(self, machine: Machine) -> Erring | None:
         """The boxes for all errors of their actuators; None if there are none."""
         return erring(machine, self.boxes, self.inclusions)
+
+    def displacement(self, machine: Machine) -> Displacement:
+        """How far joints and lengths may be from those along the cubics, for all machines that the chain is for."""
+        if self.ellipsoid is None:
+            return of_pose(machine, self.inclusions.image)
+        return of_machines(machine, self.boxes, self.inclusions, self.ellipsoid)
 
 
 def evaluate_chain(machine: Machine, path: Path, chain: ProvenChain) -> Iterator[EvaluatedChain]:
@@ -46,7 +55,7 @@ def evaluate_chain(machine: Machine, path: Path, chain: ProvenChain) -> Iterator
         inclusions, joint_inclusions = (
             include(machine, each, chain.uncertainty, off) for each, off in zip((boxes, joints), errors, strict=True)
         )
-        yield EvaluatedChain(boxes, inclusions, joints, joint_inclusions)
+        yield EvaluatedChain(boxes, inclusions, joints, joint_inclusions, chain.uncertainty.ellipsoid)
 
 
 def _errors(chain: ProvenChain, part: slice) -> FloatArray | None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
+from pipeline.certify.recheck.arithmetic.calibrated import closures
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, exactly, times, total, within
 from pipeline.certify.recheck.arithmetic.following import (
     Following,
@@ -58,7 +59,8 @@ class Boxes:
 class Inclusions:
     """Results: whether each box is proven (n,), its inverse (2, 6, 6, n), and k, E, D as in the statement.
 
-    `following` has P and A where actuators are off.
+    `preconditioned` bounds |C dJ| in place of |C| D (6, 6, n) for the machines of an ellipsoid. `following` has P and A
+    where actuators are off.
     """
 
     proven: BoolArray
@@ -67,6 +69,7 @@ class Inclusions:
     residual_change: FloatArray
     jacobian_change: FloatArray
     following: Following | None = None
+    preconditioned: FloatArray | None = None
 
 
 def build_boxes(machine: Machine, path: Path, boxes: tuple[Box, ...]) -> Boxes:
@@ -108,26 +111,35 @@ def include(
         following = follow_actuators((boxes.at, boxes.over), inverse, J, h, actuators_m)
     moved_by = calibrated if following is None else total(calibrated, following.moved)
     hull = _hull(machine, boxes, total(moved_by, r))
-    D = _jacobian_change(machine, hull, uncertainty, off)
+    D, CD = _jacobian_change(machine, hull, uncertainty, off), None
+    if uncertainty.ellipsoid is not None:
+        CD = closures.preconditioned_change(hull, C_over, uncertainty.ellipsoid)
     G = contract("iln,lkjn->ikjn", C_over, second_derivatives(hull), 6)
     GC = contract("ikjn,jmn->ikmn", G, C_over, 6)
     spread = total(
         bound("ikjn,jn->ikn", G.magnitude, r, terms=6), bound("ikmn,mn->ikn", GC.magnitude, E, terms=6), miss
     )
     bent = contract("kan,ikmn->iamn", C_over, GC, 6).magnitude
-    change = bound("lkn,kn->ln", D, total(moved_by, r), terms=6)
     parts = [
         _residual(C, boxes),
         bound("ijn,jn->in", miss, calibrated, terms=6),
         0.5 * bound("ian,an->in", bound("iabn,bn->ian", bent, E, terms=6), E, terms=6),
-        bound("iln,ln->in", C_abs, change, terms=6),
+        _turned(C_abs, (D, CD), total(moved_by, r)),
     ]
     if following is not None:
         terms = following_terms(following, hull, C_over, G)
         spread = total(spread, terms.spread)
         parts += [terms.image, bound("iln,ln->in", terms.mixed, E, terms=6)]
     image = total(*parts, bound("ikn,kn->in", spread, r, terms=6))
-    return Inclusions(np.all(image < r, axis=0) & boxes.on_one_piece, inverse, image, E, D, following)
+    return Inclusions(np.all(image < r, axis=0) & boxes.on_one_piece, inverse, image, E, D, following, CD)
+
+
+def _turned(C: FloatArray, change: tuple[FloatArray, FloatArray | None], moved: FloatArray) -> FloatArray:
+    """Bound |C| D moved, (6, n), or with a bound of |C dJ|, if there is one, in place of both."""
+    D, preconditioned = change
+    if preconditioned is not None:
+        return bound("ikn,kn->in", preconditioned, moved, terms=6)
+    return bound("iln,ln->in", C, bound("lkn,kn->ln", D, moved, terms=6), terms=6)
 
 
 def linear_inverse(J: list[Enclosure]) -> FloatArray:
@@ -173,7 +185,7 @@ def holds(boxes: Boxes, found: Inclusions, joints: Boxes, met: Inclusions, at_en
         apart,
         met.image[:, of],
         bound("ijn,jn->in", turned, met.residual_change[:, of], terms=6),
-        bound("iln,ln->in", C.magnitude, bound("lkn,kn->ln", found.jacobian_change, apart, terms=6), terms=6),
+        _turned(C.magnitude, (found.jacobian_change, found.preconditioned), apart),
     ]
     if found.following is not None and met.following is not None:
         parts.append(
@@ -210,6 +222,8 @@ def _residual_change(over: Motion, uncertainty: Uncertainty, off: FloatArray) ->
     lengths = over.lengths[0].magnitude
     if not uncertainty.calibration:
         return np.zeros_like(lengths)
+    if uncertainty.ellipsoid is not None:
+        return closures.residual_change(over, uncertainty.ellipsoid)
     lengths = total(lengths, off[None])
     v = over.vectors[0]
     v = Enclosure(v.mid, v.rad.copy())

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 from pipeline.certify.following import following_weights
 from pipeline.certify.recheck.claims.claim import Claim
-from pipeline.certify.recheck.statement import StatedTolerance, Statement
+from pipeline.certify.recheck.statement import StatedMachines, StatedTolerance, Statement
 from pipeline.certify.result import ProvenChain
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty, of_actuators, of_everything, of_lengths
 from pipeline.machine.geometry import ACTUATORS, Machine
@@ -13,8 +13,9 @@ NOMINAL = "the first chain is of the configured machine"
 LENGTHS = "the tolerance of link lengths has its chain"
 EVERYTHING = "the tolerance of coordinates has its chain"
 FOLLOWING = "every tolerance of following errors has its chain"
+MACHINES = "the machines of a calibration have their chain"
 PROFILES = "profiles of following errors are of the stated kind"
-CLAIMS: tuple[str, ...] = (NOMINAL, LENGTHS, EVERYTHING, FOLLOWING, PROFILES)
+CLAIMS: tuple[str, ...] = (NOMINAL, LENGTHS, EVERYTHING, FOLLOWING, PROFILES, MACHINES)
 
 
 def inventory_claims(machine: Machine, stated: Statement) -> Iterator[Claim]:
@@ -23,6 +24,7 @@ def inventory_claims(machine: Machine, stated: Statement) -> Iterator[Claim]:
     boxes = len(first[0].boxes) if first else 0
     configured = [chain.uncertainty for chain in first] == [CERTAIN]
     yield Claim(NOMINAL, configured and boxes == stated.boxes, f"{boxes} boxes; stated {stated.boxes}")
+    possible, rest = [one for one in rest if _of_machines(one)], tuple(one for one in rest if not _of_machines(one))
     following, rest = [one for one in rest if _of_errors(one)], tuple(one for one in rest if not _of_errors(one))
     coordinates = [chain for chain in rest if chain.uncertainty.coordinate_m > 0.0]
     lengths = [chain for chain in rest if chain.uncertainty.coordinate_m == 0.0]
@@ -30,10 +32,27 @@ def inventory_claims(machine: Machine, stated: Statement) -> Iterator[Claim]:
     yield _tolerance_claim(EVERYTHING, stated.coordinates, coordinates, of_everything)
     yield _following_claim(machine, stated, [chain for chain in following if chain.profile_m is None])
     yield _profile_claim([chain for chain in following if chain.profile_m is not None])
+    yield _machines_claim(stated.machines, possible)
 
 
 def _of_errors(chain: ProvenChain) -> bool:
     return any(chain.uncertainty.actuator_m) or chain.profile_m is not None or chain.within_limits
+
+
+def _of_machines(chain: ProvenChain) -> bool:
+    return chain.uncertainty.ellipsoid is not None
+
+
+def _machines_claim(stated: StatedMachines | None, chains: list[ProvenChain]) -> Claim:
+    """Verify that what is stated of the machines of a calibration has exactly one chain, of its size and kind."""
+    found = [
+        (one.sigma, one.factor.shape[1], len(chain.boxes), chain.within_limits, chain.profile_m)
+        for chain in chains
+        if (one := chain.uncertainty.ellipsoid) is not None
+    ]
+    wanted = [] if stated is None else [(stated.sigma, stated.dimensions, stated.boxes, stated.within_limits, None)]
+    said = "none stated" if stated is None else f"stated {stated.sigma:g} deviations in {stated.boxes} boxes"
+    return Claim(MACHINES, found == wanted, f"{len(chains)} chains; {said}")
 
 
 def _following_claim(machine: Machine, stated: Statement, chains: list[ProvenChain]) -> Claim:
@@ -75,7 +94,8 @@ def stated_reserves(stated: Statement) -> list[tuple[float, float] | None]:
     """Give what is stated of the tilts' reserves, by chain: of those within limits, in order, that are no profiles."""
     reserves = iter([one.tilt_reserve_deg for one in stated.following.within_limits.values() if one.eps_m > 0.0])
     return [
-        next(reserves, None) if chain.within_limits and chain.profile_m is None else None for chain in stated.chains
+        next(reserves, None) if chain.within_limits and chain.profile_m is None and not _of_machines(chain) else None
+        for chain in stated.chains
     ]
 
 

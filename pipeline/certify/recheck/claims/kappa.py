@@ -7,13 +7,23 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import Displacement
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.determinant import det_signs
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, exactly, root, times, total, within
+from pipeline.certify.recheck.arithmetic.enclosure import (
+    Enclosure,
+    contract,
+    exactly,
+    root,
+    rounded_down,
+    times,
+    total,
+    within,
+)
 from pipeline.certify.recheck.arithmetic.erring import Erring, statics_derivatives
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, linear_inverse, power, residual_of_inverse
 from pipeline.certify.recheck.arithmetic.motion import Motion
-from pipeline.certify.recheck.arithmetic.norms import arm_lengths, frobenius, joint_shift, norm
+from pipeline.certify.recheck.arithmetic.norms import arm_lengths, frobenius, norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence
 from pipeline.config import Config
@@ -28,7 +38,7 @@ KEYS: tuple[str, ...] = ("kappa", "det_sign")
 
 def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound kappa and the sign of det H over some boxes."""
-    kappa, sign = kappa_bounds(machine, segment.boxes, segment.inclusions.image, segment.erring(machine))
+    kappa, sign = kappa_bounds(machine, segment.boxes, segment.displacement(machine), segment.erring(machine))
     return np.array([[-np.inf, kappa.max()], [sign.min(), sign.max()]])
 
 
@@ -46,18 +56,18 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
 
 
 def kappa_bounds(
-    machine: Machine, boxes: Boxes, deviation: FloatArray, errors: Erring | None = None
+    machine: Machine, boxes: Boxes, displacement: Displacement, errors: Erring | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Bound kappa from above and find the sign of det H, each (n,), for poses within `deviation` (6, n) of the cubics.
+    """Bound kappa from above and find the sign of det H, each (n,), for joints displaced from those along the cubics.
 
-    The sign is 0, and the bound infinite, if H may be singular. With errors, for all of them: the poses are then within
-    the deviation of the cubics and P a.
+    The sign is 0, and the bound infinite, if H may be singular. With errors, for all of them: the joints are then
+    displaced from those along the cubics and P a.
     """
     at, over = boxes.at.statics(), boxes.over.statics()
     H = [at[0], at[1], over[2]]
     Y = [exactly(part) for part in linear_inverse(H)]
     h = boxes.half
-    off = statics_change(machine, boxes.over if errors is None else errors.hull, deviation)
+    off = statics_change(machine, boxes.over if errors is None else errors.hull, displacement)
     by_H, by_YH = (np.zeros_like(h),) * 2 if errors is None else _changes(machine, errors, Y[0] + Y[1] * within(h))
     bound_Y = _largest(Y[0], Y[1], h)
     bound_H = total(_largest(H[0], H[1], h), times(power(h, 2), frobenius(H[2].magnitude)), off, by_H)
@@ -101,14 +111,17 @@ def _norms(M: Enclosure) -> FloatArray:
     return total(root(total(largest)), frobenius(M.rad))
 
 
-def statics_change(machine: Machine, links: Motion, deviation: FloatArray) -> FloatArray:
-    """Bound the change of H with the pose, in the Frobenius norm, (n,); links are those before."""
-    arm, turn = arm_lengths(machine)[:, None], total(*deviation[3:])
-    by_vector = joint_shift(machine, deviation)
+def statics_change(machine: Machine, links: Motion, off: Displacement) -> FloatArray:
+    """Bound the change of H with joints and lengths, in the Frobenius norm, (n,); links are those before."""
+    L, arm = machine.characteristic_length_m, arm_lengths(machine)[:, None]
     size = norm(np.moveaxis(links.vectors[0].magnitude, 1, 0))
-    by_moment = total(times(arm, by_vector), times(arm, turn, total(size, by_vector)))
-    by_moment = total(by_moment / machine.characteristic_length_m)
+    by_moment = total(times(arm, off.vectors), times(off.arms, total(size, off.vectors)))
+    by_moment = total(by_moment / L)
     length = links.lengths[0].lower
+    left = rounded_down(length - off.lengths, 1)
+    slant = total(arm / L)
     with np.errstate(divide="ignore", invalid="ignore"):
-        parts = [np.where(length > 0.0, total(part / length), np.inf) for part in (by_vector, by_moment)]
-    return norm(np.concatenate(parts))
+        longer = times(size, root(total(np.ones_like(slant), times(slant, slant))), total(off.lengths / length))
+        change = total(root(total(times(off.vectors, off.vectors), times(by_moment, by_moment))), longer)
+        parts = np.where((left > 0.0) & (length > 0.0), total(change / left), np.inf)
+    return norm(parts)

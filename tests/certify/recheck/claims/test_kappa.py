@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.certify import Certificate
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import of_pose
 from pipeline.certify.recheck.arithmetic.inclusion import build_boxes, include
 from pipeline.certify.recheck.claims.kappa import kappa_bounds
 from pipeline.inclusion.uncertainty import CERTAIN
@@ -22,7 +23,7 @@ def test_signs_of_det_h_are_those_on_either_side_of_a_singularity(
     path = pose_path(machine, START + along[:, None] * TOWARDS_SINGULARITY, RLL, 6)
     certificate = prove(machine, path, (RLL, RLL), kappa_excess=1.0)
     boxes = build_boxes(machine, path, certificate.chain.boxes)
-    _, signs = kappa_bounds(machine, boxes, include(machine, boxes, CERTAIN).image)
+    _, signs = kappa_bounds(machine, boxes, of_pose(machine, include(machine, boxes, CERTAIN).image))
     assert certificate.bounds is not None
     assert set(signs) == {np.sign(determinant(machine, float(along[0])))} == {certificate.bounds.det_sign}
 
@@ -34,6 +35,6 @@ def test_a_box_across_a_singularity_has_no_sign(
     along = 0.9 * singular_at + np.linspace(0.0, 0.01, 6)
     path = pose_path(machine, START + along[:, None] * TOWARDS_SINGULARITY, RLL, 6)
     boxes = build_boxes(machine, path, prove(machine, path, (RLL, RLL), kappa_excess=1.0).chain.boxes)
-    kappa, signs = kappa_bounds(machine, boxes, np.full((6, len(boxes.first)), 0.1))
+    kappa, signs = kappa_bounds(machine, boxes, of_pose(machine, np.full((6, len(boxes.first)), 0.1)))
     assert not signs.any()
     assert np.isinf(kappa).all()

@@ -34,8 +34,9 @@ def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatA
     avoided = boxes_to_avoid(config)
     if not avoided:
         return np.empty((0, 2))
-    following = segment.inclusions.following
-    off = segment.inclusions.image if following is None else total(segment.inclusions.image, following.moved)
+    following, off = segment.inclusions.following, segment.displacement(machine).pose
+    if following is not None:
+        off = total(off, following.moved)
     reach = exactly(off[CONTROLLED])
     poses, least = exactly(segment.boxes.pose[:, CONTROLLED]), np.full(len(avoided), np.inf)
     for low, high in part_ranges(poses, segment.boxes.half, _PARTS):

@@ -7,6 +7,8 @@ import numpy as np
 
 from pipeline.arrays import FloatArray, IntArray
 from pipeline.certify.bounds import Bounds
+from pipeline.certify.recheck.arithmetic.calibrated.closures import row_norms
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import Displacement
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import (
     Enclosure,
@@ -23,7 +25,7 @@ from pipeline.certify.recheck.arithmetic.enclosure import (
 from pipeline.certify.recheck.arithmetic.erring import Erring, joint_moves
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, power
 from pipeline.certify.recheck.arithmetic.motion import Motion
-from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
+from pipeline.certify.recheck.arithmetic.norms import norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, lower_bounds
 from pipeline.config import Config
@@ -41,9 +43,9 @@ def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatA
     """Bound the distances of all pairs that the machine has over some boxes; none where none is asked for."""
     if not _groups(machine):
         return np.empty((0, 2))
-    image, errors = segment.inclusions.image, segment.erring(machine)
+    off = segment.displacement(machine), segment.erring(machine)
     distances = [
-        distance_bounds(machine, AxisPairs.of(pairs, from_rail, machine), segment.boxes, (image, errors))
+        distance_bounds(machine, AxisPairs.of(pairs, from_rail, machine), segment.boxes, off)
         for pairs, from_rail, _ in _groups(machine)
     ]
     return lower_bounds(np.concatenate(distances).min(axis=1))
@@ -85,14 +87,14 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
 
 
 def distance_bounds(
-    machine: Machine, pairs: AxisPairs, boxes: Boxes, off: tuple[FloatArray, Erring | None]
+    machine: Machine, pairs: AxisPairs, boxes: Boxes, off: tuple[Displacement, Erring | None]
 ) -> FloatArray:
-    """Bound the distances of pairs from below, for poses off the cubics by up to (6, n). Shape (pairs, n).
+    """Bound the distances of pairs from below, for joints displaced from those along the cubics. Shape (pairs, n).
 
-    With errors of the actuators, for all of them: the poses are then off the cubics and P a by as much.
+    With errors of the actuators, for all of them: the joints are then displaced from those along the cubics and P a.
     A bound holds for any direction, so that the directions may be those of the search: they need not be right.
     """
-    h, (deviation, errors) = boxes.half, off
+    h, (displacement, errors) = boxes.half, off
     points = [_end_points(machine, motion, order) for motion, order in ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2))]
     n = _directions(pairs, points, h)
     size = np.maximum(*(norm(np.moveaxis((n[0] + n[1] * exactly(t)).magnitude, 1, 0)) for t in (-h, h)))
@@ -110,15 +112,22 @@ def distance_bounds(
             parts = [times(term.magnitude, power(h, k)) for k, term in enumerate(series[1:], start=1)]
             if turning is not None:
                 parts.append(turning.closer(p, q))
+            if displacement.moves is not None:
+                parts.append(_closer(n[0] + n[1] * within(h), displacement.moves[p] - displacement.moves[q]))
             least = np.minimum(least, (series[0] - exactly(total(*parts))).lower)
     size = size if turning is None else turning.size(size)
-    shift = joint_shift(machine, deviation)
-    shifts = np.concatenate([np.zeros_like(shift), shift, np.zeros((3, len(h)))])
-    moved_by = total(*(shifts[of[:, end]] for of in (pairs.first, pairs.second) for end in (0, 1)))
+    shifts = displacement.rest
+    # No point between two ends moves farther than the end that moves farther.
+    moved_by = total(*(np.maximum(shifts[of[:, 0]], shifts[of[:, 1]]) for of in (pairs.first, pairs.second)))
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(least > 0.0, rounded_down(least / size, 1), 0.0)
         distance = np.where(size > 0.0, share - moved_by, 0.0)
     return np.maximum(np.nextafter(distance, -np.inf), 0.0)
+
+
+def _closer(n: Enclosure, apart: Enclosure) -> FloatArray:
+    """Bound |n' M| for directions (pairs, 3, n) and M (pairs, 3, m, n), (pairs, n)."""
+    return row_norms(contract("pcn,pcmn->pmn", n, apart, 3))
 
 
 @dataclass(frozen=True, eq=False)

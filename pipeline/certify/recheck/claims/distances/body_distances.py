@@ -6,12 +6,13 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds, Ranges
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import Displacement
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, exactly, times, total
 from pipeline.certify.recheck.arithmetic.erring import Erring, joint_moves
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes
 from pipeline.certify.recheck.arithmetic.motion import Motion, on_rails
-from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
+from pipeline.certify.recheck.arithmetic.norms import norm
 from pipeline.certify.recheck.arithmetic.ranges import polynomial_ranges
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.distances.hulls import MovingHull, separated
@@ -29,12 +30,12 @@ KEYS: tuple[str, ...] = ("body_distance_m", "obstacle_distance_m")
 
 def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatArray:
     """Bound the distances of all pairs over some boxes; none without bodies and obstacles."""
-    groups, image = _groups(config, machine), segment.inclusions.image
-    errors = segment.erring(machine) if groups else None
-    bounds = [
-        body_distance_bounds(machine, bodies, segment.boxes, (image, errors)).min(axis=1) for bodies in groups.values()
-    ]
-    return lower_bounds(np.concatenate([np.empty(0), *bounds]))
+    groups = _groups(config, machine)
+    if not groups:
+        return np.empty((0, 2))
+    off = segment.displacement(machine), segment.erring(machine)
+    bounds = [body_distance_bounds(machine, bodies, segment.boxes, off).min(axis=1) for bodies in groups.values()]
+    return lower_bounds(np.concatenate(bounds))
 
 
 def _groups(config: Config, machine: Machine) -> dict[str, Bodies]:
@@ -73,16 +74,18 @@ def required_m(config: Config, machine: Machine) -> FloatArray:
 
 
 def body_distance_bounds(
-    machine: Machine, bodies: Bodies, boxes: Boxes, off: tuple[FloatArray, Erring | None]
+    machine: Machine, bodies: Bodies, boxes: Boxes, off: tuple[Displacement, Erring | None]
 ) -> FloatArray:
-    """Bound the distances of all pairs from below, for poses off the cubics by up to (6, n). Shape (pairs, n).
+    """Bound the distances of all pairs from below, for joints displaced from those along the cubics. (pairs, n).
 
-    With errors of the actuators, for all of them: the poses are then off the cubics and P a by as much.
+    With errors of the actuators, for all of them: the joints are then displaced from those along the cubics and P a.
     The statement is that of `pipeline.inclusion.distances.bodies`.
     """
-    motions, (deviation, errors) = ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2)), off
+    motions, (displacement, errors) = ((boxes.at, 0), (boxes.at, 1), (boxes.over, 2)), off
     errors_m = np.zeros((len(ACTUATORS), len(boxes.half))) if errors is None else errors.errors
     lengths = _length_ranges(machine, boxes, errors_m)
+    lengths[:, 0] = (exactly(lengths[:, 0]) - exactly(displacement.lengths)).lower
+    lengths[:, 1] = (exactly(lengths[:, 1]) + exactly(displacement.lengths)).upper
     joints = None if errors is None else joint_moves(errors)
     hulls = [
         MovingHull(
@@ -91,7 +94,7 @@ def body_distance_bounds(
         )
         for hull in bodies.hulls
     ]
-    shifts = [_shift(machine, hull, lengths, deviation) for hull in bodies.hulls]
+    shifts = [_shift(hull, lengths, displacement) for hull in bodies.hulls]
     bounds = []
     for i, j in bodies.pairs:
         first, second = hulls[i], hulls[j]
@@ -180,13 +183,15 @@ def _parts(hull: SweptHull, lengths: FloatArray) -> FloatArray:
     return np.stack([low - 1e-15 if s else low, high + 1e-15 if t else high])
 
 
-def _shift(machine: Machine, hull: SweptHull, lengths: FloatArray, deviation: FloatArray) -> FloatArray:
-    """Bound how far a point of a hull is off, for poses within `deviation` (6, n) of the cubics. Shape (n,)."""
+def _shift(hull: SweptHull, lengths: FloatArray, off: Displacement) -> FloatArray:
+    """Bound how far a point of a hull is off where joints are displaced. Shape (n,)."""
     if hull.kind == FrameKind.LINK:
-        part = np.maximum(_parts(hull, lengths[hull.number])[1], 0.0)
-        return times(joint_shift(machine, deviation)[hull.number], part)
-    if hull.kind != FrameKind.PLATFORM:
-        return np.zeros(deviation.shape[1])
-    far = norm(hull.points_m.T).max()
-    turn = total(*deviation[3:])
-    return total(norm(deviation[:3]), times(np.full_like(turn, far), turn))
+        part, cart, platform = _parts(hull, lengths[hull.number]), off.carts[hull.number], off.platform[hull.number]
+        ends = total(times(total(np.abs(1.0 - part)), cart[None]), times(np.abs(part), platform[None]))
+        return np.asarray(ends.max(axis=0), dtype=float)
+    if hull.kind == FrameKind.PLATFORM:
+        far = norm(hull.points_m.T).max()
+        return total(off.shift, times(np.full_like(off.turn, far), off.turn))
+    if hull.kind == FrameKind.CART:
+        return np.asarray(off.origins[hull.number], dtype=float)
+    return np.asarray(off.rails[hull.number - 1] if hull.number else np.zeros_like(off.turn), dtype=float)

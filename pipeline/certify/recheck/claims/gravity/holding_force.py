@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.arrays import BoolArray, FloatArray
 from pipeline.certify.bounds import Bounds
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import of_pose
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.enclosure import (
     Enclosure,
@@ -70,13 +71,13 @@ def _within(ranges: FloatArray, of: FloatArray) -> BoolArray:
 def holding_force_bounds(machine: Machine, masses: Masses, boxes: Boxes, deviation: FloatArray) -> FloatArray:
     """Bound all forces over all boxes, for poses within `deviation` (6, n) of the cubics. Shape (11, 2).
 
-    The statement is that of `pipeline.inclusion.forces`.
+    The statement is that of `pipeline.inclusion.gravity.forces`.
     """
     at, over, h = boxes.at.statics(), boxes.over.statics(), boxes.half
     H = [_transposed(part) for part in (at[0], at[1], over[2])]
     Y = [exactly(part) for part in linear_inverse(H)]
     miss = residual_of_inverse(Y, H, h)
-    off = statics_change(machine, boxes.over, deviation)
+    off = statics_change(machine, boxes.over, of_pose(machine, deviation))
     bound_Y = total(frobenius(Y[0].magnitude), times(h, frobenius(Y[1].magnitude)))
     loss = total(frobenius(miss), times(bound_Y, off))
     wrench, turned_by = _wrenches(machine, masses, boxes, deviation)

@@ -50,7 +50,7 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
 def stiffness_bounds(machine: Machine, masses: Masses, boxes: Boxes, deviation: FloatArray) -> FloatArray:
     """Bound the least eigenvalue of K over each box from below, for poses within `deviation` (6, n) of the cubics.
 
-    The statement is that of `pipeline.inclusion.stiffness`. Shape (n,); -inf if H may be singular.
+    The statement is that of `pipeline.inclusion.gravity.stiffness`. Shape (n,); -inf if H may be singular.
     """
     h = boxes.half
     with np.errstate(over="ignore", invalid="ignore"):

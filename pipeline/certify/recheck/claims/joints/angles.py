@@ -6,14 +6,25 @@ import numpy as np
 
 from pipeline.arrays import FloatArray
 from pipeline.certify.bounds import Bounds
+from pipeline.certify.recheck.arithmetic.calibrated.displacement import Displacement
 from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, bound, contract, cross, dot, exactly, times, total
+from pipeline.certify.recheck.arithmetic.enclosure import (
+    Enclosure,
+    bound,
+    contract,
+    cross,
+    dot,
+    exactly,
+    rounded_down,
+    times,
+    total,
+)
 from pipeline.certify.recheck.arithmetic.erring import Erring
 from pipeline.certify.recheck.arithmetic.following import EXTENSIBLE
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, power
 from pipeline.certify.recheck.arithmetic.jets import TERMS, sine_cosine
 from pipeline.certify.recheck.arithmetic.motion import Motion
-from pipeline.certify.recheck.arithmetic.norms import joint_shift, norm
+from pipeline.certify.recheck.arithmetic.norms import norm
 from pipeline.certify.recheck.claims.claim import Claim
 from pipeline.certify.recheck.claims.evidence import Evidence, upper_bounds
 from pipeline.config import Config
@@ -33,7 +44,7 @@ def measure(config: Config, machine: Machine, segment: EvaluatedChain) -> FloatA
     """Bound the angles of all joints with a cone over some boxes, in degrees; none where none has one."""
     if not machine.joint_cones:
         return np.empty((0, 2))
-    off = segment.inclusions.image, segment.erring(machine)
+    off = segment.displacement(machine), segment.erring(machine)
     return upper_bounds(angles_above_deg(joint_cosines(machine, segment.boxes, *off).min(axis=1)))
 
 
@@ -56,26 +67,27 @@ def check(evidence: Evidence, stated: Bounds) -> Iterator[Claim]:
     yield Claim(ANGLES, bool(kept.all()), f"{names[shown]} {degrees}")
 
 
-def joint_cosines(machine: Machine, boxes: Boxes, deviation: FloatArray, errors: Erring | None = None) -> FloatArray:
-    """Bound the cosines of all joints with a cone from below, for poses within `deviation` (6, n) of the cubics.
+def joint_cosines(machine: Machine, boxes: Boxes, off: Displacement, errors: Erring | None = None) -> FloatArray:
+    """Bound the cosines of all joints with a cone from below, for joints displaced from those along the cubics.
 
-    With errors of the actuators, for all of them: the poses are then within that of the cubics and P a.
+    With errors of the actuators, for all of them: the joints are then displaced from those along the cubics and P a.
 
     The statement is that of `pipeline.inclusion.bounds.joint_cosine`. Shape (cones, n).
     """
-    h, turn, shift = boxes.half, total(*deviation[3:]), joint_shift(machine, deviation)
+    h = boxes.half
     along = [(motion, motion.statics()) for motion in (boxes.at, boxes.over)]
     found, hull = [], boxes.over if errors is None else errors.hull
     for cone in machine.joint_cones:
         about, everywhere = (_terms(cone, *motion) for motion in along)
         ends = [(about[0] + about[1] * exactly(t)).lower for t in (-h, h)]
-        moved = shift[cone.link]
+        moved, size = off.vectors[cone.link], norm(hull.vectors[0].magnitude[cone.link])
         if cone.at_platform:
-            size = norm(hull.vectors[0].magnitude[cone.link])
-            moved = total(moved, times(turn, total(size, moved)))
+            moved = total(moved, times(off.turn, total(size, moved)))
         length = hull.lengths[0].lower[cone.link]
+        left = rounded_down(length - off.lengths[cone.link], 1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            by_pose = np.where(length > 0.0, total(moved / length), np.inf)
+            moved = total(moved, times(size, total(off.lengths[cone.link] / length)))
+            by_pose = np.where((left > 0.0) & (length > 0.0), total(moved / left), np.inf)
         # Cosines that bend upward are least at an end.
         rest = total(times(power(h, 2), np.maximum(-everywhere[2].lower, 0.0)), by_pose)
         if errors is not None:

@@ -7,8 +7,8 @@ import pytest
 
 from pipeline.certify.recheck.arithmetic.inclusion import build_boxes
 from pipeline.certify.recheck.claims.gravity.stiffness import stiffness_bounds
+from pipeline.inclusion.gravity.stiffness import least_stiffness_bound
 from pipeline.inclusion.krawczyk import Box
-from pipeline.inclusion.stiffness import least_stiffness_bound
 from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.certify import Uncertainty
+from pipeline.certify.machines.tolerance import largest_tolerance, search_problem, search_tolerances
 from pipeline.certify.monte_carlo import failing_eps
 from pipeline.certify.problem import build_problem
-from pipeline.certify.tolerance import largest_tolerance, search_problem, search_tolerances
 from pipeline.config import Config
 from pipeline.inclusion.closure import working_precision
 from pipeline.machine import Machine

@@ -14,6 +14,7 @@ from flint import arb, arb_mat, arb_poly, arb_series
 from pipeline.arrays import FloatArray
 from pipeline.inclusion.closure import TERMS, Closure, Geometry, component, cross
 from pipeline.inclusion.condition import above, below, frobenius, norm, statics_change
+from pipeline.inclusion.displacement import of_pose
 from pipeline.inclusion.krawczyk import linear_inverse, residual_of_inverse
 from pipeline.inclusion.matrices import ball_matrix, inner, magnitudes, matrices
 from pipeline.inclusion.proven_box import ProvenBox
@@ -39,7 +40,9 @@ def holding_force_ranges(box: ProvenBox, masses: Masses) -> FloatArray:
     transposed = [ball_matrix(part.T) for part in Y]
     miss = residual_of_inverse(transposed, [part.transpose() for part in H], h)
     vectors = [[entry[0] for entry in vector] for vector in series.over.vectors]
-    off = statics_change(box.balls, (vectors, [length[0] for length in series.over.lengths]), deviation)
+    off = statics_change(
+        box.balls, (vectors, [length[0] for length in series.over.lengths]), of_pose(box.balls, deviation)
+    )
     bound_Y = frobenius(magnitudes(transposed[0])) + h * frobenius(magnitudes(transposed[1]))
     loss = frobenius(miss) + bound_Y * off
     if not loss < 1:

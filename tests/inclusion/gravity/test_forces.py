@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, build_boxes
 from pipeline.certify.recheck.claims.gravity.holding_force import holding_force_bounds
-from pipeline.inclusion.forces import holding_force_ranges
+from pipeline.inclusion.gravity.forces import holding_force_ranges
 from pipeline.inclusion.krawczyk import Box
 from pipeline.machine import Machine
 from pipeline.machine.dynamics import carried_cart_masses

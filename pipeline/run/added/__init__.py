@@ -1,0 +1,1 @@
+"""What is added to the results of a finished run."""
