@@ -1,12 +1,12 @@
 """The least distance between the surfaces of bodies that move (`machine.bodies`, `machine.link_bodies`)."""
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 from pipeline.config import Config
 from pipeline.limits.axis_distance import distance_relaxation
 from pipeline.limits.bodies.obstruction import obstruction
+from pipeline.limits.bodies.pairs import kept_apart
 from pipeline.limits.bodies.surface_distance import SurfaceDistance
 from pipeline.limits.interface.limit import Limit
 from pipeline.limits.interface.measure import Measure
@@ -46,18 +46,21 @@ def relaxations(config: Config, machine: Machine) -> list[Relaxation]:
         )
     whole = "machine.bodies" if len(bodies) > 1 else ""
     if whole:
-        found.append(_removal(machine, whole, without(config, bodies), "", bodies))
+        found.append(_removal(config, machine, bodies, whole))
     for k, body in enumerate(bodies):
-        found.append(_removal(machine, f"machine.bodies[{k}]", without(config, (body,)), whole, (body,)))
+        found.append(_removal(config, machine, (body,), f"machine.bodies[{k}]", whole))
     return found
 
 
-def _removal(machine: Machine, key: str, left: Config, part_of: str, bodies: Sequence[Any]) -> Relaxation:
+def _removal(config: Config, machine: Machine, bodies: Sequence[Any], key: str, part_of: str = "") -> Relaxation:
     """Remove bodies, and say how they would be in the way."""
-    if machine.bodies is None:
-        return Relaxation.removal(key, left, part_of)
-    words = partial(obstruction, machine.bodies, {body.name for body in bodies})
-    return Relaxation.removal(key, left, part_of, words)
+    names = {body.name for body in bodies}
+
+    def words(samples: PoseSamples) -> str:
+        found = (obstruction(pairs, names, samples) for pairs in kept_apart(config, machine))
+        return "; ".join(filter(None, found))
+
+    return Relaxation.removal(key, without(config, bodies), part_of, words)
 
 
 def without(config: Config, bodies: Sequence[Any]) -> Config:

@@ -74,8 +74,8 @@ def _isolated(config: Config, machine: Machine, name: str, controlled: FloatArra
         left &= ~refused
     if left.any():
         counts.append(
-            f"{int(left.sum())} are regions, but across a sign change of det H, across links that would pass through "
-            "each other, or more than route.x_step_m away along X"
+            f"{int(left.sum())} are regions, but across a sign change of det H, across links or bodies that would pass "
+            "through each other, or more than route.x_step_m away along X"
         )
     return (
         f"no move joins the {name} to anything: of the {len(near)} grid points within one step of it, in "

@@ -87,4 +87,7 @@ def test_an_obstacle_in_the_way_is_named_with_what_meets_it(bare: Config, vary, 
     words = found["task.obstacles[0]"].obstruction(motion)
     assert "link 3c passes right through bar, from its -y to its +y side (axes of the rails)" in words
     assert "another" not in words
+    config = vary(bare, {"machine.bodies": [{**bar, "attached_to": "frame"}]})
+    found |= {limit.key: limit for limit in relaxations(config, build_machine(config.machine))}
+    assert found["machine.bodies[0]"].obstruction(motion) == words
     assert "bar and another have to be passed round an end" in found["task.obstacles"].obstruction(motion)

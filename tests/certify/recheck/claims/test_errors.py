@@ -18,7 +18,7 @@ def _evidence(
     distances = np.full(len(link_pairs(machine)), 0.5)
     distances[3] = least_m
     none = np.empty((0, 2))
-    return np.array([[-np.inf, kappa], signs]), lower_bounds(distances), none, none
+    return np.array([[-np.inf, kappa], signs]), lower_bounds(distances), none, none, none
 
 
 @pytest.mark.parametrize(
@@ -48,14 +48,14 @@ def test_bodies_and_obstacles_count(
     """Any pair that is closer than machine.clearance.bodies_m refuses the claim."""
     box = {"centre_m": [1.0, 0.3, 0.5], "size_m": [0.1] * 3}
     config = vary(bodies_config, {"task.obstacles": [{"name": "box", "box": box}]})
-    kappa, axes, _, joints = _evidence(bodies_machine)
+    kappa, axes, _, joints, boxes = _evidence(bodies_machine)
     axes = lower_bounds(np.full(len(axis_distances.required_m(bodies_machine)), 0.5))
     asked = body_distances.required_m(config, bodies_machine)
     assert bodies_machine.bodies is not None
     assert len(asked) > len(bodies_machine.bodies.pairs)
     distances = np.full(len(asked), 0.5)
     distances[-1] = least_m
-    found = kappa, axes, lower_bounds(distances), joints
+    found = kappa, axes, lower_bounds(distances), joints, boxes
     assert errors.limit_claim("chain", config, bodies_machine, found).verified == kept
 
 
@@ -65,8 +65,17 @@ def test_joints_count(agder_config: Config, machine: Machine, angle_deg: float, 
     conical = with_cones(
         machine, cone("1", "cart", (1.0, 0.0, 0.0), 30.0), cone("2a", "platform", (0.0, 0.0, 1.0), 20.0)
     )
-    found = *_evidence(machine)[:3], upper_bounds(np.array([30.0, angle_deg]))
+    *others, _, boxes = _evidence(machine)
+    found = *others, upper_bounds(np.array([30.0, angle_deg])), boxes
     assert errors.limit_claim("chain", agder_config, conical, found).verified == kept
+
+
+@pytest.mark.parametrize(("by", "kept"), [(0.0, True), (-1e-5, True), (-1.2e-5, False), (np.nan, False)])
+def test_boxes_to_avoid_count(agder_config: Config, machine: Machine, vary, by: float, kept: bool) -> None:
+    """The surface of any may be touched, but for what proofs round by."""
+    config = vary(agder_config, {"task.avoid": [{"z_m": [0.0, 0.1]}, {"y_m": [2.0, 3.0]}]})
+    found = *_evidence(machine)[:4], lower_bounds(np.array([0.5, by]))
+    assert errors.limit_claim("chain", config, machine, found).verified == kept
 
 
 def test_a_reserve_is_not_below_what_is_found() -> None:
