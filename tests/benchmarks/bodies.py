@@ -194,8 +194,8 @@ def _costs(tables: Sequence[dict[str, float]], runs: Sequence[dict[str, Any]]) -
             _ratio("the same by the clock", wall, "with", "without", 2.5),
         ]
     found = [
-        "Medians of the ratios of processor seconds within each round, in which agder before there were bodies, agder and "
-        "agder-bodies are measured in turns:",
+        "Medians of the ratios of processor seconds within each round, in which agder before there were bodies, agder "
+        "and agder-bodies are measured in turns:",
         table(("", "rounds", "ratio", "least", "largest", "asked for at most"), [part for part in parts if part]),
         "Processor seconds of region tables, medians: "
         + ", ".join(f"{_NAMES[case]} {median(one[case] for one in tables):.1f}" for case in tables[0])
