@@ -253,20 +253,20 @@ def test_the_page_of_bodies_says_how_tasks_ended_and_what_bodies_cost() -> None:
     certified |= {"refused_claims": [], "below": [], "asked": 4_000, "pairs": 300}
     none = {"task": "b", "outcome": "no route, proven", "reason": "no route exists", "opens": ["without x: a route"]}
     stages = dict.fromkeys(("regions", "route", "refine", "certify", "retime", "figures"), 1.0)
+    tables = [{"without": 2.0, "with": 2.0 * ratio} for ratio in (3.0, 5.0, 4.0)]
     runs = [
-        {
-            "without": {"wall_s": 20.0, "cpu_s": 30.0, "table_cpu_s": 2.0, "stages": stages},
-            "with": {"wall_s": 40.0, "cpu_s": 60.0, "table_cpu_s": 2.0 * ratio, "stages": stages},
-        }
-        for ratio in (3.0, 5.0, 4.0)
+        {case: {"wall_s": 20.0, "cpu_s": cpu, "stages": stages} for case, cpu in (("without", 30.0), ("with", 60.0))}
     ]
     refused = [{"task": "c", "reason": "task.start: has link 1 and o", "nearest_m": -0.001}]
     host = {"cpu": "one", "cores": 2, "date": "today", "load_before": 0.5}
     found = {"host": host, "tasks": [certified, none], "refused": refused, "coal": True, "samples": 100_000}
-    page = bodies.page({**found, "runs": runs})
+    page = bodies.page({**found, "tables": tables, "runs": runs})
     assert "Of 2 tasks: 1 certified, 1 no route, proven." in page
     assert "| 1 | a | 12 | certified | 455.50, LLL RRR | 40 | 5.10 | 5.50 | 4,000 |" in page
     assert "- Task 2: no route exists.\n  - without x: a route" in page
     assert "of 300 pairs of bodies 0 came nearer than is proven" in page
-    assert "| region table, with bodies to without | 4.00 | 3.00 | 5.00 | 4 |" in page
+    assert "| region table, with bodies to without | 3 | 4.00 | 3.00 | 5.00 | 4 |" in page
+    assert "| whole run, with bodies to without | 1 | 2.00 | 2.00 | 2.00 | 2.5 |" in page
+    assert "before there were any" not in page
+    assert "whole run" not in bodies.page({**found, "tables": tables, "runs": []})
     assert "Skipped: coal is not installed" in bodies.page({**found, "coal": False})

@@ -35,8 +35,8 @@ began = time.process_time()
 build_regions(config, machine)
 print(time.process_time() - began)
 """
-_ASKED = {"regions": 4.0, "run": 2.5, "before": 1.05}
-"""Largest ratios that are asked for."""
+_NAMES = {"before": "agder before there were bodies", "without": "agder", "with": "agder-bodies"}
+_STAGES = ("regions", "route", "refine", "certify", "retime", "figures")
 
 
 def main() -> None:
@@ -57,7 +57,7 @@ def benchmark(
     before: dict[str, Any] = json.loads(file.read_text(encoding="utf-8")) if resume and file.exists() else {}
     known = before.get("tasks", [])
     found = {"host": describe_host(), "coal": HAS_COAL, "samples": SAMPLES, "tasks": [], "refused": []}
-    found["runs"] = before.get("runs", [])[:rounds]
+    found |= {key: before.get(key, [])[:rounds] for key in ("tables", "runs")}
 
     def keep() -> None:
         write_whole(file, json_bytes(found))
@@ -69,12 +69,16 @@ def benchmark(
             found["refused"].append(row)
             continue
         number = len(found["tasks"])
-        found["tasks"].append(known[number] if number < len(known) else _task(problem, limit_s))
+        is_known = number < len(known) and "seconds" in known[number]
+        found["tasks"].append(known[number] if is_known else _task(problem, limit_s))
         typer.echo(found["tasks"][-1])
         keep()
-    while len(found["runs"]) < rounds:
-        found["runs"].append(_round(tree, len(found["runs"])))
-        keep()
+    cases = _cases(tree)
+    for key, measured in (("tables", _table_seconds), ("runs", _run)):
+        while len(found[key]) < rounds:
+            typer.echo(f"{key}, round {len(found[key]) + 1}")
+            found[key].append({case: measured(*where) for case, where in cases.items()})
+            keep()
     keep()
     typer.echo(f"{out / 'bodies.md'}")
 
@@ -86,16 +90,15 @@ def _task(problem: Problem, limit_s: float) -> dict[str, Any]:
     return row if done.ended == FINISHED else {**row, "outcome": done.ended}
 
 
-def _round(tree: Path | None, number: int) -> dict[str, Any]:
-    """Run the reference machine without bodies, before there were any, and with bodies, one after the other."""
-    typer.echo(f"round {number + 1}")
+def _cases(tree: Path | None) -> dict[str, tuple[Path, str]]:
+    """List what is compared, one after the other in every round: checkouts and their configurations."""
     before = {} if tree is None else {"before": (tree.resolve(), _WITHOUT)}
-    cases = {**before, "without": (ROOT, _WITHOUT), "with": (ROOT, _WITH)}
-    tables = {case: _table_seconds(*where) for case, where in cases.items()}
-    return {
-        case: {**measure_runs({case: folder}, [name], 1)[case]["runs"][name], "table_cpu_s": tables[case]}
-        for case, (folder, name) in cases.items()
-    }
+    return {**before, "without": (ROOT, _WITHOUT), "with": (ROOT, _WITH)}
+
+
+def _run(tree: Path, name: str) -> dict[str, Any]:
+    """Measure a whole run."""
+    return dict(measure_runs({name: tree}, [name], 1)[name]["runs"][name])
 
 
 def _table_seconds(tree: Path, name: str) -> float:
@@ -117,8 +120,8 @@ def page(found: dict[str, Any]) -> str:
     ]
     if found.get("tasks"):
         sections += ["## Random obstacles", *_tasks(found)]
-    if found.get("runs"):
-        sections += ["## What bodies cost", *_costs(found["runs"])]
+    if found.get("tables"):
+        sections += ["## What bodies cost", *_costs(found["tables"], found["runs"])]
     return "\n\n".join(sections) + "\n"
 
 
@@ -138,7 +141,10 @@ def _tasks(found: dict[str, Any]) -> list[str]:
         *_reasons(tasks),
         f"On the way {len(refused)} more were drawn whose start or goal is refused for a pair that is too near"
         + (", which coal finds, too:" if all(one["nearest_m"] is not None for one in refused) else ":"),
-        table(("refused", "nearest pair by coal, mm"), [(one["reason"], _mm(one["nearest_m"])) for one in refused]),
+        table(
+            ("refused", "nearest pair by coal, mm"),
+            [(one["reason"].split(";")[0], _mm(one["nearest_m"])) for one in refused],
+        ),
     ]
 
 
@@ -179,49 +185,53 @@ def _reasons(tasks: Sequence[dict[str, Any]]) -> list[str]:
     return ["Why there is none:", "\n".join(lines)] if lines else []
 
 
-def _costs(rounds: Sequence[dict[str, Any]]) -> list[str]:
-    """Compare runs: medians, and medians of the ratios within a round, of which the runs follow one another."""
-    names = {"before": "agder, before there were bodies", "without": "agder", "with": "agder-bodies"}
+def _costs(tables: Sequence[dict[str, float]], runs: Sequence[dict[str, Any]]) -> list[str]:
+    """Compare region tables and whole runs; those of a round follow one another."""
+    parts = [
+        _ratio("region table, with bodies to without", tables, "with", "without", 4.0),
+        _ratio("region table, without bodies to before there were any", tables, "without", "before", 1.05),
+    ]
+    cpu, wall = ([{case: one[case][key] for case in one} for one in runs] for key in ("cpu_s", "wall_s"))
+    if runs:
+        parts += [
+            _ratio("whole run, with bodies to without", cpu, "with", "without", 2.5),
+            _ratio("the same by the clock", wall, "with", "without", 2.5),
+        ]
+    found = [
+        "Medians of the ratios of processor seconds within each round, in which agder before there were bodies, agder "
+        "and agder-bodies are measured in turns:",
+        table(("", "rounds", "ratio", "least", "largest", "asked for at most"), [part for part in parts if part]),
+        "Processor seconds of region tables, medians: "
+        + ", ".join(f"{_NAMES[case]} {median(one[case] for one in tables):.1f}" for case in tables[0])
+        + ".",
+    ]
+    return [*found, *_runs_table(runs)] if runs else found
+
+
+def _ratio(
+    words: str, rounds: Sequence[dict[str, float]], over: str, under: str, asked: float
+) -> tuple[str, ...] | None:
+    """Tabulate ratios of what is measured; None if it is not."""
+    if under not in rounds[0]:
+        return None
+    ratios = [one[over] / one[under] for one in rounds]
+    shown = (f"{value:.2f}" for value in (median(ratios), min(ratios), max(ratios)))
+    return (words, str(len(rounds)), *shown, f"{asked:g}")
+
+
+def _runs_table(runs: Sequence[dict[str, Any]]) -> list[str]:
     rows = [
         (
-            label,
-            *(f"{median(one[name][key] for one in rounds):.1f}" for key in ("wall_s", "cpu_s", "table_cpu_s")),
-            *(f"{median(one[name]['stages'][stage] for one in rounds):.1f}" for stage in _STAGES),
+            _NAMES[case],
+            *(f"{median(one[case][key] for one in runs):.1f}" for key in ("wall_s", "cpu_s")),
+            *(f"{median(one[case]['stages'][stage] for one in runs):.1f}" for stage in _STAGES),
         )
-        for name, label in names.items()
-        if name in rounds[0]
+        for case in runs[0]
     ]
-    ratios = [
-        ("region table, with bodies to without", _ratios(rounds, "with", "without", "table_cpu_s"), _ASKED["regions"]),
-        ("whole run, with bodies to without", _ratios(rounds, "with", "without", "cpu_s"), _ASKED["run"]),
-        ("the same by the clock", _ratios(rounds, "with", "without", "wall_s"), _ASKED["run"]),
-    ]
-    if "before" in rounds[0]:
-        ratios += [
-            (f"{words}, without bodies to before", _ratios(rounds, "without", "before", key), _ASKED["before"])
-            for words, key in (("region table", "table_cpu_s"), ("whole run", "cpu_s"))
-        ]
-    return [
-        f"Whole runs into empty folders, medians of {len(rounds)} rounds in turns; processor seconds are those of all "
-        "processes. Of the stages seconds by the clock.",
-        table(("run", "seconds", "processor s", "of the region table", *_STAGES), rows),
-        "Medians of the ratios within each round, of processor seconds unless said otherwise:",
-        table(
-            ("", "ratio", "least", "largest", "asked for at most"),
-            [(one, *_spread(r), f"{a:g}") for one, r, a in ratios],
-        ),
-    ]
-
-
-_STAGES = ("regions", "route", "refine", "certify", "retime", "figures")
-
-
-def _ratios(rounds: Sequence[dict[str, Any]], over: str, under: str, key: str) -> list[float]:
-    return [one[over][key] / one[under][key] for one in rounds]
-
-
-def _spread(ratios: Sequence[float]) -> tuple[str, ...]:
-    return tuple(f"{value:.2f}" for value in (median(ratios), min(ratios), max(ratios)))
+    words = (
+        "Whole runs into empty folders, medians; processor seconds are of all processes, those of stages by the clock."
+    )
+    return [words, table(("run", "seconds", "processor s", *_STAGES), rows)]
 
 
 def _mm(value_m: float | None) -> str:
