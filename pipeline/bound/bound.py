@@ -73,9 +73,10 @@ def build_evaluator(config: Config, machine: Machine, ends: tuple[Endpoint, Endp
         If the machine has no such chart; says why.
     """
     if reason := _why_no_boxes(config, machine):
-        raise NoSolutionError(
-            STAGE, f"boxes do not cover this machine: {reason}", "the theorem alone is for machines without tilt"
-        )
+        advice = "the theorem alone is for machines without tilt"
+        if not machine.has_parallel_rails:
+            advice = "leave out machine.rails.slopes: what is proven then is about parallel rails"
+        raise NoSolutionError(STAGE, f"boxes do not cover this machine: {reason}", advice)
     tilts = (0.0 if axis in config.task.locked_axes else _above(config.task.tilt_max_deg) for axis in TiltAxis)
     rx, rz = tilts
     return Evaluator(build_chart(machine, (rx, rz), ends), ends[0].det_sign, kappa)

@@ -32,7 +32,7 @@ def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     part = np.linspace(0.0, 1.0, SAMPLES_PER_MOVE + 1)[:, None]
     q = route.q_m[:-1, None] * (1.0 - part) + route.q_m[1:, None] * part
     poses, misses = follow(machine, q, route.pose[:-1])
-    _require_arrival(poses, misses, route)
+    _require_arrival(machine, poses, misses, route)
     lengths = np.array([arc_length(move, steps)[-1] for move in poses])
     moved = lengths > _STILL * lengths.sum()
     corners = np.append(0.0, np.cumsum(np.where(moved, lengths, 0.0)))
@@ -48,14 +48,16 @@ def coarse_path(machine: Machine, route: Route, steps: FloatArray) -> Path:
     )
 
 
-def _require_arrival(poses: FloatArray, misses: FloatArray, route: Route) -> None:
+def _require_arrival(machine: Machine, poses: FloatArray, misses: FloatArray, route: Route) -> None:
     lost = ~np.isfinite(misses).all(axis=1) | (np.abs(poses[:, -1] - route.pose[1:]).max(axis=1) > _ARRIVAL)
-    if lost.any():
-        raise NoSolutionError(
-            "refine",
-            f"move {int(np.argmax(lost)) + 1} of the route cannot be followed from its first step to its second",
-            "Find the route again: it does not belong to this machine, or was changed.",
-        )
+    if not lost.any():
+        return
+    reason = f"move {int(np.argmax(lost)) + 1} of the route cannot be followed from its first step to its second"
+    advice = "Find the route again: it does not belong to this machine, or was changed."
+    if not machine.has_parallel_rails:
+        reason += " on the rails as they are; it was found for parallel ones"
+        advice = "Choose a finer grid, so that moves are shorter, or align the rails (machine.rails.slopes)."
+    raise NoSolutionError("refine", reason, advice)
 
 
 def corner_parameters(coarse: Path) -> FloatArray:
