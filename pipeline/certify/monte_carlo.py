@@ -16,7 +16,7 @@ from pipeline.machine.kinematics import newton
 from pipeline.machine.statics import condition_number, statics_matrix
 from pipeline.refine.result import Path
 
-_SAMPLES, _SAMPLES_FOLLOWING = 400, 200
+_SAMPLES = 200
 _DRAWS_FOLLOWING = 6
 _STEPS = 10
 _HALVINGS = 7
@@ -63,7 +63,7 @@ class _Errors:
 def failing_eps(machine: Machine, path: Path, kind: Callable[[float], Uncertainty], samples: int) -> float:
     """Return the least eps in metres at which a sampled machine cannot follow the path; infinite if all can."""
     unit = kind(1.0)
-    s = np.linspace(0.0, 1.0, _SAMPLES_FOLLOWING if any(unit.actuator_m) else _SAMPLES)
+    s = np.linspace(0.0, 1.0, _SAMPLES)
     pose, q = path.pose(s), path.q(s)
     free = np.concatenate([np.full(42, unit.coordinate_m), np.full(6, unit.length_m), unit.actuator_m])
     # Errors of actuators may be larger before a machine fails, and have few combinations.

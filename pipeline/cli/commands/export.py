@@ -159,7 +159,7 @@ def _without_limits(path: Path, run: Path, tube: "ProvenTube | None") -> str:
         )
     return (
         f"{path} is not written, which would have trip limits: how far drives may be off the path is not proven.\n"
-        f"  gantry-tau certify {run / CONFIG} --out {run} --following   (a minute), then export again"
+        f"  gantry-tau certify {run / CONFIG} --out {run} --following   (half a minute), then export again"
     )
 
 
