@@ -14,6 +14,7 @@ from pipeline.calibrate.model.forward import close, positions
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.verdict import pose_modes
 from pipeline.config import Config
+from pipeline.errors import NoSolutionError
 from pipeline.limits import admitted, pose_limits
 from pipeline.limits.actuators import cart_travel
 from pipeline.machine.geometry import MODES, build_machine
@@ -57,7 +58,13 @@ class ErrorMaps:
 
 
 def error_maps(calibration: Calibration) -> ErrorMaps:
-    """Map the errors before and after a calibration over the YZ plane, on the branch where task.start is."""
+    """Map the errors before and after a calibration over the YZ plane, on the branch where task.start is.
+
+    Raises
+    ------
+    NoSolutionError
+        When the machine can be nowhere there without tilt.
+    """
     config, found = calibration.config, calibration.identification
     before, machine = _configured(found), build_machine(config.machine)
     reach = float(np.nanmax(machine.lengths_m))
@@ -76,6 +83,12 @@ def error_maps(calibration: Calibration) -> ErrorMaps:
         image[:, rows] = _moved(before, found.model, q, pose), _predicted(found, q, pose)
         configured, calibrated = image.reshape(2, len(z), len(y))
         maps.append(ErrorMap(mode, configured, calibrated, found.pose[measured == mode][:, 1:3]))
+    if not maps:
+        raise NoSolutionError(
+            "calibrate",
+            "the machine can be nowhere in the middle of its rails without tilt, on the side of task.start",
+            "Check the machine's limits (gantry-tau check CONFIG).",
+        )
     return ErrorMaps(y, z, tuple(maps))
 
 

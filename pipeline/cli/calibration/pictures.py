@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from pipeline.cli.console import messages_console
 from pipeline.cli.output import check_picture, refuse_same, save_picture
 from pipeline.cli.reporter import make_reporter
-from pipeline.errors import UsageError
+from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
     from pipeline.calibrate import Calibration, Verdict
@@ -52,16 +52,21 @@ def require_no_pictures(picture: Path | None) -> None:
 
 
 def draw_pictures(calibration: "Calibration", verdict: "Verdict", picture: Path | None) -> None:
-    """Draw and write all figures, where they are asked for."""
+    """Draw and write all figures, where they are asked for; one for which the machine has no poses is left out."""
     if picture is None:
         return
-    from pipeline.figures.calibration import calibration_figures
-    from pipeline.progress import Monitor
+    from pipeline.figures.calibration import calibration_figure
 
-    files = picture_files(picture)
+    files, left_out = picture_files(picture), {}
     with make_reporter(messages_console(), verbose=False) as reporter:
-        for name, figure in calibration_figures(calibration, verdict, Monitor(reporter.begin("figures"))):
-            save_picture(figure, files[name])
-    messages_console().print(
-        f"{picture.with_name(f'{picture.stem}-*{picture.suffix}')}: {len(files)} figures", soft_wrap=True
-    )
+        progress = reporter.begin("figures")
+        for number, (name, file) in enumerate(files.items()):
+            progress(f"figure of {name.replace('_', ' ')}", number / len(files))
+            try:
+                save_picture(calibration_figure(name, calibration, verdict), file)
+            except NoSolutionError as error:
+                left_out[file] = error.reason
+    for file, reason in left_out.items():
+        messages_console().print(f"{file} is left out: {reason}", soft_wrap=True)
+    written = picture.with_name(f"{picture.stem}-*{picture.suffix}")
+    messages_console().print(f"{written}: {len(files) - len(left_out)} figures", soft_wrap=True)

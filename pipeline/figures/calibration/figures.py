@@ -1,6 +1,6 @@
 """All figures of a calibration: a row each."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
@@ -12,7 +12,6 @@ from pipeline.figures.calibration.learning import learning_figure
 from pipeline.figures.calibration.parameters import parameters_figure
 from pipeline.figures.calibration.residuals import residuals_figure
 from pipeline.figures.calibration.singular_values import singular_values_figure
-from pipeline.progress import QUIET, Monitor
 
 CALIBRATION_FIGURES: dict[str, Callable[[Calibration, Verdict], Figure]] = {
     "residuals": lambda calibration, _: residuals_figure(calibration),
@@ -24,16 +23,12 @@ CALIBRATION_FIGURES: dict[str, Callable[[Calibration, Verdict], Figure]] = {
 """How each figure is drawn, under the name of its file."""
 
 
-def calibration_figures(
-    calibration: Calibration, verdict: Verdict, monitor: Monitor = QUIET
-) -> Iterator[tuple[str, Figure]]:
-    """Draw every figure of a calibration, with the name of its file.
+def calibration_figure(name: str, calibration: Calibration, verdict: Verdict) -> Figure:
+    """Draw a figure of a calibration, by the name of its file.
 
     Raises
     ------
     NoSolutionError
         When the machine has too few poses at which errors could be predicted.
     """
-    for number, (name, draw) in enumerate(CALIBRATION_FIGURES.items()):
-        monitor.progress(f"figure of {name.replace('_', ' ')}", number / len(CALIBRATION_FIGURES))
-        yield name, draw(calibration, verdict)
+    return CALIBRATION_FIGURES[name](calibration, verdict)

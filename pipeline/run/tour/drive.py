@@ -72,7 +72,8 @@ def make_tour(
     NoSolutionError
         When none of the poses can be reached, or what all legs share takes up more memory than allowed.
     """
-    config, left_out = _of_legs(config, options), {}
+    left_out: dict[str, str] = {}
+    config = config.model_copy(update={"route": config.route.model_copy(update={"alternative": 1})})
     require_grid_fits(config)
     machine = build_machine(config.machine)
     home = Station("start", config.task.start, "task.start")
@@ -87,8 +88,8 @@ def make_tour(
     with open_tour_folder(out) as folder:
         results = Results(config, machine, folder.path)
         grid = cached_grid(results, monitor, lambda: grid_regions(config, machine, monitor))
-        graph = build_graph(config, machine, tuple(stations), grid, monitor)
-        maker = LegMaker(graph, folder, options.dwell_s, options.specs)
+        graph = build_graph(_hasty(config, options.leg_s), machine, tuple(stations), grid, monitor)
+        maker = LegMaker(config, graph, folder, options.dwell_s, options.specs)
         tour = drive(graph, maker.make, options.most, left_out, monitor)
         if not tour.legs:
             raise NoSolutionError("tour", _none_reached(left_out), "Give other poses, or a finer grid (route.grid).")
@@ -96,10 +97,9 @@ def make_tour(
     return tour
 
 
-def _of_legs(config: Config, options: TourOptions) -> Config:
-    """Give the configuration that all legs share."""
-    route = config.route.model_copy(update={"time_limit_s": options.leg_s, "alternative": 1})
-    return config.model_copy(update={"route": route})
+def _hasty(config: Config, leg_s: float) -> Config:
+    """Let the search of a route take so long."""
+    return config.model_copy(update={"route": config.route.model_copy(update={"time_limit_s": leg_s})})
 
 
 def drive(graph: AtlasGraph, make: Make, most: int | None, left_out: dict[str, str], monitor: Monitor = QUIET) -> Tour:

@@ -8,6 +8,8 @@ from typing import Any
 from pipeline.artifacts.tour import TourFolder
 from pipeline.atlas.graph import AtlasGraph
 from pipeline.atlas.plan import plan_pairs
+from pipeline.atlas.stations import pair_config
+from pipeline.config import Config
 from pipeline.errors import ConfigError, NoSolutionError
 from pipeline.progress import Monitor
 from pipeline.route.result import Route
@@ -16,6 +18,7 @@ from pipeline.run.options import RunOptions
 from pipeline.run.reporter import NamedReporter, failure_of
 from pipeline.run.stage_specs import Specs
 from pipeline.stage import Stage
+from pipeline.status import Status
 
 
 @dataclass(frozen=True)
@@ -43,11 +46,14 @@ class LegMaker:
 
     Parameters
     ----------
+    config : Config
+        That of all legs, as their runs keep it: how long the graph lets a search take does not outdate what was found.
     dwell_s : float
         How long the machine stands at the end of a leg, but for the one back to station 0.
     """
 
-    def __init__(self, graph: AtlasGraph, folder: TourFolder, dwell_s: float, specs: Specs) -> None:
+    def __init__(self, config: Config, graph: AtlasGraph, folder: TourFolder, dwell_s: float, specs: Specs) -> None:
+        self._config = config
         self._graph = graph
         self._folder = folder
         self._dwell_s = dwell_s
@@ -62,8 +68,8 @@ class LegMaker:
             When there is none; the reason begins with the stage that failed.
         """
         pair = origin, target
-        names = [self._graph.stations[k].name for k in pair]
-        config = self._graph.pair_config(pair)
+        ends = [self._graph.stations[k] for k in pair]
+        config, names = pair_config(self._config, *ends), [station.name for station in ends]
         waits = (0.0, self._dwell_s if target else 0.0)
         config = config.model_copy(update={"retime": config.retime.model_copy(update={"dwell_s": waits})})
         given: dict[Stage, Callable[[], Any]] = {
@@ -83,5 +89,6 @@ class LegMaker:
     def _route(self, pair: tuple[int, int], monitor: Monitor) -> Route:
         entry = next(iter(plan_pairs(self._graph, [pair], {}, monitor)))
         if entry.route is None:
-            raise NoSolutionError("route", entry.reason, entry.advice)
+            more = "; --leg-s gives it more time" if entry.status == Status.TIME_LIMIT else ""
+            raise NoSolutionError("route", entry.reason + more, entry.advice)
         return entry.route

@@ -1,16 +1,19 @@
 """All figures of a calibration."""
 
+import pytest
+
 from pipeline.calibrate import Calibration, Verdict
 from pipeline.cli.calibration.pictures import NAMES
-from pipeline.figures.calibration import calibration_figures
-from pipeline.progress import Monitor
+from pipeline.figures.calibration import calibration_figure
+from pipeline.figures.calibration.figures import CALIBRATION_FIGURES
 
 
-def test_all_are_drawn_under_the_names_of_their_files(calibration: Calibration, verdict: Verdict):
-    """One after the other, each announced; the command line knows the names beforehand."""
-    said: list[float | None] = []
-    monitor = Monitor(lambda message, fraction=None: said.append(fraction))
-    names = [name for name, figure in calibration_figures(calibration, verdict, monitor) if figure.axes]
-    assert tuple(names) == NAMES
-    assert said == sorted(said)
-    assert len(said) == len(NAMES)
+def test_the_command_line_knows_all():
+    """Without loading what draws them."""
+    assert tuple(CALIBRATION_FIGURES) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_is_drawn_by_the_name_of_its_file(name: str, calibration: Calibration, verdict: Verdict):
+    """From a calibration and its verdict."""
+    assert calibration_figure(name, calibration, verdict).axes

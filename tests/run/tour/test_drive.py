@@ -85,7 +85,7 @@ def test_a_tour_is_one_motion_on_disk(cell: Config, changed_poses: Callable[[int
     assert poses["pose"].tolist() == ["pose-2"]
     assert poses["z2_m"].tolist() == [""]
     stages.taken()
-    make_tour(cell, table, folder, TourOptions(specs=stages.specs))
+    make_tour(cell, table, folder, TourOptions(leg_s=60.0, specs=stages.specs))
     assert stages.taken() == []
 
 
