@@ -16,6 +16,7 @@ from pipeline.cli.motions.reflector_options import (
 )
 from pipeline.cli.motions.simulated_file import check_simulated, write_simulated, written_beside
 from pipeline.cli.options import ConfigArgument
+from pipeline.errors import UsageError
 
 
 def simulate_poses(
@@ -79,10 +80,12 @@ def simulate_poses(
     reflectors_m = reflector_places(first, second, third)
     setting = StaticSetting(poses, geometry_m, scales, rails_rad, noise_m, outliers, seed)
     config = load_config(config_file)
-    if run is None:
+    motion = driven_motion(run, speed, period_s, back)
+    if motion is None:
+        if clock_s != 0.0:
+            raise UsageError("--clock goes with --run RUN: poses of a machine that stands still need no clock")
         simulated = simulate_static(config, reflectors_m, setting)
     else:
-        motion = driven_motion(run, speed, period_s, back)
         simulated = simulate_motion(config, reflectors_m, motion, setting, clock_s)
     text = format_csv(static_columns(simulated.poses))
     if output is None:
