@@ -16,7 +16,6 @@ from pipeline.cli.motions.reflector_options import (
 )
 from pipeline.cli.motions.simulated_file import check_simulated, write_simulated, written_beside
 from pipeline.cli.options import ConfigArgument
-from pipeline.errors import UsageError
 
 
 def simulate_poses(
@@ -80,10 +79,8 @@ def simulate_poses(
     reflectors_m = reflector_places(first, second, third)
     setting = StaticSetting(poses, geometry_m, scales, rails_rad, noise_m, outliers, seed)
     config = load_config(config_file)
-    motion = driven_motion(run, speed, period_s, back)
+    motion = driven_motion(run, speed, period_s, back, clock_s)
     if motion is None:
-        if clock_s != 0.0:
-            raise UsageError("--clock goes with --run RUN: poses of a machine that stands still need no clock")
         simulated = simulate_static(config, reflectors_m, setting)
     else:
         simulated = simulate_motion(config, reflectors_m, motion, setting, clock_s)

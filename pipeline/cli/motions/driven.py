@@ -53,17 +53,21 @@ def driven(run: Path, speed: float | None, period_s: float | None, back: bool) -
     return trajectory, config
 
 
-def driven_motion(run: Path | None, speed: float | None, period_s: float | None, back: bool) -> "DrivenMotion | None":
+def driven_motion(
+    run: Path | None, speed: float | None, period_s: float | None, back: bool, late_s: float = 0.0
+) -> "DrivenMotion | None":
     """Give what encoders showed while a run was driven, in the units of its controller; None without a run.
 
     Raises
     ------
     UsageError
-        When it is said how it was driven, but not which run.
+        When it is said how it was driven, or by how much a clock is late, but not which run.
     """
     if run is None:
         if back or speed is not None or period_s is not None:
             raise UsageError("--speed, --period and --back go with --run RUN: they say how it was driven")
+        if late_s != 0.0:
+            raise UsageError("--clock goes with --run RUN: poses of a machine that stands still need no clock")
         return None
     from pipeline.calibrate import DrivenMotion
     from pipeline.machine.actuator_space.controller_units import controller_units
