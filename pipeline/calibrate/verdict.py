@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import chi2
 
+from pipeline.calibrate.advice import enough_poses, larger_noise, larger_prior
 from pipeline.calibrate.calibration import Calibration
 from pipeline.calibrate.identify import Identification, identify
 from pipeline.calibrate.model.gauges import fitted_gauges, rank
@@ -60,7 +61,7 @@ def judge(calibration: Calibration) -> Verdict:
     reached = rank(problem.data_jacobian(np.zeros_like(found.theta), problem.guess))
     reasons = []
     if reached < directions - gauges:
-        reasons.append(_too_few(found, reached, directions - gauges))
+        reasons.append(_too_few(calibration, reached, directions - gauges))
     probability = _probability(found)
     if probability < _UNLIKELY:
         reasons.append(_unexplained(calibration))
@@ -97,12 +98,18 @@ def _probability(found: Identification) -> float:
     return float(chi2.sf(found.chi2, found.freedom))
 
 
-def _too_few(found: Identification, reached: int, needed: int) -> str:
-    modes = ", ".join(f"{count} {name}" for name, count in measured_modes(found).items())
+def _is_believed(found: Identification) -> bool:
+    return _probability(found) > _UNLIKELY
+
+
+def _too_few(calibration: Calibration, reached: int, needed: int) -> str:
+    modes = ", ".join(f"{count} {name}" for name, count in measured_modes(calibration.identification).items())
+    count = enough_poses(calibration, needed)
+    suffice = "" if count is None else f": the {count} of --next {count} suffice"
     return (
         f"the poses determine {reached} of the {needed} directions that measurements can tell.\n"
-        f"  What to change: measure more poses, differently tilted and in more working modes (there are {modes}), or "
-        "fit less (--fit)."
+        "  What to change: measure more poses, differently tilted and in more working modes (there are "
+        f"{modes}){suffice}; or fit less (--fit)."
     )
 
 
@@ -116,7 +123,7 @@ def _unexplained(calibration: Calibration) -> str:
     )
     if not calibration.setting.robust:
         robust, rejected = identify_robustly(problem)
-        if _probability(robust) > _UNLIKELY:
+        if _is_believed(robust):
             places = [problem.poses.place(int(row)) for row in np.flatnonzero(rejected.any(axis=1))]
             shown = "; ".join(places[:5]) + (f" and {len(places) - 5} more" if len(places) > 5 else "")
             return f"{said} {rejected.sum()} points are outliers ({shown}).\n  What to change: --robust rejects them."
@@ -125,17 +132,21 @@ def _unexplained(calibration: Calibration) -> str:
         if (wider.is_fitted == problem.is_fitted).all():
             continue
         other = identify(wider)
-        if _probability(other) > _UNLIKELY:
+        if _is_believed(other):
             return f"{said} {_explained_by(kind, other)}"
     if found.data_chi2 < chi2.isf(_UNLIKELY, found.data_freedom):
+        std = larger_prior(problem, _is_believed)
+        tried = "--prior, --reflector-std" if std is None else f"--prior {std:g}, with which one does"
         return (
             f"{said} The machine is farther from the configuration than was thought beforehand.\n"
-            "  What to change: give larger deviations (--prior, --reflector-std)."
+            f"  What to change: give larger deviations ({tried})."
         )
     noise = problem.noise_m * np.sqrt(found.data_chi2 / found.data_freedom)
+    enough = larger_noise(found, _is_believed)
+    given = "--noise" if enough is None else f"--noise {enough:g}, with which one does"
     return (
         f"{said} Residuals are those of a noise of {1e6 * noise:.0f} um, instead of {1e6 * problem.noise_m:.0f} um.\n"
-        "  What to change: give the noise as it is (--noise); --robust if some points are wrong; check that the "
+        f"  What to change: give the noise as it is ({given}); --robust if some points are wrong; check that the "
         "machine stood still, and that q1_m to q5_m are what its encoders showed."
     )
 

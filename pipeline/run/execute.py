@@ -103,7 +103,8 @@ def _refuse_corrected(folder: RunFolder, specs: Specs) -> None:
     if record is not None and CORRECTION in record.summary and spec_of(specs, Stage.REFINE).upstream:
         raise UsageError(
             f"{folder.path} has a motion that was corrected for another machine, which a run would replace by one that "
-            "it plans.\n  What to change: give another folder (--out); gantry-tau correct proves and times it again."
+            "it plans.\n  What to change: give another folder (--out); gantry-tau correct proves and times it again "
+            "(--following: also for drives that are off)."
         )
 
 

@@ -33,6 +33,7 @@ def test_too_few_poses_do_not_determine_a_machine(see: Callable[..., Seen], quic
     assert not verdict.accepted
     assert "determine 41 of the 47 directions" in verdict.reasons[0]
     assert "more working modes (there are" in verdict.reasons[0]
+    assert "): the 4 of --next 4 suffice" in verdict.reasons[0]
     less = judged(quick_config, seen, fit=("platform", "reflectors"))
     assert less.rank == less.directions - less.gauges
     assert not any("determine" in reason for reason in less.reasons)
@@ -59,10 +60,14 @@ def test_what_else_is_wrong_is_told(see: Callable[..., Seen], quick_config: Conf
     missing = judged(quick_config, off, fit=unscaled, prior={"scales": 1e-3})
     assert "With scales fitted, one does" in missing.reasons[0]
     farther = judged(quick_config, see(geometry_std_m=8e-4))
-    assert "give larger deviations (--prior" in farther.reasons[0]
+    assert "give larger deviations (--prior 0.0005, with which one does)" in farther.reasons[0]
+    lengths = dict.fromkeys(("platform", "offsets", "rails", "lengths", "zeros", "reflectors"), 5e-4)
+    assert judged(quick_config, see(geometry_std_m=8e-4), prior=lengths).accepted
     noisy = judged(quick_config, see(noise_m=2e-4))
     stated = float(noisy.reasons[0].split("noise of ")[1].split(" um")[0])
     assert abs(stated - 200.0) < 30.0
+    noise_m = float(noisy.reasons[0].split("(--noise ")[1].split(",")[0])
+    assert judged(quick_config, see(noise_m=2e-4), noise_m=noise_m).accepted
 
 
 def test_modes_are_counted(see: Callable[..., Seen], quick_config: Config):

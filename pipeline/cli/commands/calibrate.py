@@ -144,8 +144,9 @@ def calibrate(
     from pipeline.calibrate import calibrated_yaml, judge, next_poses, read_poses
     from pipeline.calibrate.report import calibration_data, next_data
 
-    motion = None if run is None else driven_motion(run, speed, period_s, back)
-    poses, read = read_poses(files, len(reflectors_m), motion)
+    poses, read = read_poses(files, len(reflectors_m), driven_motion(run, speed, period_s, back))
+    if run is not None and not poses.motions:
+        raise UsageError("--run goes with files of motions, with times t_s: none is given")
     for one in read:
         messages_console().print(one.account.message(), soft_wrap=True)
     calibration = identify(config, reflectors_m, poses, setting)

@@ -98,10 +98,10 @@ def simulate_poses(
     reflectors_m = reflector_places(first, second, third)
     setting = StaticSetting(poses, geometry_m, scales, rails_rad, noise_m, outliers, seed)
     config = load_config(config_file)
-    if run is None:
+    motion = driven_motion(run, speed, period_s, back, clock_s)
+    if motion is None:
         simulated = simulate_static(config, reflectors_m, setting)
     else:
-        motion = driven_motion(run, speed, period_s, back)
         simulated = simulate_motion(config, reflectors_m, motion, setting, clock_s)
     poses_seen = simulated.poses if at is None else simulated.measure(*read_places(at))
     text = format_csv(static_columns(poses_seen))

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.errors import UsageError
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
@@ -52,8 +53,22 @@ def driven(run: Path, speed: float | None, period_s: float | None, back: bool) -
     return trajectory, config
 
 
-def driven_motion(run: Path, speed: float | None, period_s: float | None, back: bool) -> "DrivenMotion":
-    """Give what encoders showed while it was driven, in the units of its controller."""
+def driven_motion(
+    run: Path | None, speed: float | None, period_s: float | None, back: bool, late_s: float = 0.0
+) -> "DrivenMotion | None":
+    """Give what encoders showed while a run was driven, in the units of its controller; None without a run.
+
+    Raises
+    ------
+    UsageError
+        When it is said how it was driven, or by how much a clock is late, but not which run.
+    """
+    if run is None:
+        if back or speed is not None or period_s is not None:
+            raise UsageError("--speed, --period and --back go with --run RUN: they say how it was driven")
+        if late_s != 0.0:
+            raise UsageError("--clock goes with --run RUN: poses of a machine that stands still need no clock")
+        return None
     from pipeline.calibrate import DrivenMotion
     from pipeline.machine.actuator_space.controller_units import controller_units
 

@@ -41,6 +41,19 @@ def test_static_poses_and_a_motion_make_one_calibration(run: Path) -> None:
     assert abs(clock["late_s"] - 0.0321) < 4.0 * clock["std_s"] < 0.02
 
 
+def test_options_of_motions_go_with_motions(run: Path) -> None:
+    """What would be ignored is refused."""
+    assert invoke("simulate-poses", "cell.yaml", *REFLECTORS, "--output", "poses.csv").exit_code == 0
+    for options, said in (
+        (("calibrate", "cell.yaml", "poses.csv", *REFLECTORS, "--run", run), "--run goes with files of motions"),
+        (("calibrate", "cell.yaml", "poses.csv", *REFLECTORS, "--back"), "go with --run RUN"),
+        (("simulate-poses", "cell.yaml", *REFLECTORS, "--clock", 0.1), "--clock goes with --run RUN"),
+    ):
+        refused = invoke(*options)
+        assert refused.exit_code == 2
+        assert said in refused.stderr
+
+
 def test_a_motion_needs_its_run_and_its_times(run: Path) -> None:
     """Without a run, and with times of another unit or out of order, it is refused with what to do."""
     header = "t_s,x1_m,y1_m,z1_m,x2_m,y2_m,z2_m\n"
