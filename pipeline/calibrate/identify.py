@@ -21,6 +21,8 @@ from pipeline.calibrate.model.forward import positions
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.model.parameters import TRACKER
 from pipeline.errors import NoSolutionError
+from pipeline.machine.geometry import PRIMARY, rotation
+from pipeline.machine.working_modes import mode_names
 
 _FRAME_STEP = 1e-3
 """Size of a step of the tracker's frame and clock, in metres, radians and seconds, for which there is no prior."""
@@ -224,3 +226,12 @@ def _left_jacobian(turned: FloatArray) -> FloatArray:
     """Give J of exp(w + dw) = exp(J dw) exp(w) for small rotation vectors w: I + K / 2 + K^2 / 6, K = [w]x. (3, 3)."""
     K = np.cross(np.eye(3), -turned)
     return np.asarray(np.eye(3) + K / 2.0 + K @ K / 6.0)
+
+
+def pose_modes(found: Identification) -> list[str]:
+    """Name the working mode of every pose."""
+    joints = found.model.cart_joints(found.problem.poses.encoders(found.model.clocks_s))
+    R = rotation(*found.pose[:, 3:].T)
+    points = found.pose[:, None, :3] + found.model.platform_points_m @ np.swapaxes(R, 1, 2)
+    modes = np.where(joints[:, PRIMARY, 0] < points[:, PRIMARY, 0], -1.0, 1.0)
+    return mode_names(modes)

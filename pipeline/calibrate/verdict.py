@@ -11,12 +11,10 @@ from scipy.stats import chi2
 
 from pipeline.calibrate.advice import enough_poses, larger_noise, larger_prior
 from pipeline.calibrate.calibration import Calibration
-from pipeline.calibrate.identify import Identification, identify
+from pipeline.calibrate.identify import Identification, identify, pose_modes
 from pipeline.calibrate.model.gauges import fitted_gauges, rank
 from pipeline.calibrate.model.parameters import CHOICES, CLOCKS, DIRECTIONS, Kind
 from pipeline.calibrate.robust import identify_robustly
-from pipeline.machine.geometry import PRIMARY, rotation
-from pipeline.machine.working_modes import mode_names
 
 _UNLIKELY = 1e-3
 """Probability below which a chi-square means that something is wrong."""
@@ -83,15 +81,6 @@ def measured_modes(found: Identification) -> dict[str, int]:
     """Count poses by the working mode they were measured in."""
     names, counts = np.unique(pose_modes(found), return_counts=True)
     return dict(zip(names.tolist(), counts.tolist(), strict=True))
-
-
-def pose_modes(found: Identification) -> list[str]:
-    """Name the working mode of every pose."""
-    joints = found.model.cart_joints(found.problem.poses.encoders(found.model.clocks_s))
-    R = rotation(*found.pose[:, 3:].T)
-    points = found.pose[:, None, :3] + found.model.platform_points_m @ np.swapaxes(R, 1, 2)
-    modes = np.where(joints[:, PRIMARY, 0] < points[:, PRIMARY, 0], -1.0, 1.0)
-    return mode_names(modes)
 
 
 def _probability(found: Identification) -> float:

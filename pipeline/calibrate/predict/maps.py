@@ -9,10 +9,9 @@ from pipeline.calibrate.calibration import Calibration
 from pipeline.calibrate.data.design import sign_at_start
 from pipeline.calibrate.elsewhere import seen_by_parameters
 from pipeline.calibrate.estimate.frame import fit_frame
-from pipeline.calibrate.identify import Identification
+from pipeline.calibrate.identify import Identification, pose_modes
 from pipeline.calibrate.model.forward import close, positions
 from pipeline.calibrate.model.model import Model
-from pipeline.calibrate.verdict import pose_modes
 from pipeline.config import Config
 from pipeline.errors import NoSolutionError
 from pipeline.limits import admitted, pose_limits

@@ -19,7 +19,7 @@ from pipeline.cli.motions.reflector_options import (
 )
 from pipeline.cli.options import ConfigArgument
 from pipeline.cli.output import check_facts, print_json, refuse_same, text_table
-from pipeline.errors import NoSolutionError
+from pipeline.errors import NoSolutionError, UsageError
 
 if TYPE_CHECKING:
     from rich.console import Console
