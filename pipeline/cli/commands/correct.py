@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pipeline.cli.console import messages_console, results_console
-from pipeline.cli.options import ForceOption, RunArgument, VerboseOption, naming
+from pipeline.cli.options import ForceOption, RunArgument, VerboseOption, naming, specs_of
 from pipeline.cli.output import refuse_same, text_table
 from pipeline.errors import NoSolutionError, UsageError
 from pipeline.stage import Stage
@@ -25,6 +25,7 @@ _Summary = dict[str, Any]
 
 
 def correct(
+    context: typer.Context,
     run: RunArgument,
     machine_file: Annotated[
         Path,
@@ -78,7 +79,8 @@ def correct(
     options = RunOptions(last=Stage.RETIME, force=force, verbose=verbose, proof=proof)
     with naming(machine_file):
         done, error = _attempt(lambda: _correct(planned, config, out, options))
-        replanned, why = (None, None) if again is None else _attempt(lambda: _plan(config, again, options))
+        usual = specs_of(context)
+        replanned, why = (None, None) if again is None else _attempt(lambda: _run(config, again, options, usual, {}))
     corrected = None if done is None else _motion(done)
     verdict = None
     if again is not None and (done is not None or replanned is not None):
@@ -130,12 +132,6 @@ def _correct(planned: "Results", config: "Config", out: Path, options: "RunOptio
 
     given = Planned(planned.refinement, planned.config.machine)
     return _run(config, out, options, corrected_specs(given), {Stage.REFINE: lambda: given})
-
-
-def _plan(config: "Config", out: Path, options: "RunOptions") -> _Summary:
-    from pipeline.run.stage_specs import SPECS
-
-    return _run(config, out, options, SPECS, {})
 
 
 def _run(

@@ -53,7 +53,7 @@ def real(tmp_path: Path, run: Path) -> Path:
     return edit(file, machine={**data, "actuators": {**data["actuators"], **actuators}})
 
 
-def test_a_run_is_corrected_and_proven(run: Path, real: Path, tmp_path: Path) -> None:
+def test_a_run_is_corrected_and_proven(run: Path, real: Path, tmp_path: Path, stages: FakeStages) -> None:
     """The corrected run has the planned poses, on the other machine, with a certificate of that machine that holds."""
     result = invoke("correct", run, "--machine", real, "--json")
     assert result.exit_code == 0, result.output
@@ -86,6 +86,14 @@ def test_a_run_is_corrected_and_proven(run: Path, real: Path, tmp_path: Path) ->
     assert "refine: unchanged" in again.stderr
     assert "Proven for the calibrated machine" in again.stdout
     assert f"--plan-again {run}-again" in again.stdout
+    other = tmp_path / "again"
+    both = invoke("correct", run, "--machine", real, "--plan-again", other, "--json", specs=stages.specs)
+    assert both.exit_code == 0, both.output
+    judged = json.loads(both.stdout)
+    assert judged["verdict"]["better"] == "plan again"
+    assert judged["planned_again"]["verdict"] == "certified"
+    assert "planned again it leaves 0.000 mm" in judged["verdict"]["reasons"][0]
+    assert open_results(other, Stage.RETIME).config == results.config
     refused = invoke("run", out / "config.yaml", "--out", out)
     assert refused.exit_code == 2
     assert "was corrected for another machine" in refused.stderr
