@@ -19,7 +19,7 @@ from pipeline.certify.problem import build_problem
 from pipeline.certify.recheck.arithmetic import enclosure
 from pipeline.certify.result import proven_chain
 from pipeline.config.file import load_config
-from pipeline.inclusion import bounds, condition, krawczyk
+from pipeline.inclusion import bounds, condition, growth
 from pipeline.inclusion.closure import geometry, pose_series, shifted, working_precision
 from pipeline.inclusion.displacement import of_pose
 from pipeline.inclusion.distances import axes
@@ -214,7 +214,7 @@ BROKEN: dict[str, Broken] = {
         witness_kappa, {"inclusion.condition.residual_of_inverse": lambda C, J, h: [[arb(0)] * 6] * 6}
     ),
     "the Jacobian is taken for constant": Broken(
-        witness_curvature, {"inclusion.krawczyk.second_derivatives": lambda hull: [[arb(0)] * 36] * 6}
+        witness_curvature, {"inclusion.growth.second_derivatives": lambda hull: [[arb(0)] * 36] * 6}
     ),
     "what the parameters change is left out": Broken(
         witness_uncertainty, {"inclusion.krawczyk.residual_change": lambda *given: [arb(0)] * 6}
@@ -291,4 +291,4 @@ def test_series_about_an_interval_hold_all_of_it(line: Path) -> None:
             values = np.array([t**k for k in range(4)]) @ pose
             assert all(ball.overlaps(arb(float(value))) for ball, value in zip(over, values, strict=True))
         assert not over[0].is_exact()
-        assert krawczyk.LEAST_RADIUS > 0.0
+        assert growth.LEAST_RADIUS > 0.0
