@@ -196,6 +196,9 @@ def _costs(tables: Sequence[dict[str, float]], runs: Sequence[dict[str, Any]]) -
         parts += [
             _ratio("whole run, with bodies to without", cpu, "with", "without", 2.5),
             _ratio("the same by the clock", wall, "with", "without", 2.5),
+            _ratio(
+                "whole run, without bodies to before, all else that is new included", cpu, "without", "before", 1.05
+            ),
         ]
     found = [
         "Medians of the ratios of processor seconds within each round, in which agder before there were bodies, agder "
