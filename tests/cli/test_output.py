@@ -38,6 +38,10 @@ def test_an_empty_text_is_no_path(call: Call) -> None:
     assert sorted(Path().rglob("*")) == before
 
 
+READ = ("--at", "--calibration", "--check", "--drives", "--machine", "--simulated")
+"""Options that name files to be read; all others name what is written."""
+
+
 def test_options_that_name_files_say_so() -> None:
     """What is refused when empty follows the help: FILE or DIR wherever a command takes a path.
 
@@ -49,11 +53,7 @@ def test_options_that_name_files_say_so() -> None:
         paths = {name for name, hint in get_type_hints(command.callback).items() if "Path" in str(hint)}
         options = [one for one in shown if one.name in paths and one.opts[0].startswith("-")]
         assert all(getattr(one, "metavar", "") in ("FILE", "DIR") for one in options)
-        written = [
-            one
-            for one in options
-            if getattr(one, "metavar", "") == "FILE" and one.opts not in (["--check"], ["--drives"], ["--simulated"])
-        ]
+        written = [one for one in options if getattr(one, "metavar", "") == "FILE" and one.opts[0] not in READ]
         assert not any(one.type_descriptor.parameter_info.readable for one in written)
 
 
