@@ -35,7 +35,7 @@ _NO_SOLUTION = 1
 _USAGE = 2
 _INTERRUPTED = 130
 _BROKEN_PIPE = 141
-_OF_PATHS = ("FILE", "DIR")
+_OF_PATHS = ("FILE", "DIR", "RUN")
 """What stands in the help for the values of options that name files or folders."""
 
 _HELP = """Reconfigure a 5-DOF Gantry-Tau from one working mode to another without meeting a singularity.

@@ -43,7 +43,7 @@ READ = ("--at", "--calibration", "--check", "--drives", "--machine", "--simulate
 
 
 def test_options_that_name_files_say_so() -> None:
-    """What is refused when empty follows the help: FILE or DIR wherever a command takes a path.
+    """What is refused when empty follows the help: FILE, DIR or RUN wherever a command takes a path.
 
     A file that is written need not be readable: what is wrong with it is found by who writes it.
     """
@@ -52,7 +52,7 @@ def test_options_that_name_files_say_so() -> None:
         shown = typer.main.get_command_from_info(command, pretty_exceptions_short=False, rich_markup_mode=None).params
         paths = {name for name, hint in get_type_hints(command.callback).items() if "Path" in str(hint)}
         options = [one for one in shown if one.name in paths and one.opts[0].startswith("-")]
-        assert all(getattr(one, "metavar", "") in ("FILE", "DIR") for one in options)
+        assert all(getattr(one, "metavar", "") in ("FILE", "DIR", "RUN") for one in options)
         written = [one for one in options if getattr(one, "metavar", "") == "FILE" and one.opts[0] not in READ]
         assert not any(one.type_descriptor.parameter_info.readable for one in written)
 
