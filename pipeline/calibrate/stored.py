@@ -160,7 +160,13 @@ def require_calibrated(stored: StoredCalibration, machine: MachineConfig) -> Mod
             "directions of rails were fitted; machines are proven with parallel ones.\n"
             "  What to change: calibrate without directions in --fit."
         )
-    model = configured_model(machine, stored.of(kinds.REFLECTORS).reshape(-1, 3))
+    if any(any(rail.slopes) for rail in machine.rails):
+        raise UsageError(
+            "rails of this machine are off X (machine.rails.slopes); machines are proven with parallel ones.\n"
+            "  What to change: leave out the slopes, and calibrate without directions in --fit."
+        )
+    # Clocks of measured motions are nothing of the machine, but among the parameters.
+    model = configured_model(machine, stored.of(kinds.REFLECTORS).reshape(-1, 3)).with_clocks(stored.of(kinds.CLOCKS))
     end = parameters.slice(kinds.REFLECTORS).start
     off = np.abs(model.values() - stored.values)[:end]
     if (off > _SAME).any():

@@ -1,6 +1,6 @@
 """What no correction can do: where an arm changes its working mode, planned poses miss the boundary of its reach.
 
-Arm k changes its mode where D_k = L^2 - dy^2 - dz^2 = 0, with (dy, dz) from its rail to its platform joint: where the
+Arm k changes its mode where D_k = L^2 - a^2 = 0, with a the distance of its platform joint from its rail: where the
 joint is at the distance L from the rail. If the planned poses pass that place at a distance L - g of the calibrated
 machine, the platform has to deviate by g, of whichever sign, to be able to change the mode: outwards where they do not
 come far enough (g > 0), inwards where they are out of reach (g < 0). Turning it by a little may take a part of g.
@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.machine.geometry import PRIMARY, Machine, platform_arms
+from pipeline.machine.geometry import PRIMARY, Machine
+from pipeline.machine.kinematics import discriminants
 from pipeline.machine.working_modes import reach_along_rails
 from pipeline.refine.result import Path
 
@@ -33,9 +34,8 @@ def reach_gaps(planned: Path, machine: Machine, s: FloatArray, reached: FloatArr
     sides = reach_along_rails(planned.machine, pose, planned.q(s)[:, :3])
     # ry follows from the rest, on the machine as it is.
     pose[:, 4] = reached[:, 4]
-    joints = pose[:, None, :3] + platform_arms(machine, pose)
-    across = joints[:, PRIMARY, 1:] - machine.cart_offsets_m[PRIMARY, 1:] - machine.rails_m
-    gaps = machine.lengths_m[PRIMARY] - np.linalg.norm(across, axis=-1)
+    lengths = machine.lengths_m[PRIMARY]
+    gaps = lengths - np.sqrt(lengths**2 - discriminants(machine, pose))
     found = []
     for arm in range(3):
         for change in np.flatnonzero(np.diff(np.sign(sides[:, arm])) != 0.0):

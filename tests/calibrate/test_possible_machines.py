@@ -9,7 +9,17 @@ import numpy as np
 import pytest
 
 from pipeline.artifacts import json_bytes
-from pipeline.calibrate import Setting, calibrate, calibrated_yaml, judge
+from pipeline.calibrate import (
+    DrivenMotion,
+    Setting,
+    StaticPoses,
+    StaticSetting,
+    calibrate,
+    calibrated_yaml,
+    judge,
+    simulate_motion,
+    simulate_static,
+)
 from pipeline.calibrate.model.forward import by_parameters, close
 from pipeline.calibrate.model.gauges import fitted_frames, fitted_gauges
 from pipeline.calibrate.model.model import Model
@@ -24,6 +34,7 @@ from pipeline.machine import build_machine
 from pipeline.refine.result import Path
 from pipeline.yaml_text import parse_yaml
 from tests.calibrate.conftest import REFLECTORS_M, Seen
+from tests.calibrate.test_motions import joined
 from tests.certify.paths import START, pose_path
 
 
@@ -41,7 +52,11 @@ class Known:
 @pytest.fixture(scope="module")
 def known(quick_config: Config, see: Callable[..., Seen]) -> Known:
     """Calibrate with 40 poses and two reflectors."""
-    found = calibrate(quick_config, REFLECTORS_M[:2], see(poses=40).simulated.poses, Setting())
+    return _known(quick_config, see(poses=40).simulated.poses)
+
+
+def _known(quick_config: Config, poses: StaticPoses) -> Known:
+    found = calibrate(quick_config, REFLECTORS_M[:2], poses, Setting())
     data = json.loads(json_bytes(calibration_data(found, judge(found))))
     text = calibrated_yaml(dump_config(quick_config), quick_config, found.identification.model, "Calibrated.")
     config = parse_config(parse_yaml(text))
@@ -114,6 +129,31 @@ def test_rails_of_any_direction_are_refused(known: Known) -> None:
     _of_directions(data)
     with pytest.raises(UsageError, match="directions of rails were fitted"):
         require_calibrated(parse_calibration(json_bytes(data), "real.json"), known.config.machine)
+
+
+@pytest.mark.parametrize("slope", [1e-9, 0.003])
+def test_a_machine_whose_rails_are_off_x_is_refused(known: Known, slope: float) -> None:
+    """However little they are, where the calibration has no directions of its own."""
+    rails = known.config.machine.rails
+    machine = known.config.machine.model_copy(
+        update={"rails": (rails[0].model_copy(update={"slopes": (0.0, slope)}), *rails[1:])}
+    )
+    with pytest.raises(UsageError, match=r"off X \(machine.rails.slopes\)"):
+        require_calibrated(known.stored, machine)
+
+
+def test_clocks_of_motions_say_nothing_of_the_machine(quick_config: Config, driven: DrivenMotion, known: Known) -> None:
+    """A calibration from poses and a motion, whose clock offset is among its parameters, leaves less possible."""
+    setting = StaticSetting(poses=40)
+    still = simulate_static(quick_config, REFLECTORS_M[:2], setting).poses
+    moving = simulate_motion(quick_config, REFLECTORS_M[:2], driven, setting, 0.04).poses
+    both = _known(quick_config, joined(still, moving))
+    assert both.stored.parameters.motion_count == 1
+    S, alone = (machine_covariance(one.stored, one.model, one.path) for one in (both, known))
+    machines = possible_machines(both.stored, both.config.machine, both.path, 3.0)
+    np.testing.assert_allclose(machines.factor @ machines.factor.T, S, atol=1e-9 * S.max())
+    deviations, before = (np.sqrt(np.diagonal(one)) for one in (S, alone))
+    assert np.median(deviations / np.maximum(before, 1e-12)) < 1.0
 
 
 def test_an_uncalibrated_machine_is_refused(known: Known, quick_config: Config) -> None:

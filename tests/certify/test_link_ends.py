@@ -78,7 +78,7 @@ def test_drives_that_are_off_are_bounded(ends_machine: Machine) -> None:
     assert (rough[sharp >= ENOUGH_M] >= ENOUGH_M).all()
     assert (rough < sharp).any()
     (segment,) = evaluate_chain(ends_machine, path, proven_chain(chain, kind, within_limits=True))
-    off = segment.inclusions.image, segment.erring(ends_machine)
+    off = segment.displacement(ends_machine), segment.erring(ends_machine)
     again = bounds_again(ends_machine, bodies, segment.boxes, off).min(axis=1)
     s, signs = np.linspace(0.0, 1.0, 5), np.array(np.meshgrid(*[[-1.0, 1.0]] * 5)).reshape(5, -1).T
     q = (path.q(s)[:, None] + EPS_M * signs).reshape(-1, 5)

@@ -30,6 +30,7 @@ from pipeline.machine.shapes.model import Bodies
 from pipeline.refine import Path
 from tests.certify.paths import START, pose_path
 from tests.joints import every_cone, with_cones
+from tests.rails import off_x
 
 _CORNERS = np.array(list(itertools.product([-1.0, 1.0], repeat=5)))
 _NEAR = 0.3
@@ -125,6 +126,19 @@ def test_no_sample_passes_a_bound(found: dict[str, Found]) -> None:
     for one in found.values():
         assert (np.maximum(one.distances_m, one.distances_again_m) <= one.sampled_m).all()
         assert (np.maximum(one.cosines, one.cosines_again) <= one.sampled_cosines).all()
+
+
+def test_no_sample_passes_a_bound_on_rails_off_x(ends_machine: Machine) -> None:
+    """Nor of bodies at ends of links there."""
+    machine = with_cones(off_x(ends_machine), *every_cone(90.0))
+    assert machine.obstacles is not None
+    path = pose_path(machine, np.linspace(START, [1.05, 0.33, 0.88, 0.05, -0.02], 41), 0)
+    one = bounded(Case(machine, path, machine.obstacles), np.ones(5), 1e-3)
+    assert (np.maximum(one.distances_m, one.distances_again_m) <= one.sampled_m).all()
+    assert (np.maximum(one.cosines, one.cosines_again) <= one.sampled_cosines).all()
+    near = (one.sampled_m > 0.02) & (one.sampled_m < _NEAR)
+    assert near.sum() > 10
+    assert (one.distances_m >= one.sampled_m - 0.01)[near].mean() > 0.9
 
 
 def test_bounds_are_sharp_to_first_order(found: dict[str, Found]) -> None:

@@ -17,6 +17,7 @@ from pipeline.inclusion.closure import Closure, cross
 from pipeline.inclusion.matrices import magnitudes, times
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES
 
+OFF_X = "the machines of an ellipsoid have rails along X"
 _LINKS = 6
 _TELESCOPE = {int(link): 3 + k for k, link in enumerate(TELESCOPES)}
 
@@ -82,7 +83,15 @@ def second_order(over: Closure[arb_series], changes: LinkChanges, sigma: float) 
 
 
 def residual_change(over: Closure[arb_series], ellipsoid: Ellipsoid) -> list[arb]:
-    """Bound E, the change of the closures at the poses x(t). Six bounds in square metres."""
+    """Bound E, the change of the closures at the poses x(t). Six bounds in square metres.
+
+    Raises
+    ------
+    ValueError
+        If a rail is off X.
+    """
+    if not all(y.is_zero() and z.is_zero() for _, y, z in over.rails):
+        raise ValueError(OFF_X)
     changes, k = link_changes(ellipsoid, [q[0] for q in over.q]), arb(ellipsoid.sigma)
     second = second_order(over, changes, ellipsoid.sigma)
     return [k * size + more for size, more in zip(row_norms(first_order(over, changes)), second, strict=True)]

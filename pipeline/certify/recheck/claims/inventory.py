@@ -15,6 +15,7 @@ EVERYTHING = "the tolerance of coordinates has its chain"
 FOLLOWING = "every tolerance of following errors has its chain"
 MACHINES = "the machines of a calibration have their chain"
 PROFILES = "profiles of following errors are of the stated kind"
+OFF_X = "; rails are off X"
 CLAIMS: tuple[str, ...] = (NOMINAL, LENGTHS, EVERYTHING, FOLLOWING, PROFILES, MACHINES)
 
 
@@ -32,7 +33,7 @@ def inventory_claims(machine: Machine, stated: Statement) -> Iterator[Claim]:
     yield _tolerance_claim(EVERYTHING, stated.coordinates, coordinates, of_everything)
     yield _following_claim(machine, stated, [chain for chain in following if chain.profile_m is None])
     yield _profile_claim([chain for chain in following if chain.profile_m is not None])
-    yield _machines_claim(stated.machines, possible)
+    yield _machines_claim(machine, stated.machines, possible)
 
 
 def _of_errors(chain: ProvenChain) -> bool:
@@ -43,8 +44,11 @@ def _of_machines(chain: ProvenChain) -> bool:
     return chain.uncertainty.ellipsoid is not None
 
 
-def _machines_claim(stated: StatedMachines | None, chains: list[ProvenChain]) -> Claim:
-    """Verify that what is stated of the machines of a calibration has exactly one chain, of its size and kind."""
+def _machines_claim(machine: Machine, stated: StatedMachines | None, chains: list[ProvenChain]) -> Claim:
+    """Verify that what is stated of the machines of a calibration has exactly one chain, of its size and kind.
+
+    Nothing is proven of machines whose rails are off X.
+    """
     found = [
         (one.sigma, one.factor.shape[1], len(chain.boxes), chain.within_limits, chain.profile_m)
         for chain in chains
@@ -52,7 +56,8 @@ def _machines_claim(stated: StatedMachines | None, chains: list[ProvenChain]) ->
     ]
     wanted = [] if stated is None else [(stated.sigma, stated.dimensions, stated.boxes, stated.within_limits, None)]
     said = "none stated" if stated is None else f"stated {stated.sigma:g} deviations in {stated.boxes} boxes"
-    return Claim(MACHINES, found == wanted, f"{len(chains)} chains; {said}")
+    along_x = machine.has_parallel_rails or not chains
+    return Claim(MACHINES, found == wanted and along_x, f"{len(chains)} chains; {said}{'' if along_x else OFF_X}")
 
 
 def _following_claim(machine: Machine, stated: Statement, chains: list[ProvenChain]) -> Claim:

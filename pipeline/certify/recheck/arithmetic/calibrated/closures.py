@@ -19,6 +19,7 @@ from pipeline.certify.recheck.arithmetic.motion import Motion
 from pipeline.inclusion.calibrated.ellipsoid import FIXED, LENGTHS, OFFSETS, PLATFORM, RAILS, SCALES, ZEROS, Ellipsoid
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES
 
+OFF_X = "the machines of an ellipsoid have rails along X"
 _LINKS, _ARMS = 6, 3
 
 
@@ -81,7 +82,15 @@ def second_order(over: Motion, changes: LinkChanges, sigma: float) -> FloatArray
 
 
 def residual_change(over: Motion, ellipsoid: Ellipsoid) -> FloatArray:
-    """Bound E, (6, n)."""
+    """Bound E, (6, n).
+
+    Raises
+    ------
+    ValueError
+        If a rail is off X.
+    """
+    if over.rails[:, 1:].any():
+        raise ValueError(OFF_X)
     changes, sigma = link_changes(ellipsoid, over.q[0]), np.array(ellipsoid.sigma)
     first = times(row_norms(first_order(over, changes)), sigma)
     return total(first, second_order(over, changes, ellipsoid.sigma))
