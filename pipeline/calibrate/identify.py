@@ -21,7 +21,7 @@ from pipeline.calibrate.model.forward import positions
 from pipeline.calibrate.model.model import Model
 from pipeline.calibrate.model.parameters import TRACKER
 from pipeline.errors import NoSolutionError
-from pipeline.machine.geometry import PRIMARY, rotation
+from pipeline.machine.geometry import PRIMARY, dot, rotation
 from pipeline.machine.working_modes import mode_names
 
 _FRAME_STEP = 1e-3
@@ -233,5 +233,6 @@ def pose_modes(found: Identification) -> list[str]:
     joints = found.model.cart_joints(found.problem.poses.encoders(found.model.clocks_s))
     R = rotation(*found.pose[:, 3:].T)
     points = found.pose[:, None, :3] + found.model.platform_points_m @ np.swapaxes(R, 1, 2)
-    modes = np.where(joints[:, PRIMARY, 0] < points[:, PRIMARY, 0], -1.0, 1.0)
-    return mode_names(modes)
+    along = np.column_stack([np.ones(len(PRIMARY)), found.model.directions_rad])
+    reach = dot((joints - points)[:, PRIMARY], along)
+    return mode_names(np.where(reach < 0.0, -1.0, 1.0))

@@ -5,15 +5,16 @@ import re
 import numpy as np
 import pytest
 
-from pipeline.calibrate import DrivenMotion, Setting, StaticPoses, StaticSetting, calibrate, judge
+from pipeline.calibrate import Calibration, DrivenMotion, Setting, StaticPoses, StaticSetting, calibrate, judge
 from pipeline.calibrate import simulate_motion as simulate
 from pipeline.calibrate.data.poses import Timing
 from pipeline.calibrate.data.seen import close_at, seen_jacobian
 from pipeline.calibrate.data.simulated import SimulatedPoses, simulate_static
 from pipeline.calibrate.model.forward import positions
-from pipeline.calibrate.model.parameters import CLOCKS, USUAL
+from pipeline.calibrate.model.parameters import CLOCK, CLOCKS, USUAL
 from pipeline.calibrate.report import calibration_data, motion_words
 from pipeline.config import Config
+from pipeline.figures.calibration import calibration_figure
 from tests.calibrate.conftest import REFLECTORS_M
 
 PLACES = REFLECTORS_M[:2]
@@ -24,6 +25,12 @@ _WITHOUT = tuple(key for key in USUAL if key != CLOCKS.key)
 def late(quick_config: Config, driven: DrivenMotion) -> SimulatedPoses:
     """Measure a motion with a clock that is 40.1 ms late."""
     return simulate(quick_config, PLACES, driven, StaticSetting(poses=5), 0.0401)
+
+
+@pytest.fixture(scope="module")
+def checked(quick_config: Config, late: SimulatedPoses) -> Calibration:
+    """Calibrate from the motion, a fifth of it held out."""
+    return calibrate(quick_config, PLACES, late.poses, Setting(hold_out=0.2))
 
 
 def joined(still: StaticPoses, moving: StaticPoses) -> StaticPoses:
@@ -63,10 +70,9 @@ def test_without_noise_the_clock_is_exact(quick_config: Config, driven: DrivenMo
     assert found.residual_m == pytest.approx(0.0, abs=1e-9)
 
 
-def test_the_clock_is_found_within_its_deviation(quick_config: Config, late: SimulatedPoses) -> None:
+def test_the_clock_is_found_within_its_deviation(checked: Calibration) -> None:
     """It is told with a deviation that is honest; along the motion the machine is known, and elsewhere hardly."""
-    calibration = calibrate(quick_config, PLACES, late.poses, Setting(hold_out=0.2))
-    found = calibration.identification
+    calibration, found = checked, checked.identification
     deviation = found.model.parameters.of(CLOCKS, found.std)[0]
     assert 1e-6 < deviation < 1e-4
     assert abs(found.model.clocks_s[0] - 0.0401) < 4.0 * deviation
@@ -80,6 +86,15 @@ def test_the_clock_is_found_within_its_deviation(quick_config: Config, late: Sim
     assert data["clocks"] == [{"late_s": found.model.clocks_s[0], "std_s": deviation}]
     assert calibration.held_out is not None
     assert calibration.held_out.after_m == pytest.approx(calibration.held_out.predicted_m, rel=0.15)
+
+
+def test_figures_are_drawn_of_motions(checked: Calibration) -> None:
+    """Clocks have no row among the parameters of the machine: nothing is known of them beforehand."""
+    for name in ("residuals", "parameters", "singular_values"):
+        figure = calibration_figure(name, checked, judge(checked))
+        figure.canvas.draw()
+        labels = [label.get_text() for axes in figure.axes for label in axes.get_yticklabels()]
+        assert not any(CLOCK in label for label in labels)
 
 
 def test_static_poses_beside_a_motion_are_good_elsewhere(

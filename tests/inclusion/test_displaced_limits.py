@@ -7,8 +7,8 @@ import pytest
 
 from pipeline.certify.guess import guess_box
 from pipeline.certify.recheck.arithmetic import inclusion as again
-from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.arithmetic.calibrated.displacement import of_machines
+from pipeline.certify.recheck.arithmetic.chain import EvaluatedChain
 from pipeline.certify.recheck.claims.controlled.avoided import measure as outside_again
 from pipeline.certify.recheck.claims.distances.axis_distances import distance_bounds as distances_again
 from pipeline.certify.recheck.claims.distances.body_distances import body_distance_bounds as bodies_again

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.calibrate import Calibration
-from pipeline.calibrate.model.parameters import OFFSETS, PLATFORM, TRACKER
+from pipeline.calibrate.model.parameters import CLOCKS, OFFSETS, PLATFORM
 from pipeline.calibrate.report import FROM_DATA, FROM_PRIOR, sources
 from pipeline.figures import style
 
@@ -25,15 +25,15 @@ _FACES = {FROM_DATA: style.BLUE, FROM_PRIOR: "white"}
 def parameters_figure(calibration: Calibration) -> Figure:
     """Draw the change of every fitted parameter with its deviation, over a grey bar of what was known beforehand.
 
-    Joints are on the left, all else on the right; the tracker's frame is left out. Both columns have one scale, in
-    millionths of SI units.
+    Joints are on the left, all else on the right; the tracker's frame and clocks are left out. Both columns have one
+    scale, in millionths of SI units.
     """
     found = calibration.identification
     parameters, fitted = found.model.parameters, found.problem.is_fitted
     joints = parameters.slice(OFFSETS).stop
     columns = [
         [k for k in range(first, last) if fitted[k]]
-        for first, last in ((parameters.slice(PLATFORM).start, joints), (joints, parameters.slice(TRACKER).start))
+        for first, last in ((parameters.slice(PLATFORM).start, joints), (joints, parameters.slice(CLOCKS).start))
     ]
     columns = [rows for rows in columns if rows]
     figure = style.new_figure(0.65 + _ROW_IN * max(len(rows) for rows in columns))

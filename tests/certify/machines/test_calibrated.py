@@ -7,14 +7,17 @@ import numpy as np
 import pytest
 
 from pipeline.certify.machines.calibrated import CalibratedProof, prove_calibrated
+from pipeline.certify.recheck import StatedMachines, Statement
 from pipeline.certify.recheck.arithmetic.chain import evaluate_chain
 from pipeline.certify.recheck.claims import chain, machines
+from pipeline.certify.recheck.claims.inventory import MACHINES, inventory_claims
 from pipeline.config import Config
 from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
 from tests.certify.paths import START, pose_path
 from tests.certify.possible import Machines, on_the_sphere, some_ellipsoid
+from tests.rails import off_x
 
 _STD_M = 5e-5
 
@@ -101,3 +104,14 @@ def test_other_arithmetic_verifies_the_boxes(line: Path, prove_machines: Callabl
     twice = replace(proof.chain.uncertainty, ellipsoid=some_ellipsoid(_STD_M, 12.0))
     (segment,) = evaluate_chain(line.machine, line, replace(proof.chain, uncertainty=twice))
     assert not chain.count_boxes(segment).all_hold
+
+
+def test_nothing_is_verified_of_rails_off_x(line: Path, prove_machines: Callable[..., CalibratedProof]) -> None:
+    """What is stated of the same machines is a claim about parallel rails alone."""
+    proof = prove_machines(3.0)
+    assert proof.chain is not None
+    said = StatedMachines(3.0, 12, 0.5, len(proof.chain.boxes), True, "", (), (), (), False)
+    stated = Statement("", "", 0, None, None, None, (proof.chain, proof.chain), machines=said)  # type: ignore[arg-type]
+    for machine, kept in ((line.machine, True), (off_x(line.machine, largest=1e-6), False)):
+        (claim,) = (one for one in inventory_claims(machine, stated) if one.what == MACHINES)
+        assert claim.verified == kept

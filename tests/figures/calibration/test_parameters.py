@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.calibrate import Calibration
-from pipeline.calibrate.model.parameters import TRACKER
+from pipeline.calibrate.model.parameters import CLOCKS
 from pipeline.calibrate.report import FROM_DATA, sources
 from pipeline.figures import style
 from pipeline.figures.calibration import parameters_figure
@@ -16,7 +16,7 @@ def test_every_fitted_parameter_has_a_row(calibration: Calibration, assert_laid_
     """With its name, its change, a bar of what was known, and the colour of where it is from."""
     figure, found = parameters_figure(calibration), calibration.identification
     assert_laid_out(figure)
-    fitted = np.flatnonzero(found.problem.is_fitted[: found.model.parameters.slice(TRACKER).start])
+    fitted = np.flatnonzero(found.problem.is_fitted[: found.model.parameters.slice(CLOCKS).start])
     names = [label.get_text() for axes in figure.axes for label in axes.get_yticklabels()]
     assert names == [found.model.parameters.names[k] for k in fitted]
     marks = [line for axes in figure.axes for line in axes.lines if line.get_marker() == "o"]
