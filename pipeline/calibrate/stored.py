@@ -159,7 +159,7 @@ def require_calibrated(stored: StoredCalibration, machine: MachineConfig) -> Mod
         raise UsageError(
             "directions of rails were fitted, or rails have slopes; machines around a calibration are proven only "
             "with rails along X.\n"
-            "  What to change: calibrate without directions in --fit, if that is accepted; if it is not, align the rails."
+            "  What to change: calibrate without directions in --fit, if that is accepted, or align the rails."
         )
     model = configured_model(machine, stored.of(kinds.REFLECTORS).reshape(-1, 3))
     end = parameters.slice(kinds.REFLECTORS).start
