@@ -152,13 +152,14 @@ def require_calibrated(stored: StoredCalibration, machine: MachineConfig) -> Mod
     Raises
     ------
     UsageError
-        When it is another machine, or rails of any direction were fitted.
+        When it is another machine, or has rails that are not along X or whose directions were fitted.
     """
     parameters = stored.parameters
     if np.abs(stored.covariance[parameters.slice(kinds.DIRECTIONS)]).max() > 0.0 or stored.of(kinds.DIRECTIONS).any():
         raise UsageError(
-            "directions of rails were fitted; machines are proven with parallel ones.\n"
-            "  What to change: calibrate without directions in --fit."
+            "directions of rails were fitted, or rails have slopes; machines around a calibration are proven only "
+            "with rails along X.\n"
+            "  What to change: calibrate without directions in --fit, if that is accepted, or align the rails."
         )
     if any(any(rail.slopes) for rail in machine.rails):
         raise UsageError(

@@ -125,7 +125,7 @@ class AxisDistance:
             return ""
         worst = int(short.argmin())
         name = pair_names(self.pairs, self.from_rail)[worst]
-        return f"{name} are not proven {self.least:g} m apart ({bounds[worst, 0]:.4g} m)"
+        return f"{name} are not proven {self.least:g} m apart (at least {bounds[worst, 0]:.6g} m)"
 
 
 def pair_names(pairs: list[tuple[int, int]], from_rail: bool) -> tuple[str, ...]:

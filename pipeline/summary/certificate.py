@@ -197,7 +197,7 @@ def proof_words(stated: "StatedMachines", broken: str | None) -> str:
         if broken is None
         else f"stays on its branch and meets no singularity; limits are not proven to be kept ({broken})"
     )
-    reserve = "these limits are kept, too" if stated.ranges_kept else "not all of these limits have that in reserve"
+    reserve = "limits of these are kept" if stated.ranges_kept else "not all limits of these have that in reserve"
     tilts = f"{max(stated.tilt_reserve_deg):.3f} degrees"
     drives = f"{1e3 * max(stated.actuator_reserve_m):.3f} mm"
     return (

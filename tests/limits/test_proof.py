@@ -75,3 +75,13 @@ def test_bounds_that_are_no_numbers_keep_no_limit(limits: list[ProvenLimit]) -> 
     """What cannot be computed is not proven."""
     for limit in limits:
         assert limit.unproven(np.full((len(limit.quantities), 2), np.nan))
+
+
+def test_a_distance_that_is_short_by_micrometres_is_told_so(limits: list[ProvenLimit]) -> None:
+    """Not as the distance that is asked for."""
+    distances = [limit for limit in limits if {quantity.key.name for quantity in limit.quantities} == {"distance_m"}]
+    assert distances
+    for limit in distances:
+        bounds = allowed_bounds(limit)
+        bounds[0, 0] -= 5e-6
+        assert limit.unproven(bounds).endswith(f"(at least {bounds[0, 0]:.6f} m)")

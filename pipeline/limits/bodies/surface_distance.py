@@ -155,7 +155,7 @@ class SurfaceDistance:
             return ""
         worst = int(short.argmin())
         name = self.bodies.names[worst]
-        return f"{name} are not proven {self.least:g} m apart ({bounds[worst, 0]:.4g} m)"
+        return f"{name} are not proven {self.least:g} m apart (at least {bounds[worst, 0]:.6g} m)"
 
 
 def _advice(distance_m: float) -> str:

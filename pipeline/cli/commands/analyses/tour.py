@@ -51,11 +51,11 @@ def tour(
 ) -> None:
     """Drive through many poses, from task.start and back: a certified motion for each leg, and all in one file.
 
-    POSES has q1_m to q5_m and x_m to rz_rad in a row per pose; carts tell
-    the working mode. They are visited in a short order, by routes that are
-    the best found in --leg-s seconds, and the same path, certificate and
-    trajectory as of a run. A pose that cannot be reached is left out, with
-    the reason.
+    POSES has q1_m to q5_m and x_m to rz_rad in a row per pose; the carts'
+    q1_m to q3_m tell the working mode. They are visited in a short order, by
+    routes that are the best found in --leg-s seconds, and the same path,
+    certificate and trajectory as of a run. A pose that cannot be reached is
+    left out, with the reason.
 
     DIR gets tour.csv, the whole motion as trajectory.csv would have it;
     poses.csv, the poses in their order with blanks for the tracker and the
