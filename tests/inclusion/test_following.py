@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 
 from pipeline.certify.guess import guess_box
+from pipeline.certify.recheck.arithmetic import inclusion as again
 from pipeline.inclusion.closure import geometry, working_precision
 from pipeline.inclusion.krawczyk import Inclusion, along, include
 from pipeline.inclusion.pieces import pieces
 from pipeline.inclusion.uncertainty import CERTAIN, Uncertainty, of_actuators
 from pipeline.machine import Machine
+from pipeline.machine.geometry import link_lengths, link_vectors
 from pipeline.machine.kinematics import closure_jacobian, newton
 from pipeline.machine.statics import statics_matrix
 from pipeline.refine import Path
 from tests.certify.audit import ROUNDING, cubic
+from tests.certify.paths import START, pose_path
+from tests.rails import off_x
 
 _EPS = 2e-3
 _CORNERS = np.array(list(itertools.product([-1.0, 1.0], repeat=5)))
@@ -105,3 +109,54 @@ def test_calibration_and_actuators_may_be_wrong_together(machine: Machine, line:
         pose, miss = newton(off, q, start)
         assert (miss < ROUNDING).all()
         assert (np.abs(pose - start) <= np.abs(C) @ E + image + ROUNDING).all()
+
+
+_ALL_WRONG = Uncertainty(2e-4, 5e-5, (4e-4, 1e-4, 3e-4, 2e-4, 0.0))
+
+
+@pytest.mark.parametrize("uncertainty", [_ALL_WRONG, of_actuators(np.ones(5))(1e-3)])
+def test_on_rails_off_x_no_machine_leaves_its_image(machine: Machine, uncertainty: Uncertainty) -> None:
+    """Every coordinate, length and actuator wrong: about x - C e + P a, each with its own e; in either arithmetic."""
+    for seed in range(3):
+        skewed, random = off_x(machine, seed), np.random.default_rng(seed)
+        path = pose_path(skewed, np.linspace(START, [1.05, 0.33, 0.88, 0.05, -0.02], 41), 0)
+        inclusion = _prove(path, uncertainty, 0.1)
+        found = again.include(skewed, again.build_boxes(skewed, path, (inclusion.box,)), uncertainty)
+        assert found.proven.all()
+        image = np.minimum(_image(inclusion), found.image[:, 0])
+        for s in np.linspace(inclusion.box.first, inclusion.box.last, 60):
+            t, q = s - (inclusion.box.first + inclusion.box.last) / 2.0, path.q(np.array([s]))
+            P, C = (part[0] + part[1] * t for part in (inclusion.following.matrix, inclusion.inverse))
+            wrong, telescopes = _wrong(skewed, uncertainty, random)
+            a = random.choice([-1.0, 1.0], 5) * uncertainty.actuator_m
+            x, there = cubic(inclusion.box, np.array([s])), q + a + telescopes
+            start = x - (_residual(wrong, x, there) - _residual(skewed, x, q + a)) @ C.T + P @ a
+            pose, miss = newton(wrong, there, start)
+            assert (miss < ROUNDING).all()
+            assert (np.abs(pose - start) <= image + ROUNDING).all()
+
+
+def _wrong(machine: Machine, uncertainty: Uncertainty, random: np.random.Generator) -> tuple[Machine, np.ndarray]:
+    """Give a machine with errors of their size everywhere, and those of its telescopes (5,)."""
+
+    def off(values: np.ndarray, eps: float) -> np.ndarray:
+        return np.asarray(values + eps * random.choice([-1.0, 1.0], values.shape))
+
+    points, offsets, rails = (
+        off(values, uncertainty.coordinate_m)
+        for values in (machine.platform_points_m, machine.cart_offsets_m, machine.rails_m)
+    )
+    wrong = replace(
+        machine,
+        platform_points_m=points,
+        cart_offsets_m=offsets,
+        rails_m=rails,
+        lengths_m=off(machine.lengths_m, uncertainty.length_m),
+    )
+    return wrong, np.append(np.zeros(3), off(np.zeros(2), uncertainty.length_m))
+
+
+def _residual(machine: Machine, pose: np.ndarray, q_m: np.ndarray) -> np.ndarray:
+    """Compute the closures f_l, (n, 6)."""
+    vectors = link_vectors(machine, pose, q_m[:, :3])
+    return np.asarray(((vectors**2).sum(axis=2) - link_lengths(machine, q_m[:, 3:]) ** 2) / 2.0)

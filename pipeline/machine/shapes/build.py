@@ -39,6 +39,8 @@ class _Joints:
         What is cut off at the platform and at the cart.
     required_m : float
         Least distance of surfaces.
+    shared_m : float
+        How far apart the joints of two links may be that count as one: a calibration tells them apart.
     """
 
     arms: tuple[int, ...]
@@ -47,6 +49,7 @@ class _Joints:
     rails_m: FloatArray
     trim_m: tuple[float, float]
     required_m: float
+    shared_m: float
 
 
 def build_bodies(config: MachineConfig) -> Bodies | None:
@@ -156,8 +159,10 @@ def _slide(a: SweptHull, b: SweptHull) -> bool:
 def _share_joint(joints: _Joints, a: SweptHull, b: SweptHull) -> bool:
     """Tell whether two links share a joint that both hulls are at."""
     i, j = a.number, b.number
-    on_cart = joints.arms[i] == joints.arms[j] and np.array_equal(joints.cart_m[i], joints.cart_m[j])
-    on_platform = np.array_equal(joints.platform_m[i], joints.platform_m[j])
+    on_cart, on_platform = (
+        bool(np.linalg.norm(places[i] - places[j]) <= joints.shared_m) for places in (joints.cart_m, joints.platform_m)
+    )
+    on_cart = on_cart and joints.arms[i] == joints.arms[j]
     at_cart, at_platform = (all(_is_at(joints, hull, end) for hull in (a, b)) for end in (0.0, 1.0))
     return (on_cart and at_cart) or (on_platform and at_platform)
 
@@ -211,4 +216,5 @@ def _joints(config: MachineConfig) -> _Joints:
         rails_m=np.array([(0.0, rail.y_m, rail.z_m) for rail in config.rails]),
         trim_m=(trim.platform, trim.cart),
         required_m=config.clearance.bodies_m,
+        shared_m=config.clearance.shared_joint_m,
     )

@@ -33,6 +33,18 @@ def test_neighbours_follow_from_the_machine(bodies_machine: Machine) -> None:
     assert not {"spine and link 2a", "rail1 and link 2a", "saddle1 and link 2a"} & set(found)
 
 
+def test_joints_that_a_calibration_tells_apart_are_still_shared(bodies_config: Config, vary) -> None:
+    """Links 3a and 3c have one cart joint to within clearance.shared_joint_m, and are a pair if it is less."""
+    off = {"machine.links.l3c.length_m": 1.2567, "machine.links.l3c.cart_offset_m": [2e-4, -3e-4, 1e-4]}
+    near, strict = (
+        bodies_of(vary(bodies_config, {**off, "machine.clearance.shared_joint_m": most})) for most in (0.002, 1e-4)
+    )
+    assert "link 3a and link 3c" not in near.names
+    assert "they share a joint" in {one.why for one in near.neighbours if one.name == "link 3a and link 3c"}
+    assert "link 3a and link 3c" in strict.names
+    assert near.names == bodies_of(bodies_config).names
+
+
 def test_every_other_pair_of_two_frames_is_checked_once(bodies_machine: Machine) -> None:
     """What moves together is no pair, nor are carts and what is endless along X."""
     bodies = bodies_machine.bodies
