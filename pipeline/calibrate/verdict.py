@@ -11,7 +11,7 @@ from scipy.stats import chi2
 
 from pipeline.calibrate.advice import enough_poses, larger_noise, larger_prior
 from pipeline.calibrate.calibration import Calibration
-from pipeline.calibrate.identify import Identification, identify, pose_modes
+from pipeline.calibrate.identify import Identification, Problem, identify, pose_modes
 from pipeline.calibrate.model.gauges import fitted_gauges, rank
 from pipeline.calibrate.model.parameters import CHOICES, CLOCKS, DIRECTIONS, Kind
 from pipeline.calibrate.robust import identify_robustly
@@ -110,19 +110,18 @@ def _unexplained(calibration: Calibration) -> str:
         f"no machine explains the measurement: chi-square is {found.chi2:,.0f}, expected are {found.freedom:,} "
         f"(by chance so large once in {_once(_probability(found))})."
     )
+    unfitted = [kind for kind in CHOICES if kind not in calibration.setting.fit]
+    if CLOCKS.key in unfitted and (explained := _with_kind(problem, CLOCKS.key)):  # else robust fits may take minutes
+        return f"{said} {explained}"
     if not calibration.setting.robust:
         robust, rejected = identify_robustly(problem)
         if _is_believed(robust):
             places = [problem.poses.place(int(row)) for row in np.flatnonzero(rejected.any(axis=1))]
             shown = "; ".join(places[:5]) + (f" and {len(places) - 5} more" if len(places) > 5 else "")
             return f"{said} {rejected.sum()} points are outliers ({shown}).\n  What to change: --robust rejects them."
-    for kind in (one for one in CHOICES if one not in calibration.setting.fit):
-        wider = replace(problem, is_fitted=problem.is_fitted | problem.model.parameters.is_fitted((kind,)))
-        if (wider.is_fitted == problem.is_fitted).all():
-            continue
-        other = identify(wider)
-        if _is_believed(other):
-            return f"{said} {_explained_by(kind, other)}"
+    for kind in unfitted:
+        if kind != CLOCKS.key and (explained := _with_kind(problem, kind)):
+            return f"{said} {explained}"
     if found.data_chi2 < chi2.isf(_UNLIKELY, found.data_freedom):
         std = larger_prior(problem, _is_believed)
         tried = "--prior, --reflector-std" if std is None else f"--prior {std:g}, with which one does"
@@ -138,6 +137,15 @@ def _unexplained(calibration: Calibration) -> str:
         f"  What to change: give the noise as it is ({given}); --robust if some points are wrong; check that the "
         "machine stood still, and that q1_m to q5_m are what its encoders showed."
     )
+
+
+def _with_kind(problem: Problem, kind: str) -> str:
+    """Say what explains the data if one more kind is fitted; nothing if that does not."""
+    wider = replace(problem, is_fitted=problem.is_fitted | problem.model.parameters.is_fitted((kind,)))
+    if (wider.is_fitted == problem.is_fitted).all():
+        return ""
+    other = identify(wider)
+    return _explained_by(kind, other) if _is_believed(other) else ""
 
 
 def _explained_by(key: str, found: Identification) -> str:

@@ -125,6 +125,16 @@ def test_a_clock_that_is_not_fitted_is_told(quick_config: Config, driven: Driven
     assert "add clocks to --fit" in reason
 
 
+def test_a_clock_that_is_far_off_is_told_before_outliers_are_sought(
+    quick_config: Config, driven: DrivenMotion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Robust fits of a motion that is 50 ms late hardly converge, and took minutes."""
+    poses = simulate(quick_config, PLACES, driven, StaticSetting(poses=5), 0.05).poses
+    calibration = calibrate(quick_config, PLACES, poses, Setting(fit=_WITHOUT))
+    monkeypatch.setattr("pipeline.calibrate.verdict.identify_robustly", lambda _: pytest.fail("outliers are sought"))
+    assert "the tracker's is late by +" in judge(calibration).reasons[-1]
+
+
 def test_outliers_of_a_motion_are_left_out(quick_config: Config, driven: DrivenMotion) -> None:
     """A robust fit finds the clock all the same."""
     simulated = simulate(quick_config, PLACES, driven, StaticSetting(poses=5, outliers=0.02), 0.0401)
