@@ -88,6 +88,18 @@ def within(radius: FloatArray) -> Enclosure:
     return Enclosure(np.zeros_like(radius), radius)
 
 
+def constant(series: Enclosure, radius: FloatArray) -> Enclosure:
+    """Keep the constant terms of series, with other radii."""
+    mid, rad = np.zeros_like(series.mid), np.zeros_like(series.rad)
+    mid[0], rad[0] = series.mid[0], radius
+    return Enclosure(mid, rad)
+
+
+def spread(values: Enclosure, axis: int) -> Enclosure:
+    """Insert an axis of length one, as `numpy.expand_dims` does."""
+    return Enclosure(np.expand_dims(values.mid, axis), np.expand_dims(values.rad, axis))
+
+
 def contract(subscripts: str, a: Enclosure, b: Enclosure, terms: int) -> Enclosure:
     """Compute sums of products (`numpy.einsum`) of the given number of terms."""
     mid = np.einsum(subscripts, a.mid, b.mid)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.arrays import FloatArray
-from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, contract, cross, exactly, total
+from pipeline.certify.recheck.arithmetic.enclosure import Enclosure, constant, contract, cross, exactly, spread, total
 from pipeline.certify.recheck.arithmetic.following import EXTENSIBLE, OF_CART
 from pipeline.certify.recheck.arithmetic.inclusion import Boxes, Inclusions
 from pipeline.certify.recheck.arithmetic.motion import Motion, follow
@@ -41,13 +41,13 @@ def erring(machine: Machine, boxes: Boxes, found: Inclusions) -> Erring | None:
     pose, q = boxes.over.pose, boxes.over.q
     hull = follow(
         machine,
-        _constant(pose, total(pose.rad[0], following.moved, found.image)),
-        _constant(q, total(q.rad[0], following.errors)),
+        constant(pose, total(pose.rad[0], following.moved, found.image)),
+        constant(q, total(q.rad[0], following.errors)),
     )
     P = following.over
     axes, arms = hull.axes[0], hull.arms[0]
     spin = contract("jcn,jan->can", axes, P[3:], 3)
-    across = cross(_spread(axes, 0), _spread(arms, 1), axis=2)
+    across = cross(spread(axes, 0), spread(arms, 1), axis=2)
     turned = contract("ljcn,jan->lcan", across, P[3:], 3)
     moved = turned + Enclosure(P.mid[None, :3], P.rad[None, :3]) - exactly(_with_carts(hull)[..., None])
     return Erring(following.errors, following.matrix[0], hull, P[:3], spin, turned, moved)
@@ -56,7 +56,7 @@ def erring(machine: Machine, boxes: Boxes, found: Inclusions) -> Erring | None:
 def statics_derivatives(machine: Machine, erring: Erring) -> Enclosure:
     """Enclose dH'/da over each box, shape (link, 6, error, n)."""
     hull = erring.hull
-    arms, vectors, moments = (_spread(part[0], 2) for part in (hull.arms, hull.vectors, hull.moments))
+    arms, vectors, moments = (spread(part[0], 2) for part in (hull.arms, hull.vectors, hull.moments))
     turning = cross(erring.turned, vectors, axis=1) + cross(arms, erring.moved, axis=1)
     per_length = exactly(hull.characteristic_length).inverse()
     row = _joined(erring.moved, turning * per_length)
@@ -80,17 +80,6 @@ def _with_carts(hull: Motion) -> FloatArray:
     """Give how cart joints move with each actuator: along their rails with their own cart. Shape (6, 3, 5)."""
     moves: FloatArray = hull.rails[:, :, None] * OF_CART[:, None]
     return moves
-
-
-def _constant(series: Enclosure, radius: FloatArray) -> Enclosure:
-    """Keep the constant terms of series, with other radii."""
-    mid, rad = np.zeros_like(series.mid), np.zeros_like(series.rad)
-    mid[0], rad[0] = series.mid[0], radius
-    return Enclosure(mid, rad)
-
-
-def _spread(values: Enclosure, axis: int) -> Enclosure:
-    return Enclosure(np.expand_dims(values.mid, axis), np.expand_dims(values.rad, axis))
 
 
 def _joined(a: Enclosure, b: Enclosure) -> Enclosure:

@@ -12,6 +12,7 @@ from pipeline.certify.recheck.arithmetic.enclosure import (
     cross,
     exactly,
     root,
+    spread,
     times,
     total,
 )
@@ -102,8 +103,8 @@ def preconditioned_change(hull: Motion, C: Enclosure, ellipsoid: Ellipsoid) -> F
     turned = turned_points(hull.rotation[0], changes)
     w = turned - changes.joints
     axes, arms, vectors = hull.axes[0], hull.arms[0], hull.vectors[0]
-    first = cross(_spread(axes, 0), _spread(arms, 1), axis=2)
-    second = cross(_spread(vectors, 1), _spread(axes, 0), axis=2)
+    first = cross(spread(axes, 0), spread(arms, 1), axis=2)
+    second = cross(spread(vectors, 1), spread(axes, 0), axis=2)
     by_angle = contract("lacn,lcmn->lamn", first, w, 3) + contract("lacn,lcmn->lamn", second, turned, 3)
     rows = Enclosure(np.concatenate([w.mid, by_angle.mid], 1), np.concatenate([w.rad, by_angle.rad], 1))
     moved = contract("iln,lcmn->icmn", C, rows, 6)
@@ -112,10 +113,6 @@ def preconditioned_change(hull: Motion, C: Enclosure, ellipsoid: Ellipsoid) -> F
     bent = times(operator_norms(w), k, times(operator_norms(changes.points), k))
     rest = bound("iln,ln->in", C.magnitude, bent, terms=6)
     return np.concatenate([linear[:, :3], total(linear[:, 3:], np.repeat(rest[:, None], 3, axis=1))], axis=1)
-
-
-def _spread(values: Enclosure, axis: int) -> Enclosure:
-    return Enclosure(np.expand_dims(values.mid, axis), np.expand_dims(values.rad, axis))
 
 
 def operator_norms(M: Enclosure) -> FloatArray:

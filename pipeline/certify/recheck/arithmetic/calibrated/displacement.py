@@ -18,9 +18,11 @@ from pipeline.certify.recheck.arithmetic.calibrated.closures import (
 from pipeline.certify.recheck.arithmetic.enclosure import (
     Enclosure,
     bound,
+    constant,
     contract,
     cross,
     exactly,
+    spread,
     times,
     total,
     within,
@@ -90,9 +92,9 @@ def of_machines(machine: Machine, boxes: "Boxes", found: "Inclusions", ellipsoid
     pose = total(times(row_norms(moved), k), rest)
     hull, own = _hull(machine, boxes, pose), of_pose(machine, rest)
     axes, arms = hull.axes[0], hull.arms[0]
-    across = cross(_spread(axes, 0), _spread(arms, 1), axis=2)
+    across = cross(spread(axes, 0), spread(arms, 1), axis=2)
     turned = contract("ljcn,jmn->lcmn", across, moved[3:], 3) + turned_points(hull.rotation[0], changes)
-    shift = _spread(moved[:3], 0)
+    shift = spread(moved[:3], 0)
     platform = turned + shift
     rails = Enclosure(changes.rails.mid[..., None], changes.rails.rad[..., None])
     return Displacement(
@@ -123,15 +125,4 @@ def _joined(parts: list[Enclosure]) -> Enclosure:
 def _hull(machine: Machine, boxes: "Boxes", reach: FloatArray) -> Motion:
     """Evaluate the closures of the configured machine over all poses of each box."""
     pose, q = boxes.over.pose, boxes.over.q
-    return follow(machine, _constant(pose, total(pose.rad[0], reach)), _constant(q, q.rad[0]))
-
-
-def _constant(series: Enclosure, radius: FloatArray) -> Enclosure:
-    """Keep the constant terms of series, with other radii."""
-    mid, rad = np.zeros_like(series.mid), np.zeros_like(series.rad)
-    mid[0], rad[0] = series.mid[0], radius
-    return Enclosure(mid, rad)
-
-
-def _spread(values: Enclosure, axis: int) -> Enclosure:
-    return Enclosure(np.expand_dims(values.mid, axis), np.expand_dims(values.rad, axis))
+    return follow(machine, constant(pose, total(pose.rad[0], reach)), constant(q, q.rad[0]))
