@@ -7,7 +7,7 @@ from pipeline.artifacts.layout import CORRECTION_CSV, PATH_CSV
 from pipeline.config import Config
 from pipeline.config.file import config_sha256
 from pipeline.run.config_parts import refine_part
-from pipeline.run.stage_specs import SPECS, Deferred, Specs
+from pipeline.run.stage_specs import SPECS, Deferred, Specs, StageSpec
 from pipeline.stage import Stage
 
 if TYPE_CHECKING:
@@ -27,15 +27,17 @@ def corrected_specs(planned: "Planned") -> Specs:
         actuators = config.machine.actuators.model_dump(mode="json")
         return {**refine_part(config), "actuators": actuators, "planned": facts}
 
-    rows = {
-        Stage.REFINE: {
-            "upstream": (),
-            "config_part": part,
-            "make": Deferred("pipeline.run.corrected.maker", "make_corrected"),
-            "words": Deferred("pipeline.run.corrected.maker", "corrected_words"),
-            "shown": ((PATH_CSV, "the corrected path, densely sampled"), (CORRECTION_CSV, "the correction over s")),
-            "next_step": _NEXT,
-        },
-        Stage.RETIME: {"next_step": _NEXT},
-    }
-    return tuple(replace(spec, **rows.get(spec.stage, {})) for spec in SPECS)  # type: ignore[arg-type]
+    def changed(spec: StageSpec) -> StageSpec:
+        if spec.stage is Stage.REFINE:
+            return replace(
+                spec,
+                upstream=(),
+                config_part=part,
+                make=Deferred("pipeline.run.corrected.maker", "make_corrected"),
+                words=Deferred("pipeline.run.corrected.maker", "corrected_words"),
+                shown=((PATH_CSV, "the corrected path, densely sampled"), (CORRECTION_CSV, "the correction over s")),
+                next_step=_NEXT,
+            )
+        return replace(spec, next_step=_NEXT) if spec.stage is Stage.RETIME else spec
+
+    return tuple(changed(spec) for spec in SPECS)

@@ -14,23 +14,10 @@ from pipeline.machine.dynamics import carried_cart_masses
 from pipeline.machine.geometry import ARM_OF_LINK, TELESCOPES, link_vectors, platform_arms, rotation
 from pipeline.machine.masses import lumped_platform
 from pipeline.refine import Path
-from tests.certify.paths import line_path
-from tests.inclusion.wide_boxes import bounded_in_balls, heavy, wide_box
-from tests.rails import off_x
+from tests.inclusion.wide_boxes import bounded_in_balls, wide_box
 
 SHIFT = np.array([2e-3, 2e-3, 2e-3, 0.0, 0.0, 0.0])
 TURN = np.array([0.0, 0.0, 0.0, 2e-3, 2e-3, 2e-3])
-
-
-@pytest.fixture(
-    scope="module",
-    params=[(1.0, False), (0.3, False), (0.3, True)],
-    ids=["moments in m", "moments per 0.3 m", "rails off X"],
-)
-def path(machine: Machine, request: pytest.FixtureRequest) -> Path:
-    """Take the short regular path, with a load so far from the tool that turning the platform changes the wrench."""
-    length_m, is_off = request.param
-    return line_path(heavy(off_x(machine) if is_off else machine, length_m))
 
 
 def _box(path: Path, width: float) -> Box:

@@ -9,25 +9,11 @@ from pipeline.certify.recheck.arithmetic.inclusion import build_boxes
 from pipeline.certify.recheck.claims.gravity.stiffness import stiffness_bounds
 from pipeline.inclusion.gravity.stiffness import least_stiffness_bound
 from pipeline.inclusion.krawczyk import Box
-from pipeline.machine import Machine
 from pipeline.machine.samples import PoseSamples
 from pipeline.refine import Path
-from tests.certify.paths import line_path
-from tests.inclusion.wide_boxes import bounded_in_balls, heavy, wide_box
-from tests.rails import off_x
+from tests.inclusion.wide_boxes import bounded_in_balls, wide_box
 
 FIRST = 0.3
-
-
-@pytest.fixture(
-    scope="module",
-    params=[(1.0, False), (0.3, False), (0.3, True)],
-    ids=["moments in m", "moments per 0.3 m", "rails off X"],
-)
-def path(machine: Machine, request: pytest.FixtureRequest) -> Path:
-    """Take the short regular path, of a platform whose centre of mass is far from the tool centre point."""
-    length_m, is_off = request.param
-    return line_path(heavy(off_x(machine) if is_off else machine, length_m))
 
 
 def _box(path: Path, width: float) -> Box:
