@@ -7,7 +7,7 @@ from pathlib import Path
 from pipeline.artifacts.atlas_record import read_atlas
 from pipeline.artifacts.files import json_bytes, staged, write_whole
 from pipeline.artifacts.folder import next_numbered
-from pipeline.artifacts.foreign import refuse_links, refuse_no_folder
+from pipeline.artifacts.foreign import refuse_links, refuse_no_folder, refuse_other_content
 from pipeline.artifacts.layout import (
     ATLAS_JSON,
     ATLAS_PICTURE,
@@ -87,15 +87,8 @@ def open_atlas_folder(path: Path) -> Iterator[AtlasFolder]:
     refuse_no_folder(path)
     refuse_links(path, (ATLAS_JSON, ATLAS_PICTURE, LOCK, f"{ATLAS_ROUTES}/*", f"{ATLAS_RUNS}/*", f"{SUPERSEDED}/*"))
     record = read_atlas(path) if (path / ATLAS_JSON).exists() else None
-    if (
-        record is None
-        and path.is_dir()
-        and (found := sorted(entry.name for entry in path.iterdir())) not in ([], [LOCK])
-    ):
-        raise UsageError(
-            f"{path} already holds {', '.join(found[:3])}, but no atlas: nothing was changed.\n"
-            "  What to change: give another folder with --out."
-        )
+    if record is None:
+        refuse_other_content(path, "atlas")
     path.mkdir(parents=True, exist_ok=True)
     with locked(path, new=False, state=ATLAS_JSON):
         yield AtlasFolder(path, record if record is None else read_atlas(path))

@@ -5,7 +5,7 @@ import stat
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 
-from pipeline.artifacts.layout import BOOKS, STATE, existing_files
+from pipeline.artifacts.layout import BOOKS, LOCK, STATE, existing_files
 from pipeline.artifacts.state import is_of_a_run
 from pipeline.errors import UsageError
 from pipeline.regular_file import file_kind
@@ -44,6 +44,22 @@ def refuse_links(folder: Path, names: Iterable[str]) -> None:
             _require(folder / parent, stat.S_IFDIR)
         if "*" not in path.name:
             _require(folder / path, stat.S_IFREG)
+
+
+def refuse_other_content(folder: Path, what: str) -> None:
+    """Refuse a folder that holds anything but a lock, and so is not to become one of an atlas or a tour.
+
+    Raises
+    ------
+    UsageError
+        When there is something else in it.
+    """
+    found = sorted(entry.name for entry in folder.iterdir()) if folder.is_dir() else []
+    if found not in ([], [LOCK]):
+        raise UsageError(
+            f"{folder} already holds {', '.join(found[:3])}, but no {what}: nothing was changed.\n"
+            "  What to change: give another folder with --out."
+        )
 
 
 def refuse_foreign(folder: Path, reserved: Iterable[str]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.artifacts.files import staged
-from pipeline.artifacts.foreign import refuse_links, refuse_no_folder
+from pipeline.artifacts.foreign import refuse_links, refuse_no_folder, refuse_other_content
 from pipeline.artifacts.layout import LOCK, TOUR_CSV, TOUR_JSON, TOUR_LEGS, TOUR_POSES
 from pipeline.artifacts.lock import locked
 from pipeline.errors import UsageError
@@ -44,12 +44,8 @@ def open_tour_folder(path: Path) -> Iterator[TourFolder]:
     """
     refuse_no_folder(path)
     refuse_links(path, (TOUR_JSON, TOUR_CSV, TOUR_POSES, LOCK, f"{TOUR_LEGS}/*"))
-    found = sorted(entry.name for entry in path.iterdir()) if path.is_dir() else []
-    if found not in ([], [LOCK]) and _content(path / TOUR_JSON) is None:
-        raise UsageError(
-            f"{path} already holds {', '.join(found[:3])}, but no tour: nothing was changed.\n"
-            "  What to change: give another folder with --out."
-        )
+    if _content(path / TOUR_JSON) is None:
+        refuse_other_content(path, "tour")
     path.mkdir(parents=True, exist_ok=True)
     with locked(path, new=False, state=TOUR_JSON):
         folder = TourFolder(path)
